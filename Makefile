@@ -1,0 +1,29 @@
+# `make demo` shows what wheelhop does, `make test` checks that it does it.
+# Both set up a virtual environment in .venv the first time.
+
+bin := .venv/bin
+
+.PHONY: demo test lint clean
+
+demo: .venv/installed
+	$(bin)/wheelhop demo
+
+test: lint
+	$(bin)/pytest -n auto
+
+lint: .venv/installed-test
+	$(bin)/ruff check
+	$(bin)/ruff format --check
+	$(bin)/mypy
+
+clean:
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build dist wheelhop-demo
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.venv/installed: pyproject.toml tools/setup.sh
+	tools/setup.sh .
+	touch $@
+
+.venv/installed-test: pyproject.toml tools/setup.sh
+	tools/setup.sh '.[test]'
+	touch $@

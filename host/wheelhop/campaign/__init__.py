@@ -1,0 +1,6 @@
+"""The campaign folder on disk, read strictly into a `Campaign`."""
+
+from wheelhop.campaign.read import read_campaign
+from wheelhop.campaign.types import Campaign, CampaignError, Channel, Run, TrackSpec
+
+__all__ = ["Campaign", "CampaignError", "Channel", "Run", "TrackSpec", "read_campaign"]

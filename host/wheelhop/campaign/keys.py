@@ -1,0 +1,231 @@
+"""Strict reading of TOML: every mistake becomes one line that names file, key and remedy."""
+
+import math
+import tomllib
+from collections.abc import Collection, Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from wheelhop.campaign.types import CampaignError
+from wheelhop.campaign.units import UNITS, split_unit
+
+
+def read_text(path: Path) -> str:
+    """Read a UTF-8 text file, any line ends and a byte order mark allowed.
+
+    Raises `CampaignError` for a file that is missing, unreadable or in another encoding.
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise CampaignError(f"{path}: no such file{similar_file(path)}") from None
+    except IsADirectoryError:
+        raise CampaignError(f"{path}: is a folder, not a file") from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
+        reason = getattr(error, "strerror", None) or error
+        raise CampaignError(f"{str(path)!r}: cannot be read: {reason}") from None
+    try:
+        return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise CampaignError(
+            f"{path}: line {line}: byte 0x{data[error.start]:02x} is not UTF-8; "
+            "save the file as UTF-8"
+        ) from None
+
+
+def read_toml(path: Path) -> "Table":
+    """Read a TOML file; `CampaignError` passes on the parser's line and column."""
+    try:
+        return Table(tomllib.loads(read_text(path)), path)
+    except CampaignError:
+        raise
+    except (ValueError, RecursionError) as error:
+        raise CampaignError(f"{path}: not valid TOML: {_one_line(error)}") from None
+
+
+class Table:
+    """One table of a TOML file. Asking for a value checks it; `only` rejects the unknown keys.
+
+    `heading` is how the user finds the table ("[suspension.front]"), `prefix` what precedes the
+    keys as the user writes them there ("track.").
+    """
+
+    def __init__(self, values: Mapping[str, Any], file: Path, heading: str = "", prefix: str = ""):
+        self.values = values
+        self.file = file
+        self.heading = heading
+        self.prefix = prefix
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.values
+
+    def error(self, what: str) -> CampaignError:
+        """The line "file: table: what" as an exception to raise."""
+        return CampaignError(
+            ": ".join(part for part in (str(self.file), self.heading, what) if part)
+        )
+
+    def only(self, known: Collection[str], hint: str = "") -> None:
+        """Raise for the first key that is not `known`, naming the one that was probably meant."""
+        for key, value in self.values.items():
+            if key not in known:
+                raise self.error(self._unknown(key, value, known, hint))
+
+    def number(
+        self,
+        key: str,
+        default: float | None = None,
+        *,
+        above: float | None = None,
+        at_least: float | None = None,
+        below: float | None = None,
+    ) -> float:
+        """A finite number inside the given limits; required unless there is a `default`."""
+        if key not in self.values and default is not None:
+            return default
+        number = self._as_number(key, self._required(key, "a number"))
+        if above is not None and not number > above:
+            raise self.error(f"{self.prefix}{key} = {number:g} must be greater than {above:g}")
+        if at_least is not None and not number >= at_least:
+            raise self.error(f"{self.prefix}{key} = {number:g} must not be below {at_least:g}")
+        if below is not None and not number < below:
+            raise self.error(f"{self.prefix}{key} = {number:g} must be less than {below:g}")
+        return number
+
+    def text(self, key: str, default: str | None = None, choices: Sequence[str] = ()) -> str:
+        """A non-empty line of text, one of `choices` if there are any."""
+        if key not in self.values and default is not None:
+            return default
+        value = self._required(key, "a text" if not choices else " or ".join(map(repr, choices)))
+        if not isinstance(value, str):
+            raise self.error(f'{self.prefix}{key} must be a text in quotes: {key} = "{value}"')
+        if not value.strip() or not value.isprintable():
+            raise self.error(f"{self.prefix}{key} must be a non-empty line of text")
+        if choices and value not in choices:
+            raise self.error(
+                f"{self.prefix}{key} = {shown(value)} is not known"
+                + (did_you_mean(value, choices) or f"; choose from {', '.join(choices)}")
+            )
+        return value
+
+    def pair(self, key: str) -> tuple[float, float]:
+        """Two finite numbers, `key = [a, b]`."""
+        value = self._required(key, "two numbers")
+        if not isinstance(value, list) or len(value) != 2:
+            raise self.error(f"{self.prefix}{key} must be two numbers in brackets: {key} = [a, b]")
+        first, second = (self._as_number(key, item) for item in value)
+        return first, second
+
+    def table(self, key: str, heading: str | None = None, prefix: str = "") -> "Table":
+        """The table below `key`, which must be there."""
+        value = self._required(key, "a table")
+        if not isinstance(value, dict):
+            raise self.error(f"{self.prefix}{key} must be a table, not {shown(value)}")
+        name = heading if heading is not None else self._subheading(key)
+        return Table(value, self.file, name, prefix)
+
+    def tables(self, key: str, name_key: str) -> list["Table"]:
+        """The array of tables `[[key]]`; each is called by its `name_key`, or its number."""
+        value = self._required(key, f"one [[{key}]] or more")
+        if not isinstance(value, list) or not all(isinstance(item, dict) for item in value):
+            raise self.error(f"'{key}' is a list of tables: begin each with [[{key}]]")
+        found = []
+        for number, item in enumerate(value, start=1):
+            name = item.get(name_key)
+            label = f'"{name}"' if isinstance(name, str) and name.isprintable() else f"no. {number}"
+            found.append(Table(item, self.file, f"[[{key}]] {label}"))
+        return found
+
+    def format(self) -> None:
+        """Check the format version at the top of the file."""
+        version = self._required("format", "1")
+        if version != 1 or isinstance(version, bool):
+            raise self.error(
+                f"format = {shown(version)} is not known; this wheelhop reads format = 1"
+            )
+
+    def _required(self, key: str, what: str) -> Any:
+        if key in self.values:
+            return self.values[key]
+        raise self.error(f"'{self.prefix}{key}' is missing: give {what}{_unit_note(key)}")
+
+    def _as_number(self, key: str, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.error(f"{self.prefix}{key} must be a number, not {shown(value)}")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise self.error(f"{self.prefix}{key} must be a finite number")
+        return number
+
+    def _subheading(self, key: str) -> str:
+        return f"[{self.heading[1:-1]}.{key}]" if self.heading else f"[{key}]"
+
+    def _unknown(self, key: str, value: Any, known: Collection[str], hint: str) -> str:
+        wrong_unit = _wrong_unit(key, value, known, self.prefix)
+        if wrong_unit:
+            return wrong_unit
+        guess = did_you_mean(key, known) or hint or f"; known here: {', '.join(sorted(known))}"
+        return f"unknown key '{self.prefix}{key}'{guess}"
+
+
+def did_you_mean(word: str, known: Collection[str]) -> str:
+    """ ", did you mean '…'?" for the nearest of the known words, or an empty text."""
+    lower = {name.lower(): name for name in known}
+    near = get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
+    return f", did you mean '{lower[near[0]]}'?" if near else ""
+
+
+def _wrong_unit(key: str, value: Any, known: Collection[str], prefix: str) -> str:
+    """The line for a quantity that is known, written in another unit or without one."""
+    stem, unit = split_unit(key)
+    for candidate in known:
+        known_stem, known_unit = split_unit(candidate)
+        if known_unit is None or known_stem != stem or known_unit == unit:
+            continue
+        wanted = UNITS[known_unit]
+        amount = "…"
+        if unit is not None:
+            found = UNITS[unit]
+            if found.dimension != wanted.dimension:
+                continue
+            if isinstance(value, int | float) and -1e99 < value < 1e99:
+                amount = f"{value * found.in_si / wanted.in_si:.6g}"
+        quantity = f"{prefix}{stem}".removesuffix("_uncertainty").replace("_", " ").strip()
+        return (
+            f"'{prefix}{key}': {quantity} is given in {wanted.words}: "
+            f"write {prefix}{candidate} = {amount}"
+        )
+    return ""
+
+
+def _unit_note(key: str) -> str:
+    unit = split_unit(key)[1]
+    return f" in {UNITS[unit].words}" if unit else ""
+
+
+def similar_file(path: Path) -> str:
+    """ ", did you mean '…'?" for the file beside `path` whose name is nearest, or an empty text."""
+    try:
+        return did_you_mean(path.name, [entry.name for entry in path.parent.iterdir()])
+    except OSError:
+        return ""
+
+
+def shown(value: Any) -> str:
+    """A value of a TOML file as a line can quote it."""
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list):
+        return "a list"
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "…"
+
+
+def _one_line(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    return text if len(text) <= 200 else text[:197] + "…"

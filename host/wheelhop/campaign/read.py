@@ -1,0 +1,206 @@
+"""`read_campaign`: from the folder on disk to a `Campaign`, or one line that says what is wrong."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign.keys import Table, did_you_mean, read_toml
+from wheelhop.campaign.paths import file_inside
+from wheelhop.campaign.recordings import check_time, read_columns
+from wheelhop.campaign.tracks import read_track
+from wheelhop.campaign.types import (
+    AXLE_POINTS,
+    BODY_POINTS,
+    Campaign,
+    CampaignError,
+    Channel,
+    Run,
+    TrackSpec,
+)
+
+POINTS = (*AXLE_POINTS, *BODY_POINTS)
+ROLES = ("fit", "validate")
+RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
+TOP_KEYS = (
+    *("format", "kind", "title", "vehicle", "sample_rate_hz", "band_hz", "averaging_ms"),
+    *("noise_rms_m_s2", "channels", "run"),
+)
+LONGEST_AVERAGING = 3.0  # sample periods
+
+
+def read_campaign(folder: str | Path) -> Campaign:
+    """Read the campaign in `folder` strictly: nothing is guessed, no mistake is passed over.
+
+    Without [channels] the recordings hold the eight points and nothing else. With [channels] they
+    hold at least those; further columns are left alone, so that is how a user leaves one out.
+    Either way `channels` follow the column order of the first run's recording.
+
+    Raises `CampaignError`, one line naming file, key or row, and remedy, for every mistake in
+    campaign.toml and the recordings. vehicle.toml must exist; `read_vehicle` reads it.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
+        raise CampaignError(f"{folder}: {what}")
+    top = read_toml(folder / "campaign.toml")
+    _check_kind(top)
+    top.only(TOP_KEYS)
+    rate = top.number("sample_rate_hz", above=0.0)
+    empty = Campaign(
+        folder=folder,
+        title=top.text("title"),
+        vehicle_file=file_inside(folder, top, "vehicle", "vehicle.toml"),
+        sample_rate_hz=rate,
+        band_hz=_band(top, rate),
+        averaging_s=_averaging(top, rate),
+        noise_rms_m_s2=_noise(top),
+        channels=_channels(top.table("channels")) if "channels" in top else (),
+        runs=(),
+    )
+    drives = [_drive(run, folder) for run in top.tables("run", "id")]
+    _check_drives(top, drives)
+    return _with_recordings(empty, drives)
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """A run before its recording is read."""
+
+    id: str
+    file: Path
+    role: str
+    speed_m_s: float
+    track: TrackSpec
+
+
+def _check_kind(top: Table) -> None:
+    top.format()
+    if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
+        raise top.error("kind = 'component' cannot be read yet: only vehicle campaigns")
+
+
+def _band(top: Table, rate_hz: float) -> tuple[float, float]:
+    low, high = top.pair("band_hz")
+    if not 0.0 < low < high:
+        raise top.error(f"band_hz = [{low:g}, {high:g}] must rise from above 0: [0.5, 30.0]")
+    if high >= rate_hz / 2:
+        raise top.error(
+            f"band_hz = [{low:g}, {high:g}] must end below half the sample rate, {rate_hz / 2:g} Hz"
+        )
+    return low, high
+
+
+def _averaging(top: Table, rate_hz: float) -> float:
+    milliseconds = top.number("averaging_ms", 0.0, at_least=0.0)
+    longest = LONGEST_AVERAGING * 1e3 / rate_hz
+    if milliseconds > longest:
+        raise top.error(
+            f"averaging_ms = {milliseconds:g} is more than {LONGEST_AVERAGING:g} sample periods "
+            f"({longest:g} ms): give the window of one sample in milliseconds"
+        )
+    return milliseconds * 1e-3
+
+
+def _noise(top: Table) -> float | None:
+    return top.number("noise_rms_m_s2", above=0.0) if "noise_rms_m_s2" in top else None
+
+
+def _channels(table: Table) -> tuple[Channel, ...]:
+    if not table.values:
+        raise table.error('is empty: name one channel or more (A1 = "A1"), or delete the table')
+    return tuple(_channel(table, name) for name in table.values)
+
+
+def _channel(table: Table, name: str) -> Channel:
+    place = table.values[name]
+    if not name.strip() or not name.isprintable() or name == "time_s":
+        raise table.error(f"{name!r} cannot be the name of a channel")
+    if isinstance(place, list):
+        x_m, y_m = table.pair(name)
+        return Channel(name, "body-xy", x_m, y_m)
+    if place in (*POINTS, "body"):
+        return Channel(name, place)
+    raise table.error(
+        f'{name}: say where the sensor sits: "A1".."A4", "B1".."B4", "body" (unknown), or [x, y] '
+        "in metres from the centre of mass"
+    )
+
+
+def _drive(run: Table, folder: Path) -> _Drive:
+    run.only(RUN_KEYS)
+    return _Drive(
+        id=run.text("id"),
+        role=run.text("role", choices=ROLES),
+        speed_m_s=run.number("speed_kmph", at_least=0.0) / 3.6,
+        track=read_track(run, folder),
+        file=file_inside(folder, run, "file"),
+    )
+
+
+def _check_drives(top: Table, drives: list[_Drive]) -> None:
+    """No id and no recording twice, and something to fit."""
+    for index, drive in enumerate(drives):
+        for other in drives[:index]:
+            if drive.id == other.id:
+                raise top.error(f'[[run]] "{drive.id}": id is used twice; every run needs its own')
+            if drive.file.resolve() == other.file.resolve():
+                raise top.error(
+                    f'[[run]] "{drive.id}": file is the recording of run "{other.id}" already'
+                )
+    if not any(drive.role == "fit" for drive in drives):
+        raise top.error('no [[run]] has role = "fit"; without one there is nothing to fit')
+
+
+def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
+    channels = campaign.channels
+    runs: list[Run] = []
+    for drive in drives:
+        columns, values = read_columns(drive.file)
+        if not campaign.channels:
+            _check_only_points(drive.file, columns)
+        if not runs:
+            channels = campaign.channels or tuple(Channel(point, point) for point in POINTS)
+            channels = _in_order_of(drive.file, columns, channels)
+        wanted = [_column(drive.file, columns, name) for name in ("time_s", *_names(channels))]
+        time_s = _frozen(values[:, wanted[0]])
+        check_time(drive.file, time_s, campaign.sample_rate_hz)
+        runs.append(Run(**vars(drive), time_s=time_s, acceleration=_frozen(values[:, wanted[1:]])))
+    return replace(campaign, channels=channels, runs=tuple(runs))
+
+
+def _in_order_of(
+    file: Path, columns: list[str], channels: tuple[Channel, ...]
+) -> tuple[Channel, ...]:
+    return tuple(sorted(channels, key=lambda channel: _column(file, columns, channel.name)))
+
+
+def _column(file: Path, columns: list[str], name: str) -> int:
+    if name in columns:
+        return columns.index(name)
+    guess = did_you_mean(name, columns) or (
+        "; if it was not recorded, list under [channels] in campaign.toml those that were"
+    )
+    raise CampaignError(f"{file}: column {name} is missing{guess}")
+
+
+def _check_only_points(file: Path, columns: list[str]) -> None:
+    for name in columns:
+        if name not in ("time_s", *POINTS):
+            missing = [point for point in POINTS if point not in columns]
+            raise CampaignError(
+                f"{file}: unexpected column {name}{did_you_mean(name, missing)}; the channels "
+                "default to A1..A4 and B1..B4; say under [channels] in campaign.toml where others "
+                "sit"
+            )
+
+
+def _names(channels: tuple[Channel, ...]) -> list[str]:
+    return [channel.name for channel in channels]
+
+
+def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    copy = np.ascontiguousarray(array).copy()
+    copy.setflags(write=False)
+    return copy

@@ -1,0 +1,73 @@
+"""The `track.…` keys of a run, checked and turned to SI."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+from wheelhop.campaign.keys import Table
+from wheelhop.campaign.paths import file_inside
+from wheelhop.campaign.types import TrackSpec
+
+REQUIRED = None
+WAVE = {"amplitude_mm": REQUIRED, "pitch_mm": REQUIRED}
+SIDES = ("both", "left", "right")
+
+# The keys each kind of track takes, and their defaults.
+KINDS: dict[str, dict[str, float | str | None]] = {
+    "washboard": {**WAVE},
+    "one-sided-washboard": {**WAVE},
+    "herringbone": {**WAVE, "angle_deg": 20.0},
+    "chassis-twist": {**WAVE, "width_mm": 4000.0, "lateral_offset_mm": 0.0},
+    "sine-sweep": dict.fromkeys(("amplitude_mm", "pitch_start_mm", "pitch_end_mm", "length_mm")),
+    "half-sine-bump": {"amplitude_mm": REQUIRED, "length_mm": REQUIRED, "side": "both"},
+    "step-bump": {"height_mm": REQUIRED, "width_mm": REQUIRED, "side": "both"},
+    "iso8608": dict.fromkeys(("unevenness_m3", "waviness", "seed")),
+    "profile": {"file": REQUIRED},
+    "flat": {},
+    "unknown": {},
+}
+
+
+def read_track(run: Table, folder: Path) -> TrackSpec:
+    """The track of one [[run]]; a profile's `file` must lie inside `folder`."""
+    given = run.values.get("track")
+    if isinstance(given, str):
+        raise run.error(f'track is a table: write track.kind = "{given}"')
+    table = run.table("track", heading=run.heading, prefix="track.")
+    kind = table.text("kind", choices=tuple(KINDS))
+    keys = KINDS[kind]
+    takes = ", ".join(keys) or "no keys"
+    table.only(("kind", *keys), f"; a {kind} track takes {takes}")
+    values = dict(_value(table, key, default, folder) for key, default in keys.items())
+    _check_slope(table, keys)
+    return TrackSpec(kind, values)
+
+
+def _value(table: Table, key: str, default: Any, folder: Path) -> tuple[str, float | str]:
+    """One key of the track as its name and value in SI."""
+    if key == "side":
+        return key, table.text(key, default, choices=SIDES)
+    if key == "file":
+        return key, str(file_inside(folder, table, key).resolve())
+    if key == "angle_deg":
+        return "angle_rad", math.radians(table.number(key, default, above=-80.0, below=80.0))
+    if key == "lateral_offset_mm":
+        return "lateral_offset_m", table.number(key, default) * 1e-3
+    if key == "seed":
+        seed = table.number(key, at_least=0.0, below=2.0**53)
+        if not seed.is_integer():
+            raise table.error(f"track.seed = {seed:g} must be a whole number")
+        return key, seed
+    if key.endswith("_mm"):
+        return key.removesuffix("mm") + "m", table.number(key, default, above=0.0) * 1e-3
+    return key, table.number(key, above=0.0)
+
+
+def _check_slope(table: Table, keys: dict[str, float | str | None]) -> None:
+    """No wave is steeper than 1 in 1; if it is, one of the two lengths has another unit."""
+    for key in ("pitch_mm", "pitch_start_mm", "pitch_end_mm"):
+        if key in keys and 2 * math.pi * table.values["amplitude_mm"] > table.values[key]:
+            raise table.error(
+                f"track.amplitude_mm = {table.values['amplitude_mm']:g} on track.{key} = "
+                f"{table.values[key]:g} is steeper than 45 degrees: give both in millimetres"
+            )

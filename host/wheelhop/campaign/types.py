@@ -1,0 +1,106 @@
+"""What a campaign is once it has left the disk: one vehicle, one instrument set-up, many runs."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+AXLE_POINTS = ("A1", "A2", "A3", "A4")
+BODY_POINTS = ("B1", "B2", "B3", "B4")
+
+
+class CampaignError(ValueError):
+    """Input a user can correct; ``str(error)`` is the one line that says where, what and how."""
+
+    def __init__(self, line: str) -> None:
+        # What is quoted from a file may hold line ends or terminal codes.
+        super().__init__("".join(char if char.isprintable() else "?" for char in line))
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One measured vertical acceleration.
+
+    `point` is "A1".."A4" (wheel axles), "B1".."B4" (suspension-to-body points), "body-xy" (on the
+    sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
+    sprung body, position unknown). 1 front left, 2 front right, 3 rear left, 4 rear right.
+    """
+
+    name: str
+    point: str
+    x_m: float | None = None
+    y_m: float | None = None
+
+    @property
+    def corner(self) -> int | None:
+        """0..3 for the points 1..4 of axle or body, None for any other place."""
+        named = self.point in AXLE_POINTS or self.point in BODY_POINTS
+        return int(self.point[1]) - 1 if named else None
+
+    @property
+    def is_axle(self) -> bool:
+        """Whether the sensor sits on a wheel axle and not on the sprung body."""
+        return self.point in AXLE_POINTS
+
+
+@dataclass(frozen=True)
+class TrackSpec:
+    """The road of one run as the user describes it, in SI, every default filled in.
+
+    `values` holds, as far as `kind` has them: amplitude_m, pitch_m, angle_rad, width_m,
+    lateral_offset_m, pitch_start_m, pitch_end_m, length_m, height_m, unevenness_m3, waviness,
+    seed, side ("both", "left" or "right") and file (an absolute path).
+    """
+
+    kind: str
+    values: Mapping[str, float | str]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One recording and how it was driven.
+
+    `time_s` is (n,), uniform at the campaign's sample rate; `acceleration` is (n, n_channels) in
+    m/s², columns in the order of the campaign's channels. Both arrays are read-only.
+    `speed_m_s` is nominal: the driver held it by hand. `role` is "fit" or "validate".
+    """
+
+    id: str
+    file: Path
+    role: str
+    speed_m_s: float
+    track: TrackSpec
+    time_s: NDArray[np.float64]
+    acceleration: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """One vehicle, one instrument set-up and the runs recorded with them.
+
+    `averaging_s` is the window over which each sample is a mean (0: ideal sampling);
+    `noise_rms_m_s2` the noise floor of one channel inside `band_hz`, None when it is not known.
+    `channels` stand in the column order of the first run's recording.
+    """
+
+    folder: Path
+    title: str
+    vehicle_file: Path
+    sample_rate_hz: float
+    band_hz: tuple[float, float]
+    averaging_s: float
+    noise_rms_m_s2: float | None
+    channels: tuple[Channel, ...]
+    runs: tuple[Run, ...]
+
+    @property
+    def fit_runs(self) -> tuple[Run, ...]:
+        """The runs a model may be fitted to."""
+        return tuple(run for run in self.runs if run.role == "fit")
+
+    @property
+    def validate_runs(self) -> tuple[Run, ...]:
+        """The runs no fit ever sees."""
+        return tuple(run for run in self.runs if run.role == "validate")

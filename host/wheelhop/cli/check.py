@@ -1,0 +1,83 @@
+"""`wheelhop check`: read a campaign and show on one screen what is in it."""
+
+from argparse import Namespace
+from pathlib import Path
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from wheelhop.campaign import Campaign, Channel, Run, TrackSpec, read_campaign
+from wheelhop.cli.console import open_console
+from wheelhop.vehicle import read_vehicle
+
+
+def run(arguments: Namespace) -> int:
+    """Read campaign, recordings and vehicle, and print them; raises CampaignError."""
+    campaign = read_campaign(arguments.campaign)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    console = open_console()
+    console.print(Text(campaign.title, style="bold"))
+    console.print(Text(f"vehicle   {vehicle.name}, sprung mass {vehicle['body.mass_kg']:g} kg"))
+    console.print(Text(f"channels  {', '.join(map(_place, campaign.channels))}"))
+    console.print(Text(f"samples   {_samples(campaign)}"))
+    console.print(Text(f"noise     {_noise(campaign)}"))
+    console.print(_runs(campaign))
+    console.print(Text("axle, body: m/s² rms without the mean"))
+    if not campaign.validate_runs:
+        console.print(Text('no run has role = "validate": no model can be put to the test'))
+    return 0
+
+
+def _place(channel: Channel) -> str:
+    if channel.point == "body-xy":
+        return f"{channel.name} (body, x {channel.x_m:g} m, y {channel.y_m:g} m)"
+    if channel.point == "body":
+        return f"{channel.name} (body, place unknown)"
+    return channel.name if channel.name == channel.point else f"{channel.name} ({channel.point})"
+
+
+def _samples(campaign: Campaign) -> str:
+    low, high = campaign.band_hz
+    mean = f", each the mean over {campaign.averaging_s * 1e3:g} ms" if campaign.averaging_s else ""
+    return f"{campaign.sample_rate_hz:g} Hz{mean}; compared from {low:g} to {high:g} Hz"
+
+
+def _noise(campaign: Campaign) -> str:
+    noise = campaign.noise_rms_m_s2
+    return "not stated, will be estimated" if noise is None else f"{noise:g} m/s² rms in band"
+
+
+def _runs(campaign: Campaign) -> Table:
+    """One line a run."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("run", "role", "km/h", "track", "rows", "s", "axle", "body"):
+        right = heading not in ("run", "role", "track")
+        table.add_column(heading, justify="right" if right else "left", overflow="fold")
+    for item in campaign.runs:
+        table.add_row(
+            Text(item.id),
+            item.role,
+            f"{item.speed_m_s * 3.6:.1f}",
+            Text(_track(item.track)),
+            str(len(item.time_s)),
+            f"{len(item.time_s) / campaign.sample_rate_hz:.1f}",
+            _rms(campaign, item, axle=True),
+            _rms(campaign, item, axle=False),
+        )
+    return table
+
+
+def _track(track: TrackSpec) -> str:
+    """The kind, then amplitude × pitch (height × length of a bump) or the name of the file."""
+    lengths = [float(value) * 1e3 for key, value in track.values.items() if key.endswith("_m")]
+    size = f" {lengths[0]:g} × {lengths[1]:g} mm" if lengths else ""
+    file = track.values.get("file")
+    return f"{track.kind}{size}" + (f" {Path(str(file)).name}" if file else "")
+
+
+def _rms(campaign: Campaign, item: Run, axle: bool) -> str:
+    columns = [i for i, channel in enumerate(campaign.channels) if channel.is_axle is axle]
+    if not columns:
+        return "-"
+    return f"{float((item.acceleration[:, columns].var(axis=0)).mean()) ** 0.5:.3g}"

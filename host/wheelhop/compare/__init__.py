@@ -1,0 +1,39 @@
+"""Compare measured and modelled runs: error figures, and where the model fails."""
+
+from wheelhop.compare.band import InBand
+from wheelhop.compare.comparison import Comparison, compare, to_json, where_to_json
+from wheelhop.compare.describe import describe
+from wheelhop.compare.figures import ChannelFigures, Peak
+from wheelhop.compare.floor import Floor, estimate_noise, noise_floor
+from wheelhop.compare.locking import Line, Locking
+from wheelhop.compare.rating import Rating, iso18571
+from wheelhop.compare.records import Record, in_band, relative_error
+from wheelhop.compare.screen import print_comparison
+from wheelhop.compare.slices import Grid, Slice
+from wheelhop.compare.where import Breakdown, breakdown
+
+__all__ = [
+    "Breakdown",
+    "ChannelFigures",
+    "Comparison",
+    "Floor",
+    "Grid",
+    "InBand",
+    "Line",
+    "Locking",
+    "Peak",
+    "Rating",
+    "Record",
+    "Slice",
+    "breakdown",
+    "compare",
+    "describe",
+    "estimate_noise",
+    "in_band",
+    "iso18571",
+    "noise_floor",
+    "print_comparison",
+    "relative_error",
+    "to_json",
+    "where_to_json",
+]

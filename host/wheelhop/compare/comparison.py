@@ -1,0 +1,137 @@
+"""The verdict on one model: how large the error is, against which floor, and where it lies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelhop.campaign import Campaign
+from wheelhop.compare.describe import describe
+from wheelhop.compare.figures import ChannelFigures, channel_figures
+from wheelhop.compare.floor import Floor, noise_floor
+from wheelhop.compare.records import in_band, relative_error
+from wheelhop.compare.slices import Slice
+from wheelhop.compare.where import Breakdown, breakdown
+
+if TYPE_CHECKING:
+    from wheelhop.simulate import Response
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A model's responses against a campaign's runs, in band.
+
+    ``error_fit`` and ``error_validate`` are E over the runs of that role (NaN if
+    none was compared), with charged degrees of freedom; ``figures`` has one entry per run and
+    channel the model predicts. Figures and breakdown are of the residual as it is,
+    nothing charged.
+    """
+
+    title: str
+    roles: Mapping[str, str]
+    error_fit: float
+    error_validate: float
+    floor: Floor
+    figures: tuple[ChannelFigures, ...]
+    breakdown: Breakdown
+
+
+def compare(
+    campaign: Campaign,
+    responses: Iterable[Response],
+    charged: Mapping[str, float] | None = None,
+) -> Comparison:
+    """Compare ``responses`` (any of the campaign's runs, in any order) with the measurements.
+
+    ``charged`` maps a run's id to the degrees of freedom fitted to that run alone: its
+    residual sum of squares is scaled by n / (n - charged) in E. Channels that are NaN in a
+    response are not predicted and count nowhere. Raises ValueError for responses that do not fit
+    the campaign, or if none predicts any channel.
+    """
+    records = in_band(campaign, responses)
+    if not any(record.predicted.any() for record in records):
+        raise ValueError("no response that predicts any channel")
+    floor = noise_floor(campaign, records)
+    names = [channel.name for channel in campaign.channels]
+    fit, validate = (
+        relative_error([r for r in records if r.run.role == role], charged)
+        for role in ("fit", "validate")
+    )
+    return Comparison(
+        title=campaign.title,
+        roles={record.run.id: record.run.role for record in records},
+        error_fit=fit,
+        error_validate=validate,
+        floor=floor,
+        figures=channel_figures(records, names, floor.noise_rms_m_s2),
+        breakdown=breakdown(campaign, records, floor),
+    )
+
+
+def to_json(comparison: Comparison) -> dict[str, Any]:
+    """Plain dictionaries, lists, strings and numbers; what is undetermined is None."""
+    floor = comparison.floor
+    channels = comparison.breakdown.runs_channels.columns
+    plain: dict[str, Any] = _plain(
+        {
+            "title": comparison.title,
+            "error_fit": comparison.error_fit,
+            "error_validate": comparison.error_validate,
+            "floor": {
+                "error": floor.error,
+                "error_fit": floor.error_fit,
+                "error_validate": floor.error_validate,
+                "source": floor.source,
+                "noise_rms_m_s2": dict(zip(channels, floor.noise_rms_m_s2, strict=True)),
+            },
+            "figures": [
+                asdict(figures)
+                | {"rating": asdict(figures.rating) | {"overall": figures.rating.overall}}
+                for figures in comparison.figures
+            ],
+            "where": where_to_json(comparison.breakdown),
+        }
+    )
+    return plain
+
+
+def where_to_json(where: Breakdown) -> dict[str, Any]:
+    """The breakdown alone, as `diagnose --json` writes it for a rung of the ladder."""
+    grid = where.runs_channels
+    plain: dict[str, Any] = _plain(
+        {
+            "description": describe(where),
+            "ratio_to_floor": where.total.ratio,
+            "run": _table(where.run),
+            "channel": _table(where.channel),
+            "band_hz": _table(where.band),
+            "motion": _table(where.motion),
+            "time": _table(where.time),
+            "amplitude": _table(where.amplitude),
+            "growth_exponent": where.growth,
+            "locking": asdict(where.locking),
+            "run_channel_ratio": {
+                run: dict(zip(grid.columns, row, strict=True))
+                for run, row in zip(grid.rows, grid.ratio, strict=True)
+            },
+        }
+    )
+    return plain
+
+
+def _table(parts: Iterable[Slice]) -> list[dict[str, Any]]:
+    keys = ("name", "share", "error", "floor", "ratio")
+    return [{key: getattr(part, key) for key in keys} for part in parts]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value

@@ -1,0 +1,195 @@
+"""The breakdown in an engineer's words. Only what is significant is said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.compare.slices import Grid, Slice
+from wheelhop.compare.thirds import third_octaves
+from wheelhop.compare.where import Breakdown
+
+Array = NDArray[np.float64]
+
+MOST = 0.7  # of the excess: what "lies in", "comes from" and "at" mean
+SIGMAS = 5.0  # by which a slice must exceed its noise, beyond the floor's own tolerance
+
+PLACES = (  # named sets of points, small ones first
+    ("the front axles", {"A1", "A2"}),
+    ("the rear axles", {"A3", "A4"}),
+    ("the body's front end", {"B1", "B2"}),
+    ("the body's rear end", {"B3", "B4"}),
+    ("the axles", {"A1", "A2", "A3", "A4"}),
+    ("the body", {"B1", "B2", "B3", "B4", "body", "body-xy"}),
+    ("the left side", {"A1", "A3", "B1", "B3"}),
+    ("the right side", {"A2", "A4", "B2", "B4"}),
+    ("the front", {"A1", "A2", "B1", "B2"}),
+    ("the rear", {"A3", "A4", "B3", "B4"}),
+)
+
+
+def describe(where: Breakdown) -> list[str]:
+    """One sentence per finding, the most telling first."""
+    if not where.total.noise > 0.0:
+        return ["Without a noise floor it cannot be said what part of the residual is excess."]
+    ratio = f"E = {where.total.ratio:.2f} times the floor"
+    failing = is_excess(where, where.total)
+    spots = [s for s in (*where.band, *where.run) if is_excess(where, s)]
+    if not failing and not spots and not where.locking.lines:
+        return [f"The residual is at the noise floor ({ratio}): nothing is left to explain."]
+    sentences = []
+    if not failing:
+        sentences.append(f"As a whole the residual is at the noise floor ({ratio}), but:")
+    sentences.append(_main(where))
+    sentences += _lines(where) + _runs(where) + _time(where)
+    return [sentence for sentence in sentences if sentence]
+
+
+def is_excess(where: Breakdown, part: Slice) -> bool:
+    """Whether a slice's residual is certainly more than its noise."""
+    freedom = where.count * part.noise / where.total.noise if where.total.noise > 0.0 else 0.0
+    if not freedom > 0.0:
+        return False
+    allowed = (1.0 + where.tolerance) ** 2 * (1.0 + SIGMAS * np.sqrt(2.0 / freedom))
+    return bool(part.residual > allowed * part.noise)
+
+
+def _main(where: Breakdown) -> str:
+    excess = _excess(where, where.bands_channels)
+    if not excess.sum() > 0.0:
+        return ""
+    rows = _shortest_range(excess.sum(axis=1))
+    place, is_channel = _place(where, excess[rows].sum(axis=0))
+    words = [
+        f"{_percent(excess[rows].sum() / excess.sum())} of the excess residual lies"
+        f" {_frequencies(where, rows)}{place}"
+    ]
+    words += ["" if is_channel else _motion(where, rows), _locked(where), _growing(where)]
+    return ", ".join(word for word in words if word) + "."
+
+
+def _excess(where: Breakdown, grid: Grid) -> Array:
+    """Residual beyond what the noise, at the upper end of its tolerance, explains."""
+    return np.maximum(grid.residual - (1.0 + where.tolerance) ** 2 * grid.noise, 0.0)
+
+
+def _shortest_range(excess: Array) -> slice:
+    """The fewest neighbouring bands that hold most of the excess."""
+    total = np.concatenate([[0.0], np.cumsum(excess)])
+    for length in range(1, len(excess) + 1):
+        held = total[length:] - total[:-length]
+        best = int(np.argmax(held))
+        if held[best] >= MOST * total[-1]:
+            return slice(best, best + length)
+    return slice(0, len(excess))
+
+
+def _frequencies(where: Breakdown, rows: slice) -> str:
+    names = where.bands_channels.rows
+    if rows.stop - rows.start > 0.7 * len(names):
+        return "all over the band"
+    lowest, highest = (float(names[k]) for k in (rows.start, rows.stop - 1))
+    bands = third_octaves((lowest, highest))
+    low, high = bands[0].edges_hz[0], bands[-1].edges_hz[1]
+    return f"between {low:.2g} and {high:.2g} Hz"
+
+
+def _place(where: Breakdown, by_channel: Array) -> tuple[str, bool]:
+    """Where most of it sits, and whether that is a single channel."""
+    names, total = where.bands_channels.columns, by_channel.sum()
+    loudest = int(np.argmax(by_channel))
+    present = set(where.points)
+    if len(names) > 1 and by_channel[loudest] >= MOST * total:
+        return f" in channel {names[loudest]}", True
+    for name, points in PLACES:
+        inside = np.array([point in points for point in where.points])
+        if (
+            not inside.all()
+            and len(points & present) > 1
+            and by_channel[inside].sum() >= MOST * total
+        ):
+            return f" at {name}", False
+    return "", False
+
+
+def _motion(where: Breakdown, rows: slice) -> str:
+    grid = where.bands_motions
+    by_motion = _excess(where, grid)[rows].sum(axis=0)
+    # Motions are told only where they share out what the channels measured.
+    if len(grid.columns) < 2 or not by_motion.sum() > 0.0:
+        return ""
+    order = np.argsort(by_motion)[::-1]
+    for count in (1, 2):
+        chosen = order[:count]
+        if by_motion[chosen].sum() >= MOST * by_motion.sum():
+            return "mostly " + _and(grid.columns[i] for i in chosen)
+    return ""
+
+
+def _locked(where: Breakdown) -> str:
+    excess = 1.0 - where.total.noise / where.total.residual
+    for share, name in ((where.locking.road, "the road"), (where.locking.time, "time")):
+        if share >= MOST * excess:
+            return f"locked to {name}"
+        if share >= 0.5 * MOST * excess:
+            return f"partly locked to {name}"
+    return "locked neither to the road nor to time"
+
+
+def _growing(where: Breakdown) -> str:
+    if not np.isfinite(where.growth):
+        return ""
+    if where.growth > 1.3:
+        return "growing faster than the motion itself"
+    if where.growth > 0.7:
+        return "growing in proportion to the motion"
+    if where.growth > 0.3:
+        return "growing more slowly than the motion"
+    return "hardly depending on how large the motion is"
+
+
+def _lines(where: Breakdown) -> list[str]:
+    return [
+        f"A line at {line.frequency_hz:.2f} Hz that does not move with speed holds"
+        f" {_percent(line.share)} of the residual and stands out in {len(line.runs)} of"
+        f" {len(where.run)} runs."
+        for line in where.locking.lines
+    ]
+
+
+def _runs(where: Breakdown) -> list[str]:
+    """The few runs most of the excess comes from, where it is few."""
+    excess = _excess(where, where.runs_channels).sum(axis=1)
+    order = np.argsort(excess)[::-1]
+    needed = int(np.searchsorted(np.cumsum(excess[order]), MOST * excess.sum())) + 1
+    if not excess.sum() > 0.0 or needed > max(1, len(excess) // 3) or len(excess) < 3:
+        return []
+    chosen = order[:needed]
+    return [
+        f"{_percent(excess[chosen].sum() / excess.sum())} of it comes from {needed} of"
+        f" {len(excess)} runs: {_and(where.runs_channels.rows[i] for i in chosen)}."
+    ]
+
+
+def _time(where: Breakdown) -> list[str]:
+    """Whether the excess gathers in a part of the runs."""
+    excess = np.array([part.excess for part in where.time])
+    if not is_excess(where, where.total) or not excess.sum() > 0.0:
+        return []
+    rows = _shortest_range(excess)
+    if rows.stop - rows.start > 4:
+        return []
+    begin, end = 10 * rows.start, 10 * rows.stop
+    share = _percent(excess[rows].sum() / excess.sum())
+    return [f"{share} of it falls between {begin} % and {end} % of the runs' time."]
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
+
+
+def _and(names: Iterable[str]) -> str:
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last

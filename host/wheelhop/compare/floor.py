@@ -1,0 +1,115 @@
+"""The noise floor: what the sensors' noise alone would leave of the residual."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft, signal
+
+from wheelhop.campaign import Campaign
+from wheelhop.compare.records import Record
+
+Array = NDArray[np.float64]
+
+BLOCKS = 4  # equal parts of the band whose quietness is judged separately
+QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
+
+
+@dataclass(frozen=True)
+class Floor:
+    """E that noise alone would leave, over all compared runs and over those of each role.
+
+    ``source`` is "noise_rms_m_s2" if the campaign states the noise, else "estimated".
+    ``noise_rms_m_s2`` (n_channels,) is the noise in band assumed for each channel, NaN where
+    none could be estimated because the model predicts nothing.
+    """
+
+    error: float
+    error_fit: float
+    error_validate: float
+    source: str
+    noise_rms_m_s2: Array
+
+    @property
+    def tolerance(self) -> float:
+        """Relative uncertainty of the floor, on E: an excess below it means nothing."""
+        return 0.05 if self.source == "noise_rms_m_s2" else 0.15
+
+
+def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
+    """sqrt(Σ noise² / Σ measured²) in band, noise from the campaign or estimated."""
+    if campaign.noise_rms_m_s2 is not None:
+        source = "noise_rms_m_s2"
+        noise = np.full(len(campaign.channels), campaign.noise_rms_m_s2)
+    else:
+        source, noise = "estimated", estimate_noise(records)
+
+    def error(role: str | None) -> float:
+        chosen = [r for r in records if role in (None, r.run.role)]
+        expected = sum(float(r.band.n * np.sum(noise[r.predicted] ** 2)) for r in chosen)
+        measured = sum(float(np.sum(r.measured**2)) for r in chosen)
+        return float(np.sqrt(expected / measured)) if measured > 0.0 else float("nan")
+
+    return Floor(error(None), error("fit"), error("validate"), source, noise)
+
+
+def estimate_noise(records: Sequence[Record]) -> Array:
+    """Estimate the in-band rms of each channel's noise (n_channels,), taken as white, m/s².
+
+    Noise is what is left where nothing else is: between the road's harmonics, in the part
+    of the band and the run that are quietest. The spectrum's *median* over a part of the
+    band ignores the harmonics in it, a Blackman-Harris window (side lobes at -92 dB) keeps
+    them from leaking over it. All (run, part) pairs are ordered by their level averaged over
+    the channels, which makes the choice nearly independent of any one channel's noise, and
+    the median over the quietest tenth is taken channel by channel. This is done
+    on the measurements and on the residuals, which may be quieter; the smaller
+    result counts. A vehicle that is never quiet anywhere gives too high a value.
+    """
+    estimates = [
+        _quiet_level([part(record) for record in records], records)
+        for part in (_measured, _residual)
+    ]
+    return np.sqrt(np.fmin(*estimates))
+
+
+def _measured(record: Record) -> Array:
+    return record.measured
+
+
+def _residual(record: Record) -> Array:
+    return record.residual
+
+
+def _quiet_level(parts: Sequence[Array], records: Sequence[Record]) -> Array:
+    """Mean square in band (n_channels,) that the quietest parts of the spectra imply."""
+    pairs = [pair for pair in zip(parts, records, strict=True) if pair[1].predicted.any()]
+    levels = np.array([level for pair in pairs for level in _levels(*pair)])
+    with np.errstate(divide="ignore"):
+        loudness = np.nanmean(np.log(levels), axis=1)
+    chosen = np.argsort(loudness)[: max(1, round(QUIET_SHARE * len(levels)))]
+    levels = levels[chosen]
+    out = np.full(levels.shape[1], np.nan)
+    known = ~np.isnan(levels).all(axis=0)
+    out[known] = np.nanmedian(levels[:, known], axis=0)
+    return out
+
+
+def _levels(coefficients: Array, record: Record) -> Iterator[Array]:
+    """Level of white noise in band, as mean square, that each part of the band suggests."""
+    band = record.band
+    window = signal.windows.blackmanharris(band.n, sym=False)
+    spectrum = fft.rfft(band.from_coefficients(coefficients) * window[:, None], axis=0)
+    # E|spectrum|² = Σ window² times one sample's variance; the in-band share of it is count / n.
+    power = np.abs(spectrum) ** 2 / np.sum(window**2) * band.count / band.n
+    power[:, ~record.predicted] = np.nan
+    step = band.rate_hz / band.n
+    first, last = (round(f / step) for f in band.frequency_hz[[0, -1]])
+    margin = min(4, (last - first) // 4)  # half the window's main lobe
+    edges = np.linspace(first + margin, last + 1 - margin, BLOCKS + 1).astype(int)
+    for low, high in pairwise(edges[np.append(np.diff(edges) > 0, True)]):
+        # The median of an exponentially distributed periodogram is ln 2 times its mean.
+        yield np.median(power[low:high], axis=0) / np.log(2.0)

@@ -1,0 +1,97 @@
+"""Measured and modelled runs side by side, in band: what the figures are computed from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign, Run
+from wheelhop.compare.band import InBand
+
+if TYPE_CHECKING:
+    from wheelhop.simulate import Response
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One run in band, as coefficients (``band.count``, n_channels), m/s².
+
+    ``predicted`` (n_channels,) says which channels the model predicts. The others are zero
+    in ``measured`` and ``residual`` (measured - model), and so count nowhere.
+    ``position_m`` (n,) is the modelled x of the front axle, None where unknown.
+    """
+
+    run: Run
+    band: InBand
+    predicted: NDArray[np.bool_]
+    measured: Array
+    residual: Array
+    position_m: Array | None
+
+    @property
+    def model(self) -> Array:
+        """The modelled coefficients."""
+        return self.measured - self.residual
+
+    @property
+    def count(self) -> int:
+        """Degrees of freedom: coefficients of the channels the model predicts."""
+        return self.band.count * int(self.predicted.sum())
+
+
+def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, ...]:
+    """Pair each response with its run and take both into the campaign's band.
+
+    Raises ValueError for a response to a run the campaign does not have, one whose shape
+    differs from the run's, or a column that is NaN only in part.
+    """
+    runs = {run.id: run for run in campaign.runs}
+    bands: dict[int, InBand] = {}
+    records = []
+    for response in responses:
+        if response.run_id not in runs:
+            raise ValueError(f"the campaign has no run {response.run_id!r}")
+        run = runs[response.run_id]
+        n = len(run.time_s)
+        if response.acceleration.shape != run.acceleration.shape:
+            raise ValueError(
+                f"run {run.id}: response {response.acceleration.shape}"
+                f" does not fit the record {run.acceleration.shape}"
+            )
+        predicted = np.logical_not(np.isnan(response.acceleration).any(axis=0))
+        if np.isfinite(response.acceleration[:, ~predicted]).any():
+            raise ValueError(f"run {run.id}: the response is not finite in every sample")
+        if n not in bands:
+            bands[n] = InBand(n, campaign.sample_rate_hz, campaign.band_hz)
+        band = bands[n]
+        measured = band.coefficients(np.where(predicted, run.acceleration, 0.0))
+        model = band.coefficients(np.where(predicted, response.acceleration, 0.0))
+        records.append(
+            Record(run, band, predicted, measured, measured - model, response.position_m)
+        )
+    return tuple(records)
+
+
+def relative_error(records: Sequence[Record], charged: Mapping[str, float] | None = None) -> float:
+    """E = sqrt(Σ|r|² / Σ|y|²) over runs and channels in band; NaN without any signal.
+
+    ``charged`` maps a run's id to the degrees of freedom that were fitted to that very run:
+    its Σ|r|² is scaled by n / (n - charged), what it would be without them.
+    """
+    residual = measured = 0.0
+    for record in records:
+        spent = (charged or {}).get(record.run.id, 0.0)
+        if record.count and spent >= record.count:
+            raise ValueError(
+                f"run {record.run.id}: {spent:g} degrees of freedom charged, it has {record.count}"
+            )
+        scale = record.count / (record.count - spent) if record.count else 0.0
+        residual += scale * float(np.sum(record.residual**2))
+        measured += float(np.sum(record.measured**2))
+    return float(np.sqrt(residual / measured)) if measured > 0.0 else float("nan")

@@ -1,0 +1,20 @@
+"""Diagnosis: which physics a model is missing."""
+
+from wheelhop.diagnose.baseline import Baseline, comparison_of, fit_baseline
+from wheelhop.diagnose.confirm import Rung
+from wheelhop.diagnose.diagnosis import Diagnosis, NextRun, Ranked, Step, to_json
+from wheelhop.diagnose.ladder import climb, diagnose
+
+__all__ = [
+    "Baseline",
+    "Diagnosis",
+    "NextRun",
+    "Ranked",
+    "Rung",
+    "Step",
+    "climb",
+    "comparison_of",
+    "diagnose",
+    "fit_baseline",
+    "to_json",
+]

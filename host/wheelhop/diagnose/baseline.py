@@ -1,0 +1,98 @@
+"""The baseline: a campaign and a nominal vehicle, fitted and validated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelhop.campaign import Campaign, CampaignError
+from wheelhop.compare import Comparison, compare
+from wheelhop.diagnose.confirm import Rung, validate
+from wheelhop.fit import Free, Workshop, find_start, fit, initial_model, vehicle_parameters
+from wheelhop.simulate import Model
+from wheelhop.vehicle import CORNERS, Vehicle
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Baseline:
+    """The workshop with its noise set, the vehicle's free parameters and the fitted baseline."""
+
+    workshop: Workshop
+    vehicle: tuple[Free, ...]
+    rung: Rung
+
+
+def fit_baseline(
+    campaign: Campaign, vehicle: Vehicle, *, jobs: int | None = None, progress: Progress
+) -> Baseline:
+    """Find every run's start, fit the nominal vehicle, validate it, and settle the noise floor.
+
+    Raises
+    ------
+    CampaignError
+        The campaign does not hold what a comparison needs.
+    """
+    _check(campaign)
+    model = initial_model(campaign, vehicle)
+    workshop = Workshop(campaign, model, jobs=jobs)
+    progress("finding each run's start and speed")
+    model = _started(workshop, model)
+    free = tuple(vehicle_parameters(campaign, vehicle))
+    fitted = fit(
+        workshop,
+        model,
+        free,
+        workshop.of_role("fit"),
+        progress=lambda text: progress(f"fitting the baseline: {text}"),
+    )
+    rung = validate(workshop, fitted)
+    if campaign.noise_rms_m_s2 is None:
+        # Only now is there a residual from which the noise can be told.
+        noise = comparison_of(workshop, rung).floor.noise_rms_m_s2
+        workshop.set_noise(float(np.sqrt(np.nanmean(noise**2))))
+    return Baseline(workshop, free, rung)
+
+
+def comparison_of(workshop: Workshop, rung: Rung) -> Comparison:
+    """The fitted model against all runs."""
+    return compare(workshop.campaign, workshop.responses(rung.model), charged(rung))
+
+
+def charged(rung: Rung) -> dict[str, float]:
+    """Degrees of freedom each validated run was given for itself."""
+    if rung.validation is None:
+        return {}
+    return {run.bench.run.id: float(len(run.own)) for run in rung.validation.runs}
+
+
+def _started(workshop: Workshop, model: Model) -> Model:
+    systems = workshop.systems(model)
+    benches = [b for b in workshop.benches.values() if b.drive == "road"]
+    starts = workshop.each(
+        lambda b: find_start(workshop.campaign, b.run, model, systems["road"]), benches
+    )
+    for bench, start in zip(benches, starts, strict=True):
+        model = model.with_run(bench.run.id, start)
+    return model
+
+
+def _check(campaign: Campaign) -> None:
+    where = campaign.folder / "campaign.toml"
+    corners = {c.corner for c in campaign.channels if c.is_axle}
+    unknown = [run.id for run in campaign.runs if run.track.kind == "unknown"]
+    if unknown and corners != set(CORNERS):
+        missing = ", ".join(f"A{i + 1}" for i in CORNERS if i not in corners)
+        raise CampaignError(
+            f'{where}: run "{unknown[0]}" has track.kind = "unknown", so measured axle motion must'
+            f" drive the model, but {missing} is not among the channels; describe the track, or"
+            " leave the run out"
+        )
+    if unknown and all(c.is_axle for c in campaign.channels):
+        raise CampaignError(
+            f'{where}: run "{unknown[0]}" has track.kind = "unknown" and no channel on the body:'
+            " nothing can be compared; describe the track, or add a channel on the body"
+        )

@@ -1,0 +1,141 @@
+"""What a diagnosis says, and its JSON (format 1 of the result contract)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wheelhop.compare import Comparison, where_to_json
+from wheelhop.diagnose.confirm import Rung
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One effect on the first rung.
+
+    ``screened_error`` is E over the fitted runs that first-order screening expects,
+    ``confirmed_error`` what was reached in full simulation (None: not tried, `reason` says why);
+    ``evidence`` is the logarithm of the evidence over the baseline's; ``p_value`` the chance that
+    any of the effects tried looks as good on held-out runs without being there.
+    """
+
+    effect: str
+    place: str
+    screened_error: float
+    confirmed_error: float | None
+    validated_error: float | None
+    evidence: float | None
+    p_value: float | None
+    ambiguous_with: tuple[tuple[str, float], ...]  #: effect and angle between signatures, degrees
+    parameters: Mapping[str, float | str]
+    reason: str  #: why it was accepted or not, in one line
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One rung of the ladder: the effects added so far, the fitted model, its parameters as
+    (value, standard deviation) and how it compares with the records."""
+
+    added: tuple[str, ...]
+    rung: Rung
+    parameters: Mapping[str, tuple[float, float]]
+    comparison: Comparison
+
+
+@dataclass(frozen=True)
+class NextRun:
+    """A run that would settle a doubt: which effects it separates and the angle between their
+    signatures on it, degrees, against the angle on the runs at hand."""
+
+    run_like: str
+    track: str
+    speed_kmph: float
+    separates: tuple[str, str]
+    angle_deg: float
+    present_angle_deg: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Verdict, ranking on the first rung, and the ladder from the baseline to the last rung."""
+
+    verdict: tuple[str, ...]
+    confidence: float
+    ranking: tuple[Ranked, ...]
+    ladder: tuple[Step, ...]
+    next_run: NextRun | None
+    explanation: tuple[str, ...]
+
+
+def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Plain dictionaries, lists, strings and numbers; what is undetermined is None."""
+    last = diagnosis.ladder[-1].comparison
+    floor = last.floor
+    return {
+        "format": FORMAT,
+        "verdict": list(diagnosis.verdict),
+        "confidence": round(diagnosis.confidence, 4),
+        "explanation": list(diagnosis.explanation),
+        "floor": {
+            "error": _number(floor.error),
+            "error_fit": _number(floor.error_fit),
+            "error_validate": _number(floor.error_validate),
+            "source": floor.source,
+        },
+        "ranking": [_ranked(r) for r in diagnosis.ranking],
+        "ladder": [
+            {
+                "added": list(step.added),
+                "error_fit": _number(step.rung.error_fit),
+                "error_validate": _number(step.rung.error_validate),
+                "parameters": {k: _number(v) for k, (v, _) in step.parameters.items()},
+                "uncertainties": {k: _number(s) for k, (_, s) in step.parameters.items()},
+            }
+            for step in diagnosis.ladder
+        ],
+        "where": {
+            "baseline": where_to_json(diagnosis.ladder[0].comparison.breakdown),
+            "last": where_to_json(last.breakdown),
+        },
+        "next_run": _next_run(diagnosis.next_run),
+    }
+
+
+def _ranked(ranked: Ranked) -> dict[str, Any]:
+    return {
+        "effect": ranked.effect,
+        "place": ranked.place,
+        "screened_error": _number(ranked.screened_error),
+        "confirmed_error": _number(ranked.confirmed_error),
+        "validated_error": _number(ranked.validated_error),
+        "evidence": _number(ranked.evidence),
+        "p_value": _number(ranked.p_value),
+        "ambiguous_with": [name for name, _ in ranked.ambiguous_with],
+        "angles_deg": {name: _number(angle) for name, angle in ranked.ambiguous_with},
+        "parameters": {
+            k: v if isinstance(v, str) else _number(v) for k, v in ranked.parameters.items()
+        },
+        "reason": ranked.reason,
+    }
+
+
+def _next_run(run: NextRun | None) -> dict[str, Any] | None:
+    if run is None:
+        return None
+    return {
+        "like": run.run_like,
+        "track": run.track,
+        "speed_kmph": round(run.speed_kmph, 2),
+        "separates": list(run.separates),
+        "angle_deg": round(run.angle_deg, 1),
+        "present_angle_deg": round(run.present_angle_deg, 1),
+    }
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None or not np.isfinite(value) else float(value)

@@ -1,0 +1,154 @@
+"""The ladder: accept the effect that explains most, make it part of the model, look again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from wheelhop.campaign import Campaign
+from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
+from wheelhop.diagnose.confirm import Rung, confirm, refit, without
+from wheelhop.diagnose.diagnosis import Diagnosis
+from wheelhop.diagnose.judge import advantage, p_value, relative_to_noise
+from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.verdict import Candidate, Look, conclude, step_of
+from wheelhop.effects import Effect
+from wheelhop.fit import Workshop
+from wheelhop.vehicle import Vehicle
+
+CONFIRMED = 5
+"""At least so many effects are simulated in full on every rung."""
+
+REACH = 0.5
+"""And every one that screening expects to explain this share of what the best explains."""
+
+SIGNIFICANT = 0.01
+"""An effect is accepted below this chance of being mistaken, all effects tried counted."""
+
+MATERIAL = 0.02
+"""... if it takes more than this share of the noise's power out of the held-out residual: less
+than that, and a rounding of the simulation could be mistaken for physics."""
+
+HOPELESS = 2.0
+"""An effect that leaves this many times the leader's held-out error won't catch up in a refit."""
+
+
+def diagnose(
+    campaign: Campaign,
+    vehicle: Vehicle,
+    effects: Mapping[str, Effect],
+    *,
+    max_effects: int = 3,
+    jobs: int | None = None,
+    progress: Progress = lambda text: None,
+) -> Diagnosis:
+    """Which physics the nominal vehicle lacks to explain a campaign.
+
+    Parameters
+    ----------
+    campaign, vehicle
+        Records and nominal vehicle.
+    effects
+        The library: effects by id.
+    max_effects
+        The ladder has at most this many rungs above the baseline.
+    jobs
+        Threads; all processors by default.
+    progress
+        Called with a line of text at every stage.
+
+    Raises
+    ------
+    CampaignError
+        The campaign does not hold what a comparison needs.
+    """
+    base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
+    return climb(base, effects, max_effects=max_effects, progress=progress)
+
+
+def climb(
+    base: Baseline, effects: Mapping[str, Effect], *, max_effects: int, progress: Progress
+) -> Diagnosis:
+    """The diagnosis, from a fitted baseline on."""
+    workshop, rung = base.workshop, base.rung
+    steps = [step_of(workshop, rung)]
+    look = _look(workshop, rung, effects, progress)
+    first = look
+    while look.chosen is not None and len(steps) <= max_effects:
+        rung = _without_idle(workshop, look.chosen.rung, progress)
+        steps.append(step_of(workshop, rung))
+        look = _look(workshop, rung, effects, progress)
+    return conclude(steps, first, look)
+
+
+def _look(
+    workshop: Workshop, rung: Rung, effects: Mapping[str, Effect], progress: Progress
+) -> Look:
+    """Screen what is not in the model yet, simulate the best in full, choose one or none."""
+    present = {effect.id for effect in rung.model.effects}
+    left = [effect for effect in effects.values() if effect.id not in present]
+    progress(f"screening {len(left)} effects")
+    screened = screen(workshop, rung.fit, left)
+    candidates = _confirm_best(workshop, rung, screened, progress)
+    chosen = _choose(workshop, rung, candidates, progress)
+    if chosen is not None:
+        others = [c for c in candidates if c.id != chosen.id]
+        candidates = [chosen, *others]
+    return Look(rung, tuple(screened), tuple(candidates), chosen)
+
+
+def _confirm_best(
+    workshop: Workshop, rung: Rung, screened: Sequence[Screened], progress: Progress
+) -> list[Candidate]:
+    """Full simulation of the most promising effects; best evidence first."""
+    promising = [s for s in screened if s.score > 0]
+    reach = REACH * promising[0].gain if promising else np.inf
+    chosen = [s for i, s in enumerate(promising) if i < CONFIRMED or s.gain >= reach]
+    found = []
+    for i, item in enumerate(chosen):
+        progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
+        found.append(_judged(workshop, rung, item, confirm(workshop, rung, item), len(screened)))
+    return sorted(found, key=lambda c: -c.rung.evidence)
+
+
+def _choose(
+    workshop: Workshop, rung: Rung, candidates: Sequence[Candidate], progress: Progress
+) -> Candidate | None:
+    """The effect to accept: best evidence and confirmed by held-out runs, or none.
+
+    The best two are fitted with all derivatives before the choice: a quick fit favours effects
+    that resemble what the vehicle's own parameters do.
+    """
+    holding = [c for c in candidates if c.holds][:2]
+    if len(holding) == 2:
+        leader, second = sorted(c.rung.error_validate for c in holding)
+        if second > HOPELESS * leader:
+            holding = [min(holding, key=lambda c: c.rung.error_validate)]
+    refitted = []
+    for candidate in holding:
+        progress(f"fitting the vehicle with {candidate.id}")
+        better = refit(workshop, candidate.rung)
+        refitted.append(_judged(workshop, rung, candidate.screened, better, candidate.tried))
+    refitted = [c for c in refitted if c.holds]
+    return max(refitted, key=lambda c: c.rung.evidence) if refitted else None
+
+
+def _judged(
+    workshop: Workshop, rung: Rung, screened: Screened, rival: Rung, tried: int
+) -> Candidate:
+    t = advantage(rung, rival)
+    material = relative_to_noise(rung, rival, workshop.noise) > MATERIAL
+    holds = material and p_value(t, tried) < SIGNIFICANT
+    return Candidate(screened, rival, t, tried, holds)
+
+
+def _without_idle(workshop: Workshop, rung: Rung, progress: Progress) -> Rung:
+    """Drop effects accepted earlier whose contribution vanished when the last one joined."""
+    for effect in rung.model.effects[:-1]:
+        progress(f"is {effect.id} still needed?")
+        shorter = without(workshop, rung, effect.id)
+        material = relative_to_noise(shorter, rung, workshop.noise) > MATERIAL
+        if not material or p_value(advantage(shorter, rung), 1) >= SIGNIFICANT:
+            rung = shorter
+    return rung

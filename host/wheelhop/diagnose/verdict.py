@@ -1,0 +1,209 @@
+"""The verdict: what was accepted, how sure that is, and why everything else was not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import exp
+
+from scipy.special import ndtr
+
+from wheelhop.compare import describe
+from wheelhop.diagnose.ambiguity import Angles
+from wheelhop.diagnose.baseline import comparison_of
+from wheelhop.diagnose.confirm import Rung
+from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step
+from wheelhop.diagnose.judge import advantage, p_value
+from wheelhop.diagnose.screen import Screened
+from wheelhop.effects import Effect
+from wheelhop.fit import Workshop
+from wheelhop.simulate import Model
+
+CEILING = 0.99
+"""No verdict on a single campaign is surer than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect simulated in full: its advantage t on held-out runs, of how many effects tried it
+    is one, and whether that is significant and material."""
+
+    screened: Screened
+    rung: Rung
+    t: float
+    tried: int
+    holds: bool
+
+    @property
+    def id(self) -> str:
+        """The effect's id."""
+        return self.screened.variant.effect.id
+
+    @property
+    def p(self) -> float:
+        """Chance that any of the effects tried does so well without being there."""
+        return p_value(self.t, self.tried)
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What one look at a rung's residual found: all effects screened, those simulated in full
+    (the chosen one first), and the one to accept, or none."""
+
+    rung: Rung
+    screened: tuple[Screened, ...]
+    candidates: tuple[Candidate, ...]
+    chosen: Candidate | None
+
+
+def step_of(workshop: Workshop, rung: Rung) -> Step:
+    """A rung with its parameters and its comparison with the records."""
+    names = tuple(effect.id for effect in rung.model.effects)
+    return Step(names, rung, parameters_of(rung), comparison_of(workshop, rung))
+
+
+def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:
+    """Every fitted number and its standard deviation; numbers that stand for what is free in each
+    run have none (NaN)."""
+    found = {f.name: (rung.model.values[f.name], rung.fit.uncertainty(f.name))
+             for f in rung.fit.shared}  # fmt: skip
+    for effect in rung.model.effects:
+        for name, value in _summary(rung.model, rung, effect).items():
+            found[f"{effect.id}.{name}"] = (value, float("nan"))
+    return found
+
+
+def _summary(model: Model, rung: Rung, effect: Effect) -> Mapping[str, float]:
+    return effect.summary(
+        [
+            (run.bench.simulator.setting, model.theta(effect, run.bench.run.id))
+            for run in rung.fit.runs
+            if run.bench.simulator.acts(effect)
+        ]
+    )
+
+
+def conclude(steps: Sequence[Step], first: Look, last: Look) -> Diagnosis:
+    """The diagnosis from the ladder's steps, the first look and the last one."""
+    angles = Angles(first.rung.fit, first.screened)
+    accepted = steps[-1].added
+    unexplained = _unexplained(steps[-1])
+    verdict = (*accepted, "unknown") if unexplained else accepted or ("none",)
+    next_run = None
+    if first.chosen is not None:
+        near = angles.near(first.chosen.id)
+        next_run = angles.next_run(first.chosen.id, near[0][0]) if near else None
+    return Diagnosis(
+        verdict=verdict,
+        confidence=_confidence(verdict, steps[-1], first, last),
+        ranking=tuple(_ranking(first, angles)),
+        ladder=tuple(steps),
+        next_run=next_run,
+        explanation=tuple(_explanation(verdict, steps)),
+    )
+
+
+def _unexplained(step: Step) -> bool:
+    """Whether held-out runs (fitted ones, if there are no others) stay above the floor."""
+    return _over_floor(step) > 1.0 + 2.0 * step.comparison.floor.tolerance
+
+
+def _over_floor(step: Step) -> float:
+    floor = step.comparison.floor
+    if step.rung.validation is None:
+        return step.rung.error_fit / floor.error_fit
+    return step.rung.error_validate / floor.error_validate
+
+
+def _confidence(verdict: Sequence[str], last_step: Step, first: Look, last: Look) -> float:
+    """That the verdict's first entry is right.
+
+    For an effect: the probability, from held-out blocks, that it beats the best of its rivals,
+    less the chance that it is mistaken altogether. For "none": how far the likeliest effect is
+    from being accepted. For "unknown": how far the residual is above the floor's own uncertainty.
+    """
+    if verdict[0] == "unknown":
+        excess = _over_floor(last_step) - 1.0
+        return CEILING * (1.0 - exp(-excess / last_step.comparison.floor.tolerance))
+    if verdict[0] == "none":
+        closest = min((c.p for c in last.candidates), default=1.0)
+        return CEILING * (0.5 + 0.5 * min(1.0, closest / 0.1))
+    accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
+    if accepted is None:
+        return 0.5 * CEILING
+    rivals = [c for c in first.candidates if c.id not in verdict]
+    beaten = min((float(ndtr(advantage(c.rung, accepted.rung))) for c in rivals), default=1.0)
+    return CEILING * beaten * (1.0 - accepted.p)
+
+
+def _ranking(look: Look, angles: Angles) -> list[Ranked]:
+    confirmed = {c.id: c for c in look.candidates}
+    order = [c.screened for c in look.candidates]
+    order += [s for s in look.screened if s.variant.effect.id not in confirmed]
+    return [_ranked(s, confirmed.get(s.variant.effect.id), look, angles) for s in order]
+
+
+def _ranked(screened: Screened, candidate: Candidate | None, look: Look, angles: Angles) -> Ranked:
+    effect = screened.variant.effect
+    parameters: dict[str, float | str] = {}
+    if screened.variant.choice:
+        parameters["form"] = screened.variant.choice
+    if candidate is None:
+        parameters |= {**screened.variant.shapes, **screened.amplitudes}
+    else:
+        parameters |= candidate.rung.model.theta(effect)
+        parameters |= _summary(candidate.rung.model, candidate.rung, effect)
+    return Ranked(
+        effect=effect.id,
+        place=effect.place,
+        screened_error=screened.error,
+        confirmed_error=candidate.rung.error_fit if candidate else None,
+        validated_error=candidate.rung.error_validate if candidate else None,
+        evidence=candidate.rung.evidence - look.rung.evidence if candidate else None,
+        p_value=candidate.p if candidate else None,
+        ambiguous_with=angles.near(effect.id) if screened.score > 0 else (),
+        parameters=parameters,
+        reason=_reason(screened, candidate, look),
+    )
+
+
+def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
+    chosen = look.chosen
+    if candidate is None:
+        if screened.score <= 0:
+            return "its signature is not in the residual: no gain worth its parameters"
+        return "screened: others explain far more"
+    before, after = look.rung.error_validate, candidate.rung.error_validate
+    change = f"held-out error {before:.4f} → {after:.4f}"
+    if chosen is not None and candidate.id == chosen.id:
+        return f"accepted: {change}, p = {candidate.p:.1g}"
+    if not candidate.holds:
+        return f"not confirmed by held-out runs: {change}, p = {candidate.p:.1g}"
+    if chosen is not None:
+        best = chosen.rung.error_validate
+        return f"explains part: {change}, but {chosen.id} reaches {best:.4f}"
+    return f"{change}, p = {candidate.p:.1g}"
+
+
+def _explanation(verdict: Sequence[str], steps: Sequence[Step]) -> list[str]:
+    start, last = steps[0], steps[-1]
+    lines = []
+    if verdict == ("none",):
+        lines.append("The baseline explains the records down to the noise.")
+    for before, after in pairwise(steps):
+        added = [name for name in after.added if name not in before.added]
+        lines.append(
+            f"Adding {', '.join(added)} lowers the held-out error from"
+            f" {before.rung.error_validate:.4f} to {after.rung.error_validate:.4f}."
+        )
+    if verdict[-1] == "unknown":
+        lines.append(
+            f"The residual stays at {_over_floor(last):.2f} times the floor and no effect of the"
+            " library explains it:"
+        )
+        lines.extend(describe(last.comparison.breakdown))
+    elif len(steps) > 1:
+        lines.append("Where the baseline failed:")
+        lines.extend(describe(start.comparison.breakdown))
+    return lines

@@ -1,0 +1,13 @@
+"""Effects: the physics and the measurement faults a baseline model leaves out."""
+
+from wheelhop.effects.base import (
+    Effect,
+    Parameter,
+    Place,
+    Probe,
+    RunSetting,
+    law,
+)
+from wheelhop.effects.library import load_effects
+
+__all__ = ["Effect", "Parameter", "Place", "Probe", "RunSetting", "law", "load_effects"]

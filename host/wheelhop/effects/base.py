@@ -1,0 +1,160 @@
+"""What an effect is: one piece of physics, or one fault of the measurement, the baseline lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal, Protocol
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Channel
+from wheelhop.vehicle.assembly import Assembly, Law
+
+Array = NDArray[np.float64]
+Values = Mapping[str, float]
+Place = Literal["track", "speed", "wheel", "tyre", "axle", "suspension", "body", "sensor"]
+
+
+def law(function: Callable[..., tuple[float, float]]) -> Law:
+    """Compile a force law (decorator).
+
+    The function takes the part's extension x (m), its rate v (m/s), the change of x since the
+    beginning of the time step, the law's memory z (0 at the start, what it returned at the end of
+    the last step) and its parameters p (an array); it returns the force opposing x, N, and z.
+    A law without memory returns z unchanged.
+    """
+    signature = "UniTuple(float64, 2)(float64, float64, float64, float64, float64[::1])"
+    compiled: Law = numba.njit(signature, cache=True, nogil=True, error_model="numpy")(function)
+    return compiled
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect.
+
+    An *amplitude* (``starts`` empty) vanishes with the effect: ``absent`` is its value then, and
+    ``scale`` a clearly visible strength on the nominal vehicle. A *shape* (a knee velocity, a
+    frequency) means nothing while the amplitudes vanish; screening tries each of its ``starts``
+    and ``scale`` is one standard deviation of what is believed about it beforehand. A *switch*
+    is an amplitude that physics fixes: an effect of this kind is there in full or not at all.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    scale: float
+    absent: float = 0.0
+    lower: float = -np.inf
+    upper: float = np.inf
+    starts: tuple[float, ...] = ()
+    switch: bool = False
+
+    @property
+    def is_shape(self) -> bool:
+        """Whether the parameter means nothing while the amplitudes vanish."""
+        return bool(self.starts)
+
+
+class Probe(Protocol):
+    """How an effect looks at the data to find where its fit may begin. Signals are in band,
+    (n, channels), m/s²."""
+
+    @property
+    def settings(self) -> Sequence[RunSetting]:
+        """The runs that are fitted."""
+
+    def time_s(self, run_id: str) -> Array:
+        """Sample times (n,)."""
+
+    def measured(self, run_id: str) -> Array:
+        """The record."""
+
+    def modelled(self, run_id: str, changes: Values) -> Array:
+        """The model without the effect, some of the run's own numbers changed by an amount."""
+
+
+@dataclass(frozen=True)
+class RunSetting:
+    """What an effect may know of a run: its id, nominal speed, the instants at which the run-up
+    and the record begin and the simulation ends, and whether the track under it is known."""
+
+    run_id: str
+    speed_m_s: float
+    start_s: float
+    record_start_s: float
+    end_s: float
+    on_road: bool
+
+
+class Effect:
+    """Base class: an effect overrides `parameters_for` and the hooks of its place in the chain.
+
+    Every hook gets `theta`, the effect's own parameters by name.
+    """
+
+    id: ClassVar[str]
+    place: ClassVar[Place]
+    title: ClassVar[str]  #: what it is, in one line
+    equation: ClassVar[str]
+    source: ClassVar[str]
+    needs_road: ClassVar[bool] = False
+    """Whether the effect acts upstream of the axle, where an unknown track hides it."""
+    longest_step_s: ClassVar[float] = 0.0025
+    """Integration step at which its force laws leave an error below the sensors' noise."""
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """The parameters, with scales fitting this vehicle; empty: the effect does not apply."""
+        raise NotImplementedError
+
+    def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
+        """Discrete forms of which one is meant ("B3", "A1-A2", "cubic"); one unnamed by default.
+
+        An effect with several forms gets the chosen one in `with_choice`.
+        """
+        return ("",)
+
+    def with_choice(self, choice: str) -> Effect:
+        """The effect in the form `choice`."""
+        return self
+
+    def per_run(self, run: RunSetting) -> Sequence[Parameter]:
+        """Parameters the effect leaves free in every run (an engine's phase, a speed history)."""
+        return ()
+
+    def shape_starts(self, probe: Probe) -> Sequence[Values]:
+        """Shape parameters to screen, from the data; empty: every parameter's own starts."""
+        return ()
+
+    def run_start(self, probe: Probe, run: RunSetting) -> Values:
+        """Where the fit of what one run leaves free may begin, from the data; empty: absent."""
+        return {}
+
+    def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
+        """Numbers that stand for what is left free per run, for people to read."""
+        return {}
+
+    def travel(
+        self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float
+    ) -> tuple[Array, Array] | None:
+        """Extra distance of each wheel path (T, 4), m, and its rate (T, 4), m/s."""
+        return None
+
+    def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
+        """Add parts to the vehicle: springs, masses, modes, force laws, applied forces."""
+
+    def forces(self, theta: Values, run: RunSetting, time_s: Array) -> Sequence[Array]:
+        """Histories (T,), N, of the forces added in `modify` by `add_force`, in that order."""
+        return ()
+
+    def sense(
+        self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
+        """What the instrument makes of the true accelerations (n, c), m/s²."""
+        return acceleration
+
+    def restore(self, theta: Values, measured: Array, channels: Sequence[Channel]) -> Array:
+        """Undo `sense` where that can be done: measured axle motion drives the model."""
+        return measured

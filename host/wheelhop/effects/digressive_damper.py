@@ -1,0 +1,60 @@
+"""A damper whose valve blows off: its slope falls beyond a knee velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wheelhop.campaign import Channel
+from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.vehicle import CORNERS, Assembly, axle_name, suspension
+
+
+@law
+def blow_off(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+    """Takes away p[0] of the slope beyond the knee velocity p[1]."""
+    beyond = max(abs(v) - p[1], 0.0)
+    return (-p[0] * beyond if v > 0.0 else p[0] * beyond), z
+
+
+class DigressiveDamper(Effect):
+    """Beyond the knee the damping rate falls from c to c (1 − loss)."""
+
+    id = "digressive-damper"
+    place = "suspension"
+    title = "the damper's slope falls beyond a knee velocity"
+    equation = (
+        r"f = -\lambda c\,(|\dot x| - v_k)\,\mathrm{sgn}\,\dot x \text{ for } |\dot x| > v_k,"
+        r"\ 0 \text{ else}"
+    )
+    source = "J. C. Dixon, The Shock Absorber Handbook, 2nd ed. (Wiley 2007), ch. 7, knee damper"
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """Share of the damping lost beyond the knee, per axle; the knee."""
+        return (
+            *(
+                Parameter(
+                    f"{end}_loss",
+                    "1",
+                    f"share of the {end} damping rate lost beyond the knee",
+                    0.5,
+                    lower=0.0,
+                    upper=1.0,
+                )
+                for end in ("front", "rear")
+            ),
+            Parameter(
+                "knee_m_s",
+                "m/s",
+                "velocity at the wheel beyond which the slope falls",
+                0.2,
+                lower=0.01,
+                starts=(0.05, 0.15, 0.3, 0.6),
+            ),
+        )
+
+    def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
+        """Add the force to each strut."""
+        for i in CORNERS:
+            end = axle_name(i)
+            lost = theta[f"{end}_loss"] * vehicle[f"suspension.{end}.damping_N_s_m"]
+            parts.add_law(suspension(vehicle, i), blow_off, (lost, theta["knee_m_s"]))

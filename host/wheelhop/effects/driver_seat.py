@@ -1,0 +1,67 @@
+"""The driver is not bolted to the frame: a mass on a seat."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+from wheelhop.campaign import Channel
+from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.vehicle import Assembly, Body, between
+
+
+class DriverSeat(Effect):
+    """Part of the sprung mass sits on a spring and damper (vertical)."""
+
+    id = "driver-seat"
+    place = "body"
+    title = "the driver is a mass on a compliant seat (vertical)"
+    equation = (
+        r"m_d \ddot z_d = -k_s (z_d - z_s) - c_s (\dot z_d - \dot z_s),"
+        r"\ k_s = m_d (2\pi f)^2,\ c_s = 4\pi \zeta f m_d"
+    )
+    source = (
+        "one-mass model of the seated human: ISO 5982:2019 (apparent mass, resonance near 4 to"
+        " 5 Hz on a rigid seat, lower on a cushion)"
+    )
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """Mass that moves on the seat, the seat's resonance, and where it is."""
+        return (
+            Parameter(
+                "mass_kg",
+                "kg",
+                "mass that moves on the seat, part of body.mass_kg",
+                vehicle.get("driver.mass_kg", 75.0),
+                lower=0.0,
+                upper=0.8 * vehicle["body.mass_kg"],
+            ),
+            Parameter(
+                "freq_hz",
+                "Hz",
+                "resonance of the driver on the seat",
+                1.5,
+                lower=0.8,
+                upper=15.0,
+                starts=(2.0, 3.5, 6.0),
+            ),
+            Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
+            Parameter(
+                "x_m",
+                "m",
+                "how far the seat is ahead of the centre of mass",
+                0.05,
+                starts=(vehicle.get("driver.x_m", 0.0),),
+            ),
+        )
+
+    def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
+        """Move the mass from the body to the seat."""
+        mass, omega = theta["mass_kg"], 2 * pi * theta["freq_hz"]
+        seat = Body(theta["x_m"], vehicle.get("driver.y_m", 0.0))
+        if mass < 1e-6 * vehicle["body.mass_kg"]:
+            return
+        driver = parts.add_coordinate("driver")
+        parts.add_mass(((1.0, seat),), -mass)
+        parts.add_mass(((1.0, driver),), mass)
+        parts.add_spring(between(driver, seat), mass * omega**2, 2 * theta["zeta"] * mass * omega)

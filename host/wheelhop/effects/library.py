@@ -1,0 +1,83 @@
+"""All effects: wheelhop's own, those of installed packages, and a user's file."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from wheelhop.campaign import CampaignError
+from wheelhop.effects.asymmetric_damper import AsymmetricDamper
+from wheelhop.effects.base import Effect
+from wheelhop.effects.digressive_damper import DigressiveDamper
+from wheelhop.effects.driver_seat import DriverSeat
+from wheelhop.effects.dry_friction import DryFriction
+from wheelhop.effects.engine_vibration import EngineVibration
+from wheelhop.effects.frame_twist import FrameTwist
+from wheelhop.effects.left_right_drift import LeftRightDrift
+from wheelhop.effects.progressive_spring import ProgressiveSpring
+from wheelhop.effects.sensor_gain import SensorGain
+from wheelhop.effects.sensor_polarity import SensorPolarity
+from wheelhop.effects.speed_fluctuation import SpeedFluctuation
+from wheelhop.effects.tyre_lift_off import TyreLiftOff
+
+BUILT_IN: tuple[type[Effect], ...] = (
+    SpeedFluctuation,
+    LeftRightDrift,
+    TyreLiftOff,
+    ProgressiveSpring,
+    AsymmetricDamper,
+    DigressiveDamper,
+    DryFriction,
+    DriverSeat,
+    EngineVibration,
+    FrameTwist,
+    SensorGain,
+    SensorPolarity,
+)
+"""In the order of the chain track → speed → wheel → tyre → axle → suspension → body → sensor."""
+
+ENTRY_POINT = "wheelhop.effects"
+
+
+def load_effects(user_file: str | Path | None = None) -> Mapping[str, Effect]:
+    """Every effect by its id; later ones replace earlier ones of the same id.
+
+    Raises
+    ------
+    CampaignError
+        The user's file is missing, does not run, or holds no effect.
+    """
+    classes = list(BUILT_IN)
+    for point in entry_points(group=ENTRY_POINT):
+        classes.append(point.load())
+    if user_file is not None:
+        classes.extend(_from_file(Path(user_file)))
+    return {cls.id: cls() for cls in classes}
+
+
+def _from_file(path: Path) -> list[type[Effect]]:
+    if not path.is_file():
+        raise CampaignError(f"{path}: there is no such file; --effects takes a Python file")
+    spec = importlib.util.spec_from_file_location(f"wheelhop_user_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise CampaignError(f"{path}: not a Python file; its name must end in .py")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        kind = type(error).__name__
+        raise CampaignError(f"{path}: does not run: {kind}: {error}; mend the file") from error
+    found = [
+        value
+        for value in vars(module).values()
+        if isinstance(value, type)
+        and issubclass(value, Effect)
+        and value.__module__ == module.__name__
+    ]
+    if not found:
+        raise CampaignError(
+            f"{path}: holds no effect; define a subclass of wheelhop.effects.Effect in it"
+        )
+    return found

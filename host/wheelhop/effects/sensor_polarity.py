@@ -1,0 +1,57 @@
+"""One channel is inverted, or two are swapped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from wheelhop.campaign import Channel
+from wheelhop.effects.base import Array, Effect, Parameter, Values
+
+
+class SensorPolarity(Effect):
+    """The cable was soldered, or plugged, the wrong way."""
+
+    id = "sensor-polarity"
+    place = "sensor"
+    title = "one channel is inverted, or two are swapped"
+    equation = r"y_i = -a_i, \quad\text{or}\quad y_i = a_j,\ y_j = a_i"
+    source = "wiring; a switch, so nothing is fitted"
+
+    def __init__(self, channels: str = "") -> None:
+        self.channels = channels
+
+    def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
+        """Any channel inverted ("B3"), any two swapped ("A1/A2")."""
+        names = [c.name for c in channels]
+        return [*names, *(f"{a}/{b}" for a, b in combinations(names, 2))]
+
+    def with_choice(self, choice: str) -> SensorPolarity:
+        """This fault in the channel or the pair `choice`."""
+        return SensorPolarity(choice)
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """On or off."""
+        return (Parameter("wrong", "1", "1: inverted or swapped", 1.0, upper=1.0, switch=True),)
+
+    def sense(
+        self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
+        """Invert or swap, by the share `wrong`."""
+        return acceleration + theta["wrong"] * (self._wired(acceleration, channels) - acceleration)
+
+    def restore(self, theta: Values, measured: Array, channels: Sequence[Channel]) -> Array:
+        """Wiring is its own inverse."""
+        return self.sense(theta, measured, channels, 0.0)
+
+    def _wired(self, acceleration: Array, channels: Sequence[Channel]) -> Array:
+        column = {c.name: i for i, c in enumerate(channels)}
+        affected = [column[name] for name in self.channels.split("/")]
+        wired = np.array(acceleration)
+        if len(affected) == 1:
+            wired[:, affected] *= -1.0
+        else:
+            wired[:, affected] = acceleration[:, affected[::-1]]
+        return wired

@@ -1,0 +1,39 @@
+"""A tyre cannot pull: the wheel leaves the ground when its static load is used up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wheelhop.campaign import Channel
+from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_tyre_load, tyre
+
+
+@law
+def no_pull(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+    """Takes away what pull is in the tyre's linear force p[0] x + p[1] v beyond the load p[2]."""
+    return -p[3] * max(p[0] * x + p[1] * v - p[2], 0.0), z
+
+
+class TyreLiftOff(Effect):
+    """The linear tyre force is cut off where it would exceed the static load."""
+
+    id = "tyre-lift-off"
+    place = "tyre"
+    title = "the tyre cannot pull: contact is lost when its static load is used up"
+    equation = r"f = -\max(k_t x + c_t \dot x - W, 0),\quad W \text{ the wheel's static load}"
+    source = "unilateral contact of a point-contact tyre model; W from vehicle.toml by statics"
+    needs_road = True
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """On or off: the load at which contact is lost is known."""
+        return (Parameter("lifts", "1", "1: the tyre cannot pull", 1.0, upper=1.0, switch=True),)
+
+    def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
+        """Add the correction to each tyre."""
+        for i in CORNERS:
+            end = axle_name(i)
+            stiffness = vehicle[f"wheel.{end}.tyre_stiffness_N_m"]
+            damping = vehicle[f"wheel.{end}.tyre_damping_N_s_m"]
+            load = static_tyre_load(vehicle, i)
+            parts.add_law(tyre(i), no_pull, (stiffness, damping, load, theta["lifts"]))

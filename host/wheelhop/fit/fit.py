@@ -1,0 +1,333 @@
+"""Least squares over a campaign, with what each run leaves free eliminated run by run.
+
+The cost is Σ (measured − model)² / σ² over in-band coefficients + Σ ((p − mean)/sigma)² over the
+parameters with a prior. σ is the noise of one coefficient, or the residual's own size as long as
+that is larger: a model that is wrong must not outvote what is believed of the vehicle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.fit.parameters import Free, run_parameters
+from wheelhop.fit.workshop import Bench, Workshop
+from wheelhop.simulate import Model
+
+Array = NDArray[np.float64]
+
+STEP = 0.02
+"""Differences are taken over this fraction of a parameter's scale."""
+
+ITERATIONS = 25
+
+LEAST_DAMPING = 1e-4
+
+CONVERGED = 1e-4
+"""The fit ends when a step lowers the cost by less than this fraction of it."""
+
+CONVERGED_QUICK = 3e-3
+"""The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
+
+WORTHWHILE = 0.3
+"""As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """Of one run's model with respect to the shared parameters, the first `shared` columns, and
+    its own: (size, g + r), per `Free.scale`."""
+
+    matrix: Array
+    shared: int
+
+    @cached_property
+    def square(self) -> Array:
+        """JᵀJ (g + r, g + r)."""
+        return self.matrix.T @ self.matrix
+
+
+@dataclass(frozen=True, eq=False)
+class RunFit:
+    """One run at the solution: its own parameters, residual (size,) and derivatives."""
+
+    bench: Bench
+    own: tuple[Free, ...]
+    residual: Array
+    derivatives: Derivatives
+
+    @property
+    def shared_jacobian(self) -> Array:
+        """Derivatives (size, g) with respect to the shared parameters, per `Free.scale`."""
+        return self.derivatives.matrix[:, : self.derivatives.shared]
+
+    @property
+    def own_jacobian(self) -> Array:
+        """Derivatives (size, r) with respect to the run's own parameters, per `Free.scale`."""
+        return self.derivatives.matrix[:, self.derivatives.shared :]
+
+    @property
+    def rss(self) -> float:
+        """Σ residual²."""
+        return float(self.residual @ self.residual)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted model.
+
+    ``covariance`` (g, g) is that of the shared parameters, in the order of ``shared``.
+    ``sigma`` is the standard deviation used for one in-band coefficient, ``log_volume`` half the
+    logarithm of prior over posterior precision of all parameters.
+    """
+
+    model: Model
+    shared: tuple[Free, ...]
+    runs: tuple[RunFit, ...]
+    covariance: Array
+    sigma: float
+    cost: float
+    log_volume: float
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of the evidence by Laplace's method, up to a constant of the data.
+
+        Likelihood at the best fit times the share of the prior volume the data leave (D. MacKay,
+        Information Theory, Inference, and Learning Algorithms, eq. 28.7).
+        """
+        return -0.5 * self.cost - self.size * float(np.log(self.sigma)) + self.log_volume
+
+    @property
+    def rss(self) -> float:
+        """Σ residual² over the runs fitted."""
+        return sum(run.rss for run in self.runs)
+
+    @property
+    def error(self) -> float:
+        """E over the runs fitted: √(Σ residual² / Σ measured²)."""
+        return float(np.sqrt(self.rss / sum(run.bench.energy for run in self.runs)))
+
+    @property
+    def size(self) -> int:
+        """Number of in-band data."""
+        return sum(run.bench.size for run in self.runs)
+
+    def uncertainty(self, name: str) -> float:
+        """Standard deviation of a shared parameter, in its unit."""
+        i = [free.name for free in self.shared].index(name)
+        return float(np.sqrt(self.covariance[i, i]))
+
+
+def fit(
+    workshop: Workshop,
+    model: Model,
+    shared: Sequence[Free],
+    benches: Sequence[Bench],
+    known: Fit | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Fit:
+    """Fit the shared parameters and what each of the runs leaves free (Levenberg–Marquardt).
+
+    Start values are those of `model`; with no `shared` parameters only the runs' own are fitted.
+    Derivatives that a fit of a similar model, `known`, holds already are taken from there: much
+    faster, and a fit that ends a little above the minimum.
+    """
+    problem = _Problem(workshop, tuple(shared), tuple(benches), known)
+    state, damping, fresh = problem.linearise(problem.completed(model)), 1e-3, True
+    for iteration in range(ITERATIONS):
+        if progress is not None:
+            progress(f"iteration {iteration + 1}, error {state.error:.4f}")
+        trial = problem.stepped(state, damping)
+        gain = 1.0 - trial.cost / state.cost
+        if gain > 0:
+            state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
+        if 0 <= gain < (CONVERGED if known is None else CONVERGED_QUICK):
+            break
+        if gain > WORTHWHILE:  # old derivatives still serve: new ones cost many simulations
+            fresh = False
+        elif gain <= 0 and fresh:
+            damping *= 8.0
+            if damping > 10.0:
+                break
+        else:
+            state, fresh = problem.linearise(state.model), True
+    return problem.concluded(state)
+
+
+@dataclass(frozen=True, eq=False)
+class _Normal:
+    """Normal equations of one run about the current values, per `Free.scale`: blocks of JᵀJ/σ²
+    and gradient Jᵀr/σ², the run's own priors included."""
+
+    shared: Array  # (g, g)
+    mixed: Array  # (g, r)
+    own: Array  # (r, r)
+    shared_gradient: Array  # (g,)
+    own_gradient: Array  # (r,)
+
+
+class _Problem:
+    def __init__(
+        self,
+        workshop: Workshop,
+        shared: tuple[Free, ...],
+        benches: tuple[Bench, ...],
+        known: Fit | None,
+    ) -> None:
+        self.workshop, self.shared, self.benches = workshop, shared, benches
+        self.known = {} if known is None else {run.bench.run.id: run for run in known.runs}
+        names = () if known is None else known.shared
+        self.column = {free.name: i for i, free in enumerate(names)}
+
+    def own(self, bench: Bench, model: Model) -> tuple[Free, ...]:
+        return tuple(run_parameters(bench.run, bench.simulator.setting, model.effects))
+
+    def completed(self, model: Model) -> Model:
+        """The model with everything the runs leave free stated: at its prior mean if it is not."""
+        for bench in self.benches:
+            means = {free.name: free.mean for free in self.own(bench, model)}
+            model = model.with_run(bench.run.id, {**means, **model.runs.get(bench.run.id, {})})
+        return model
+
+    def linearise(self, model: Model) -> Fit:
+        """Residuals, derivatives, noise and cost at a model."""
+        systems = self.workshop.systems(model)
+        moved = {}
+        for free in self.shared:
+            if free.name not in self.column:
+                other = model.with_values(_stepped(free, model.values))
+                moved[free.name] = (other, self.workshop.systems(other))
+
+        def linearise_run(bench: Bench) -> RunFit:
+            own = self.own(bench, model)
+            base = bench.modelled(model, systems)
+            old = self.known.get(bench.run.id)
+            held = {} if old is None else {f.name: i for i, f in enumerate(old.own)}
+            g = len(self.shared)
+            matrix = np.empty((len(base), g + len(own)))
+            for i, free in enumerate(self.shared):
+                if old is not None and free.name in self.column:
+                    matrix[:, i] = old.shared_jacobian[:, self.column[free.name]]
+                else:
+                    other, its_systems = moved[free.name]
+                    matrix[:, i] = (bench.modelled(other, its_systems) - base) / STEP
+            values = model.runs[bench.run.id]
+            for i, free in enumerate(own):
+                if old is not None and free.name in held:
+                    matrix[:, g + i] = old.own_jacobian[:, held[free.name]]
+                else:
+                    other = model.with_run(bench.run.id, _stepped(free, values))
+                    matrix[:, g + i] = (bench.modelled(other, systems) - base) / STEP
+            residual = bench.measured[:, bench.predicted].ravel() - base
+            return RunFit(bench, own, residual, Derivatives(matrix, g))
+
+        runs = tuple(self.workshop.each(linearise_run, self.benches))
+        return self.weighted(Fit(model, self.shared, runs, np.zeros((0, 0)), 1.0, 0.0, 0.0))
+
+    def weighted(self, state: Fit) -> Fit:
+        """The state with noise and cost that follow from its residuals."""
+        freedom = state.size - sum(len(run.own) for run in state.runs) - len(self.shared)
+        sigma = max(self.workshop.noise, float(np.sqrt(state.rss / max(freedom, 1))))
+        cost = state.rss / sigma**2 + self._prior(state.model)
+        return replace(state, sigma=sigma, cost=cost)
+
+    def stepped(self, state: Fit, damping: float) -> Fit:
+        """The state after a damped Gauss–Newton step: residuals and cost (at the same noise) are
+        new, derivatives old."""
+        model = self._moved(state, damping)
+        systems = self.workshop.systems(model)
+        residuals = self.workshop.each(lambda b: b.residual(model, systems), self.benches)
+        runs = tuple(replace(r, residual=e) for r, e in zip(state.runs, residuals, strict=True))
+        rss = sum(run.rss for run in runs)
+        cost = rss / state.sigma**2 + self._prior(model)
+        return replace(state, model=model, runs=runs, cost=cost)
+
+    def concluded(self, state: Fit) -> Fit:
+        """The state with covariance and prior volume."""
+        covariance, log_volume = self._posterior(state)
+        return replace(state, covariance=covariance, log_volume=log_volume)
+
+    def _moved(self, state: Fit, damping: float) -> Model:
+        normals = [self._normal(run, state) for run in state.runs]
+        matrix, gradient = _prior_normal(self.shared, state.model.values)
+        eliminated = []
+        for normal in normals:
+            own = _damped(normal.own, damping)
+            back = np.linalg.solve(own, np.column_stack([normal.mixed.T, normal.own_gradient]))
+            matrix += normal.shared - normal.mixed @ back[:, :-1]
+            gradient += normal.shared_gradient - normal.mixed @ back[:, -1]
+            eliminated.append(back)
+        step = np.asarray(np.linalg.solve(_damped(matrix, damping), gradient))
+        model = state.model.with_values(_moved(self.shared, state.model.values, step))
+        for run, back in zip(state.runs, eliminated, strict=True):
+            own_step = np.asarray(back[:, -1] - back[:, :-1] @ step)
+            values = model.runs.get(run.bench.run.id, {})
+            model = model.with_run(run.bench.run.id, _moved(run.own, values, own_step))
+        return model
+
+    def _prior(self, model: Model) -> float:
+        total = _distance(self.shared, model.values)
+        for bench in self.benches:
+            total += _distance(self.own(bench, model), model.runs.get(bench.run.id, {}))
+        return total
+
+    def _normal(self, run: RunFit, state: Fit) -> _Normal:
+        g, weight = len(self.shared), state.sigma**-2
+        square = run.derivatives.square * weight
+        slope = run.derivatives.matrix.T @ run.residual * weight
+        prior, pull = _prior_normal(run.own, state.model.runs[run.bench.run.id])
+        return _Normal(
+            square[:g, :g], square[:g, g:], square[g:, g:] + prior, slope[:g], slope[g:] + pull
+        )
+
+    def _posterior(self, state: Fit) -> tuple[Array, float]:
+        """Covariance of the shared parameters, and the share of prior volume left."""
+        matrix, _ = _prior_normal(self.shared, state.model.values)
+        log_volume = _log_prior_precision(self.shared)
+        for run in state.runs:
+            normal = self._normal(run, state)
+            own = _damped(normal.own, 0.0)
+            matrix += normal.shared - normal.mixed @ np.linalg.solve(own, normal.mixed.T)
+            log_volume += _log_prior_precision(run.own) - np.linalg.slogdet(own)[1]
+        log_volume -= np.linalg.slogdet(_damped(matrix, 0.0))[1]
+        scale = np.array([free.scale for free in self.shared])
+        covariance = np.asarray(np.linalg.pinv(matrix, hermitian=True) * np.outer(scale, scale))
+        return covariance, 0.5 * float(log_volume)
+
+
+def _log_prior_precision(free: Sequence[Free]) -> float:
+    """Where nothing is believed beforehand, twice the scale stands for the prior's width."""
+    return sum(2 * float(np.log(f.scale / min(f.sigma, 2 * f.scale))) for f in free)
+
+
+def _damped(matrix: Array, damping: float) -> Array:
+    """Marquardt's damping; the small constant keeps a parameter nothing depends on where it is."""
+    diagonal = np.diag(matrix)
+    return matrix + np.diag(damping * diagonal + 1e-9 * (1.0 + diagonal))
+
+
+def _prior_normal(free: Sequence[Free], values: Mapping[str, float]) -> tuple[Array, Array]:
+    """The priors' matrix (p, p) and gradient (p,), per scale."""
+    weight = np.array([(f.scale / f.sigma) ** 2 for f in free])
+    away = np.array([(values.get(f.name, f.mean) - f.mean) / f.scale for f in free])
+    return np.diag(weight), -weight * away
+
+
+def _distance(free: Sequence[Free], values: Mapping[str, float]) -> float:
+    return sum(((values.get(f.name, f.mean) - f.mean) / f.sigma) ** 2 for f in free)
+
+
+def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:
+    return {free.name: values.get(free.name, free.mean) + STEP * free.scale}
+
+
+def _moved(free: Sequence[Free], values: Mapping[str, float], step: Array) -> dict[str, float]:
+    return {
+        f.name: min(max(values.get(f.name, f.mean) + f.scale * float(d), f.lower), f.upper)
+        for f, d in zip(free, step, strict=True)
+    }

@@ -1,0 +1,96 @@
+"""Which numbers of a model are free, and what is believed of them before the fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wheelhop.campaign import Campaign, Run
+from wheelhop.effects import Effect, RunSetting
+from wheelhop.simulate import Model
+from wheelhop.simulate.run import INITIAL
+from wheelhop.vehicle import Vehicle
+
+SPEED_UNCERTAINTY = 0.06
+"""A driver holds the nominal speed within ±10 %, nearly always: one standard deviation of it."""
+
+
+@dataclass(frozen=True)
+class Free:
+    """A free number: its prior mean and standard deviation (inf: nothing is known), the scale on
+    which it is varied, and its bounds, all in its own unit."""
+
+    name: str
+    mean: float
+    sigma: float
+    scale: float
+    lower: float = -np.inf
+    upper: float = np.inf
+
+
+def initial_model(campaign: Campaign, vehicle: Vehicle) -> Model:
+    """The nominal vehicle, no effects; sensors whose place is unknown sit at the centre of mass."""
+    unknown = {
+        f"channel.{c.name}.{axis}": 0.0
+        for c in campaign.channels
+        if c.corner is None and c.x_m is None
+        for axis in ("x_m", "y_m")
+    }
+    return Model(values={**vehicle.values, **unknown})
+
+
+def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
+    """The vehicle's own numbers, as far as these runs can show them."""
+    on_road = any(run.track.kind != "unknown" for run in campaign.runs)
+    # Nothing of the baseline depends on these; what an effect takes from them it says itself.
+    idle: tuple[str, ...] = ("geometry.cg_height_m", "driver.", "engine.")
+    if not on_road:
+        idle += ("wheel.",)
+    free = [
+        Free(key, value, vehicle.uncertainty[key], vehicle.uncertainty[key], lower=0.02 * value)
+        for key, value in vehicle.values.items()
+        if not key.startswith(idle) and vehicle.uncertainty[key] > 0
+    ]
+    spread = {
+        "x_m": vehicle.values["geometry.wheelbase_m"] / 4,
+        "y_m": vehicle.values["geometry.track_width_m"] / 4,
+    }
+    for channel in campaign.channels:
+        if channel.corner is None and channel.x_m is None:
+            for axis, sigma in spread.items():
+                free.append(Free(f"channel.{channel.name}.{axis}", 0.0, sigma, sigma))
+    return free
+
+
+def effect_parameters(campaign: Campaign, model: Model, effect: Effect) -> list[Free]:
+    """An effect's parameters; nothing is believed of an amplitude beforehand."""
+    free = []
+    for p in effect.parameters_for(model.values, campaign.channels):
+        name = f"{effect.id}.{p.name}"
+        start = model.values.get(name, p.absent)
+        sigma = p.scale if p.is_shape else np.inf
+        free.append(Free(name, start, sigma, p.scale, p.lower, p.upper))
+    return free
+
+
+def run_parameters(run: Run, setting: RunSetting, effects: Sequence[Effect]) -> list[Free]:
+    """What a run leaves free: speed and start on the track (on measured axles: how the body moved
+    when the record began), and the effects' own."""
+    free = []
+    if setting.on_road and run.speed_m_s > 0:
+        sigma = SPEED_UNCERTAINTY * run.speed_m_s
+        free.append(Free("speed_m_s", run.speed_m_s, sigma, 1e-3 * run.speed_m_s, 0.0))
+        free.append(Free("start_m", 0.0, np.inf, 1e-2))
+    if not setting.on_road:
+        for name in INITIAL:
+            free.append(Free(f"initial_{name}", 0.0, 0.02, 0.02))
+            free.append(Free(f"initial_{name}_rate", 0.0, 0.2, 0.2))
+    for effect in effects:
+        if setting.on_road or not effect.needs_road:
+            free.extend(
+                Free(f"{effect.id}.{p.name}", p.absent, p.scale, p.scale, p.lower, p.upper)
+                for p in effect.per_run(setting)
+            )
+    return free

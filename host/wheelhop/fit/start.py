@@ -1,0 +1,119 @@
+"""Where a run began and how fast it went: start values by matching harmonics of the track."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from wheelhop.campaign import Campaign, Run
+from wheelhop.compare.band import InBand
+from wheelhop.simulate import Model, frequency_response, linear_response
+from wheelhop.track import Track, make_track, wheel_envelope
+from wheelhop.vehicle import CORNERS, System, axle_name, corner_position
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+REACH = 0.12
+"""Speeds are sought within this fraction of the nominal one."""
+
+
+def find_start(campaign: Campaign, run: Run, model: Model, system: System) -> dict[str, float]:
+    """Speed (m/s) and start (m) at which the linear model agrees best with a run.
+
+    On a periodic track the start is found modulo the period.
+    """
+    if run.speed_m_s <= 0:
+        return {}
+    track = make_track(run.track)
+    if track.period_m is not None:
+        return _match_harmonics(campaign, run, model, system, track, track.period_m)
+    return _match_shape(campaign, run, model, system, track)
+
+
+def _speeds(run: Run, wavelength_m: float) -> Array:
+    """Speeds so close that the phase at `wavelength_m` slips by less than 1/6 over the run."""
+    duration = run.time_s[-1] - run.time_s[0]
+    count = int(np.ceil(2 * REACH * run.speed_m_s * duration * 6 / wavelength_m)) + 1
+    return run.speed_m_s * np.linspace(1 - REACH, 1 + REACH, count)
+
+
+def _behind(model: Model) -> Array:
+    """How far each wheel follows the front axle, (4,) m."""
+    return np.array([0.0, 0.0, 1.0, 1.0]) * model.values["geometry.wheelbase_m"]
+
+
+def _envelopes(model: Model, track: Track, x: Array) -> Array:
+    """Envelope heights (len(x), 4) at the same x under each wheel."""
+    heights = np.empty((len(x), 4))
+    for i in CORNERS:
+        radius = model.values[f"wheel.{axle_name(i)}.radius_m"]
+        y = corner_position(model.values, i)[1]
+        heights[:, i] = wheel_envelope(track, y, radius, x.min(), x.max()).height(x)
+    return heights
+
+
+def _match_harmonics(
+    campaign: Campaign, run: Run, model: Model, system: System, track: Track, period: float
+) -> dict[str, float]:
+    speeds = _speeds(run, period)
+    samples = 128
+    shape = fft.rfft(_envelopes(model, track, np.arange(samples) * period / samples), axis=0)
+    phases = np.arange(64) / 64
+    match = np.zeros((len(speeds), len(phases)))
+    taper = np.hanning(len(run.time_s))[:, None]
+    measured = taper * (run.acceleration - run.acceleration.mean(axis=0)) * 2 / taper.sum()
+    predicted = ~np.isnan(system.output).any(axis=1)
+    for k in (1, 2, 3):
+        frequency = k * speeds / period
+        inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
+        if not inside.any():
+            continue
+        kernel = np.exp(-2j * np.pi * frequency[inside, None] * run.time_s)
+        line = kernel @ measured[:, predicted]
+        wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
+        response = frequency_response(system, frequency[inside])[:, predicted] @ wheel
+        response *= np.sinc(frequency[inside] * campaign.averaging_s)[:, None]
+        # Sum of |measured − model|² over channels, less the part that neither changes.
+        cross = np.einsum("fc,fc->f", response, line.conj())
+        turn = np.exp(2j * np.pi * k * phases)
+        power = np.einsum("fc,fc->f", response, response.conj()).real
+        match[inside] += 2 * (cross[:, None] * turn).real - power[:, None]
+    i, j = np.unravel_index(np.argmax(match), match.shape)
+    return {"speed_m_s": float(speeds[i]), "start_m": float(phases[j] * period)}
+
+
+def _match_shape(
+    campaign: Campaign, run: Run, model: Model, system: System, track: Track
+) -> dict[str, float]:
+    """Cross-correlation of the record with the response to the whole track, for every speed."""
+    duration = run.time_s[-1] - run.time_s[0]
+    travelled = run.speed_m_s * duration * (1 + REACH)
+    low = max(track.start_m, -2 * travelled) - travelled - 1.0
+    high = min(track.end_m, 2 * travelled) + model.values["geometry.wheelbase_m"] + 1.0
+    x = np.linspace(low, high, int((high - low) / 0.01) + 1)
+    profile = _envelopes(model, track, x)
+    predicted = ~np.isnan(system.output).any(axis=1)
+    step = 1.0 / campaign.sample_rate_hz
+    band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
+    measured = band.signal(run.acceleration[:, predicted])
+    best = (-np.inf, run.speed_m_s, 0.0)
+    for speed in _speeds(run, run.speed_m_s / 8.0):
+        n = fft.next_fast_len(int((high - low) / speed / step) + len(measured))
+        position = low + speed * step * np.arange(n)
+        height = np.empty((n, 4))
+        for i, behind in enumerate(_behind(model)):
+            height[:, i] = np.interp(position - behind, x, profile[:, i])
+        response = linear_response(system, height, step)[:, predicted]
+        spectrum = fft.rfft(response, axis=0)
+        lagged = fft.irfft((spectrum * fft.rfft(measured, n, axis=0).conj()).sum(axis=1), n)
+        power = np.cumsum(np.pad((response**2).sum(axis=1), (0, len(measured)), mode="wrap"))
+        energy = power[len(measured) : len(measured) + n] - power[:n]
+        match = 2 * lagged - energy
+        # The last len(measured) lags wrap around.
+        lag = int(np.argmax(match[: n - len(measured)]))
+        if match[lag] > best[0]:
+            start = low + speed * (lag * step - run.time_s[0])
+            best = (float(match[lag]), float(speed), float(start))
+    return {"speed_m_s": best[1], "start_m": best[2]}

@@ -1,0 +1,123 @@
+"""The campaign on the bench: simulators, in-band data and residuals of all its runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign, Run
+from wheelhop.compare.band import InBand
+from wheelhop.simulate import Model, Response, RunSimulator
+from wheelhop.vehicle import Drive, System
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+S = TypeVar("S")
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """One run, ready to be simulated again and again."""
+
+    run: Run
+    simulator: RunSimulator
+    band: InBand
+    measured: Array  #: (2 n_bins, c) in-band coefficients of the record
+    predicted: NDArray[np.bool_]  #: (c,) channels the model predicts in this run
+
+    @property
+    def drive(self) -> Drive:
+        """What moves the vehicle in this run."""
+        return self.simulator.drive
+
+    @property
+    def energy(self) -> float:
+        """Σ y² of the predicted channels, in band."""
+        return float((self.measured[:, self.predicted] ** 2).sum())
+
+    @property
+    def size(self) -> int:
+        """Number of in-band data of the predicted channels."""
+        return self.band.count * int(self.predicted.sum())
+
+    def response(self, model: Model, systems: dict[Drive, System]) -> Response:
+        """What the model says this run should have measured."""
+        return self.simulator.simulate(model, systems[self.drive])
+
+    def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
+        """In-band model coefficients (size,) of the predicted channels."""
+        acceleration = self.simulator.accelerations(model, systems[self.drive])
+        return self.band.coefficients(acceleration[:, self.predicted]).ravel()
+
+    def residual(self, model: Model, systems: dict[Drive, System]) -> Array:
+        """Measured minus modelled, (size,)."""
+        return self.measured[:, self.predicted].ravel() - self.modelled(model, systems)
+
+
+class Workshop:
+    """All runs of a campaign on their benches, worked on by a few threads."""
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        model: Model,
+        *,
+        noise_rms_m_s2: float | None = None,
+        jobs: int | None = None,
+    ) -> None:
+        self.campaign = campaign
+        self._pool = ThreadPoolExecutor(jobs or min(os.cpu_count() or 1, 8))
+        drives: set[Drive] = {
+            "axles" if run.track.kind == "unknown" else "road" for run in campaign.runs
+        }
+        self.drives = tuple(sorted(drives))
+        run_up = _run_up(self.systems(model))
+        self.benches = {run.id: self._bench(run, run_up) for run in campaign.runs}
+        self.set_noise(campaign.noise_rms_m_s2 if noise_rms_m_s2 is None else noise_rms_m_s2)
+
+    def set_noise(self, rms_m_s2: float | None) -> None:
+        """State the in-band noise of one channel; None: not known, any residual may be noise.
+
+        `noise` is the standard deviation of one in-band coefficient: n samples with this noise in
+        band have n · rms² as their sum of squares, spread over the band's coefficients.
+        """
+        band = next(iter(self.benches.values())).band
+        self.noise = 0.0 if rms_m_s2 is None else float(rms_m_s2 * np.sqrt(band.n / band.count))
+
+    def systems(self, model: Model) -> dict[Drive, System]:
+        """Equations of motion of a model for every drive that occurs in the campaign."""
+        return {drive: model.system(self.campaign.channels, drive) for drive in self.drives}
+
+    def of_role(self, role: str) -> tuple[Bench, ...]:
+        """The benches of the runs with this role."""
+        return tuple(b for b in self.benches.values() if b.run.role == role)
+
+    def each(self, function: Callable[[S], T], items: Iterable[S]) -> list[T]:
+        """`function` of every item, in parallel threads; the compiled integrator runs free of the
+        interpreter's lock."""
+        return list(self._pool.map(function, items))
+
+    def responses(self, model: Model) -> list[Response]:
+        """Responses of all runs, in the campaign's order."""
+        systems = self.systems(model)
+        return self.each(lambda b: b.response(model, systems), self.benches.values())
+
+    def _bench(self, run: Run, run_up: float) -> Bench:
+        simulator = RunSimulator(self.campaign, run, run_up)
+        band = InBand(len(run.time_s), self.campaign.sample_rate_hz, self.campaign.band_hz)
+        predicted = np.array(
+            [simulator.drive == "road" or not c.is_axle for c in self.campaign.channels]
+        )
+        return Bench(run, simulator, band, band.coefficients(run.acceleration), predicted)
+
+
+def _run_up(systems: dict[Drive, System]) -> float:
+    """When the nominal vehicle has forgotten its start: seven of its slowest time constants."""
+    slowest = min(float(-system.poles().real.max()) for system in systems.values())
+    return float(np.clip(7.0 / max(slowest, 1e-3), 1.5, 6.0))

@@ -1,0 +1,32 @@
+"""Frequency response of the linear part of a mechanism."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import fft
+
+from wheelhop.vehicle.assembly import System
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+def frequency_response(system: System, frequency_hz: ArrayLike) -> ComplexArray:
+    """Acceleration of every output per prescribed motion, (f, c, m), 1/s².
+
+    H(ω) = −ω² L (K − ω² M + iωC)⁻¹ (B + iωD), with exp(+iωt); force laws are left out.
+    """
+    omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))[:, None, None]
+    dynamic = system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
+    driven = system.input_stiffness + 1j * omega * system.input_damping
+    return np.asarray(-(omega**2) * (system.output @ np.linalg.solve(dynamic, driven)))
+
+
+def linear_response(system: System, height: Array, step_s: float) -> Array:
+    """Accelerations (T, c), m/s², for prescribed motions (T, m), m, by the discrete Fourier
+    transform: the motion is taken to repeat after T steps."""
+    spectrum = fft.rfft(height, axis=0)
+    response = frequency_response(system, fft.rfftfreq(len(height), step_s))
+    moved = np.einsum("fcm,fm->fc", response, spectrum)
+    return np.asarray(fft.irfft(moved, len(height), axis=0))

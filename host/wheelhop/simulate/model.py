@@ -1,0 +1,72 @@
+"""A model: the numbers of a vehicle and the effects added to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from wheelhop.campaign import Channel
+from wheelhop.effects import Effect, Parameter
+from wheelhop.vehicle import Drive, System, baseline
+from wheelhop.vehicle.full_car import body_inertia
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A vehicle with effects.
+
+    ``values`` holds every number under one name: "body.mass_kg" as in vehicle.toml,
+    "channel.imu.x_m" for a sensor whose place is estimated, "dry-friction.front_N" for an effect's
+    parameter. ``runs`` holds, for each run's id, what that run leaves free: "speed_m_s",
+    "start_m" (x of the front axle at time_s = 0) and effects' own, prefixed like the others.
+    """
+
+    values: Values
+    effects: tuple[Effect, ...] = ()
+    runs: Mapping[str, Values] = field(default_factory=dict)
+
+    def theta(self, effect: Effect, run_id: str | None = None) -> dict[str, float]:
+        """An effect's own parameters by their short names, those of one run included."""
+        prefix = f"{effect.id}."
+        own = {k[len(prefix) :]: v for k, v in self.values.items() if k.startswith(prefix)}
+        if run_id is not None:
+            run = self.runs.get(run_id, {})
+            own |= {k[len(prefix) :]: v for k, v in run.items() if k.startswith(prefix)}
+        return own
+
+    def with_values(self, changes: Values) -> Model:
+        """The same model with some numbers changed."""
+        return replace(self, values={**self.values, **changes})
+
+    def with_run(self, run_id: str, changes: Values) -> Model:
+        """The same model with some of one run's numbers changed."""
+        return replace(self, runs={**self.runs, run_id: {**self.runs.get(run_id, {}), **changes}})
+
+    def with_effect(self, effect: Effect, parameters: Sequence[Parameter]) -> Model:
+        """Add an effect, absent at first: amplitudes at their absent value, shapes at a start."""
+        start = {
+            f"{effect.id}.{p.name}": p.starts[0] if p.is_shape else p.absent for p in parameters
+        }
+        return replace(self, values={**self.values, **start}, effects=(*self.effects, effect))
+
+    def without_effect(self, effect_id: str) -> Model:
+        """The model with one effect and all its numbers taken out."""
+        prefix = f"{effect_id}."
+        return Model(
+            values={k: v for k, v in self.values.items() if not k.startswith(prefix)},
+            effects=tuple(e for e in self.effects if e.id != effect_id),
+            runs={
+                run: {k: v for k, v in values.items() if not k.startswith(prefix)}
+                for run, values in self.runs.items()
+            },
+        )
+
+    def system(self, channels: Sequence[Channel], drive: Drive) -> System:
+        """The equations of motion, with the outputs of `channels`."""
+        parts = baseline(self.values, channels, drive)
+        for effect in self.effects:
+            if drive == "road" or not effect.needs_road:
+                effect.modify(self.theta(effect), self.values, parts)
+        return parts.system(body_inertia(self.values))

@@ -1,0 +1,186 @@
+"""Equations of motion from springs, masses and forces between named nodes.
+
+A linear mechanism with prescribed motions u(t) (ground heights, or measured axle motions) and
+applied forces w(t) is
+
+    M q̈ + C q̇ + K q = B u + D u̇ + E w − Σ Pᵀ f(δ, δ̇),     δ = P q + R u
+
+with f the nonlinear force laws. Parts are added one by one between *nodes*; the matrices are
+formed at the end, so that a part may be added in any order, and a flexible mode of the body
+changes the motion of every point already attached to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Law = Callable[[float, float, float, float, Array], tuple[float, float]]
+"""A force law, compiled with :func:`wheelhop.effects.law`: see there."""
+
+LAW_PARAMETERS = 6
+"""How many numbers a force law may use; a fixed width keeps the compiled integrator general."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A point of the sprung body, x ahead and y to the left of its centre of mass, metres."""
+
+    x_m: float
+    y_m: float
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A coordinate by name: a free one ("axle 1", "driver") or a prescribed one ("ground 1")."""
+
+    name: str
+
+
+Node = Body | Coordinate
+Row = tuple[tuple[float, Node], ...]
+"""A relative displacement: the sum of coefficient × vertical displacement of the node."""
+
+
+def between(upper: Node, lower: Node) -> Row:
+    """Extension of a part between two nodes: upper minus lower."""
+    return ((1.0, upper), (-1.0, lower))
+
+
+@dataclass(frozen=True)
+class System:
+    """A mechanism ready for integration or for its frequency response (shapes: n free, m
+    prescribed coordinates, k applied forces, p ports of force laws, c outputs)."""
+
+    mass: Array  #: (n, n) M, kg
+    damping: Array  #: (n, n) C, N·s/m
+    stiffness: Array  #: (n, n) K, N/m
+    input_stiffness: Array  #: (n, m) B, N/m
+    input_damping: Array  #: (n, m) D, N·s/m
+    force: Array  #: (n, k) E
+    port: Array  #: (p, n) P
+    port_input: Array  #: (p, m) R
+    port_law: tuple[int, ...]  #: (p,) index into `laws` for each port
+    laws: tuple[Law, ...]
+    law_parameters: Array  #: (p, LAW_PARAMETERS)
+    output: Array  #: (c, n) output displacement = output @ q; NaN row: not predicted
+
+    def poles(self) -> NDArray[np.complex128]:
+        """Eigenvalues (2n,) of the linear part, rad/s."""
+        n = len(self.mass)
+        a = np.zeros((2 * n, 2 * n))
+        a[:n, n:] = np.eye(n)
+        a[n:, :n] = -np.linalg.solve(self.mass, self.stiffness)
+        a[n:, n:] = -np.linalg.solve(self.mass, self.damping)
+        return np.asarray(np.linalg.eigvals(a), dtype=np.complex128)
+
+
+@dataclass
+class Assembly:
+    """Collects parts, then makes the :class:`System`."""
+
+    prescribed: tuple[str, ...]
+    _free: list[str] = field(default_factory=lambda: ["heave", "pitch", "roll"])
+    _modes: list[tuple[str, Callable[[float, float], float]]] = field(default_factory=list)
+    _masses: list[tuple[Row, float]] = field(default_factory=list)
+    _springs: list[tuple[Row, float, float]] = field(default_factory=list)
+    _laws: list[tuple[Row, Law, tuple[float, ...]]] = field(default_factory=list)
+    _forces: list[Row] = field(default_factory=list)
+    _outputs: list[Row | None] = field(default_factory=list)
+
+    def add_coordinate(self, name: str) -> Coordinate:
+        """A new free coordinate (a vertical displacement, metres)."""
+        self._free.append(name)
+        return Coordinate(name)
+
+    def add_body_mode(self, name: str, shape: Callable[[float, float], float]) -> Coordinate:
+        """A flexible mode: the body's point (x, y) also moves by shape(x, y) × coordinate."""
+        self._modes.append((name, shape))
+        return self.add_coordinate(name)
+
+    def add_mass(self, row: Row, mass_kg: float) -> None:
+        """Kinetic energy ½ m (d row/dt)²; a negative mass takes inertia away."""
+        self._masses.append((row, mass_kg))
+
+    def add_spring(self, row: Row, stiffness_N_m: float, damping_N_s_m: float = 0.0) -> None:
+        """A linear spring and damper along the extension `row`."""
+        self._springs.append((row, stiffness_N_m, damping_N_s_m))
+
+    def add_law(self, row: Row, law: Law, parameters: tuple[float, ...]) -> None:
+        """A nonlinear force −f(δ, δ̇) along the extension `row`, in N."""
+        self._laws.append((row, law, parameters))
+
+    def add_force(self, row: Row) -> None:
+        """An applied force along `row`; its history is the next column of w(t)."""
+        self._forces.append(row)
+
+    def add_output(self, row: Row | None) -> None:
+        """The next output: the displacement `row`, or None for one that is not predicted."""
+        self._outputs.append(row)
+
+    @property
+    def has(self) -> frozenset[str]:
+        """The names of all coordinates: an effect asks whether, say, "ground 1" is there."""
+        return frozenset(self._free) | frozenset(self.prescribed)
+
+    def _vector(self, row: Row) -> Array:
+        index = {name: i for i, name in enumerate((*self._free, *self.prescribed))}
+        vector = np.zeros(len(index))
+        for coefficient, node in row:
+            if isinstance(node, Coordinate):
+                vector[index[node.name]] += coefficient
+                continue
+            # Pitch is positive nose down, roll positive right side down (campaign-format.md).
+            vector[0] += coefficient
+            vector[1] -= coefficient * node.x_m
+            vector[2] += coefficient * node.y_m
+            for name, shape in self._modes:
+                vector[index[name]] += coefficient * shape(node.x_m, node.y_m)
+        return vector
+
+    def _stack(self, rows: list[Row]) -> Array:
+        n = len(self._free) + len(self.prescribed)
+        return np.array([self._vector(row) for row in rows]).reshape(len(rows), n)
+
+    def system(self, body_inertia: tuple[float, float, float]) -> System:
+        """Form the matrices.
+
+        Parameters
+        ----------
+        body_inertia
+            Mass (kg), pitch and roll inertia (kg m²) of the sprung body.
+        """
+        n = len(self._free)
+        masses = self._stack([row for row, _ in self._masses])
+        m = masses.T @ (np.array([value for _, value in self._masses])[:, None] * masses)
+        m[:3, :3] += np.diag(body_inertia)
+        springs = self._stack([row for row, _, _ in self._springs])
+        k = springs.T @ (np.array([value for _, value, _ in self._springs])[:, None] * springs)
+        c = springs.T @ (np.array([value for _, _, value in self._springs])[:, None] * springs)
+        ports = self._stack([row for row, _, _ in self._laws])
+        laws = tuple(dict.fromkeys(law for _, law, _ in self._laws))
+        parameters = np.zeros((len(self._laws), LAW_PARAMETERS))
+        for i, (_, _, values) in enumerate(self._laws):
+            parameters[i, : len(values)] = values
+        output = np.full((len(self._outputs), n), np.nan)
+        for i, out in enumerate(self._outputs):
+            if out is not None:
+                output[i] = self._vector(out)[:n]
+        return System(
+            mass=m[:n, :n],
+            damping=c[:n, :n],
+            stiffness=k[:n, :n],
+            input_stiffness=-k[:n, n:],
+            input_damping=-c[:n, n:],
+            force=self._stack(self._forces)[:, :n].T.copy(),
+            port=np.ascontiguousarray(ports[:, :n]),
+            port_input=np.ascontiguousarray(ports[:, n:]),
+            port_law=tuple(laws.index(law) for _, law, _ in self._laws),
+            laws=laws,
+            law_parameters=parameters,
+            output=output,
+        )

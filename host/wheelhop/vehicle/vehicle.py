@@ -1,0 +1,125 @@
+"""The numbers of vehicle.toml: what the user believes about the vehicle before any fit."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from wheelhop.campaign.keys import Table, read_toml
+
+WHEEL = ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m", "radius_m")
+SUSPENSION = ("stiffness_N_m", "damping_N_s_m")
+SEAT = ("mass_kg", "x_m", "y_m")
+TABLES = {
+    "geometry": ("wheelbase_m", "track_width_m", "cg_to_front_axle_m", "cg_height_m"),
+    "body": ("mass_kg", "pitch_inertia_kg_m2", "roll_inertia_kg_m2"),
+    "suspension.front": SUSPENSION,
+    "suspension.rear": SUSPENSION,
+    "wheel.front": WHEEL,
+    "wheel.rear": WHEEL,
+    "driver": SEAT,
+    "engine": SEAT,
+}
+OPTIONAL = ("driver", "engine")
+MAY_BE_ZERO = ("damping_N_s_m", "tyre_damping_N_s_m")
+POSITIONS = ("x_m", "y_m")
+LEAST_POSITION_UNCERTAINTY_M = 0.02
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """The numbers of a vehicle under flat dotted keys, "suspension.front.stiffness_N_m", in SI.
+
+    `uncertainty` holds one standard deviation for every key of `values`, in the same unit. The
+    keys of [driver] and [engine] are there only if the file has these tables.
+    """
+
+    name: str
+    values: Mapping[str, float]
+    uncertainty: Mapping[str, float]
+
+    def __getitem__(self, key: str) -> float:
+        return self.values[key]
+
+    def with_values(self, changes: Mapping[str, float]) -> "Vehicle":
+        """This vehicle with some values changed; KeyError for a key it does not have."""
+        for key in changes:
+            self.values[key]
+        return replace(self, values={**self.values, **changes})
+
+
+def read_vehicle(path: Path) -> Vehicle:
+    """Read vehicle.toml.
+
+    The uncertainty of a value is its KEY_uncertainty if given, else `relative_uncertainty` times
+    its magnitude, and for the position of driver and engine at least 0.02 m.
+
+    Raises `CampaignError` for unknown or missing keys, masses and lengths that are not positive,
+    a centre of mass that is not between the axles, and a value without uncertainty.
+    """
+    top = read_toml(path)
+    top.format()
+    top.only(("format", "name", "relative_uncertainty", *(name.split(".")[0] for name in TABLES)))
+    name = top.text("name")
+    relative = top.number("relative_uncertainty", above=0.0)
+    if relative > 1.0:
+        raise top.error(f"relative_uncertainty = {relative:g} is a fraction: 0.10 for 10 %")
+    values: dict[str, float] = {}
+    uncertainty: dict[str, float] = {}
+    for path_in_file, keys in TABLES.items():
+        if path_in_file in OPTIONAL and path_in_file not in top:
+            continue
+        table = _descend(top, path_in_file)
+        table.only([*keys, *(f"{key}_uncertainty" for key in keys)])
+        for key in keys:
+            value = _value(table, key)
+            values[f"{path_in_file}.{key}"] = value
+            uncertainty[f"{path_in_file}.{key}"] = _uncertainty(table, key, value, relative)
+    vehicle = Vehicle(name, values, uncertainty)
+    _check_whole(top, vehicle)
+    return vehicle
+
+
+def _descend(top: Table, dotted: str) -> Table:
+    """The table [dotted]; its parent may hold nothing but such tables."""
+    parent, _, last = dotted.rpartition(".")
+    if not parent:
+        return top.table(last)
+    outer = top.table(parent)
+    outer.only([name.split(".")[1] for name in TABLES if name.startswith(f"{parent}.")])
+    return outer.table(last)
+
+
+def _value(table: Table, key: str) -> float:
+    if key in POSITIONS:
+        return table.number(key)
+    if key in MAY_BE_ZERO:
+        return table.number(key, at_least=0.0)
+    return table.number(key, above=0.0)
+
+
+def _uncertainty(table: Table, key: str, value: float, relative: float) -> float:
+    given = f"{key}_uncertainty"
+    if given in table:
+        return table.number(given, above=0.0)
+    scaled = relative * abs(value)
+    if key in POSITIONS:
+        return max(scaled, LEAST_POSITION_UNCERTAINTY_M)
+    if scaled == 0.0:
+        raise table.error(f"{key} = 0 has no relative uncertainty: give {given} too")
+    return scaled
+
+
+def _check_whole(top: Table, vehicle: Vehicle) -> None:
+    """What no single key can show: where the centre of mass lies, and what the body contains."""
+    ahead, wheelbase = vehicle["geometry.cg_to_front_axle_m"], vehicle["geometry.wheelbase_m"]
+    if not ahead < wheelbase:
+        raise top.error(
+            f"[geometry]: cg_to_front_axle_m = {ahead:g} must be less than wheelbase_m = "
+            f"{wheelbase:g}: the centre of mass lies between the axles"
+        )
+    aboard = sum(vehicle[f"{name}.mass_kg"] for name in OPTIONAL if name in top)
+    if not aboard < vehicle["body.mass_kg"]:
+        raise top.error(
+            f"[body]: mass_kg = {vehicle['body.mass_kg']:g} includes driver and engine, which "
+            f"alone are {aboard:g} kg"
+        )

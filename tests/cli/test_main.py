@@ -1,0 +1,154 @@
+"""The frame of the command line: what it accepts, what it prints, how it ends."""
+
+import subprocess
+import sys
+import time
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from tests.campaign.build import edit, write_campaign
+from wheelhop.cli import main as cli
+from wheelhop.cli.main import main
+
+COMMANDS = ("check", "compare", "diagnose", "add", "demo", "version")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return write_campaign(tmp_path / "c")
+
+
+def wheelhop(*words: object, **options: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "wheelhop.cli.main", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, **options)
+
+
+def test_check_shows_runs_channels_band_and_floor(folder, capsys):
+    assert main(["check", str(folder)]) == 0
+    out = capsys.readouterr().out
+    for word in ("two runs", "student-built ATV", "0.5 to 30 Hz", "0.12 m/s²", "B1, B2", "A4"):
+        assert word in out
+    slow = next(line for line in out.splitlines() if line.strip().startswith("slow"))
+    assert slow.split()[:8] == ["slow", "fit", "7.5", "washboard", "15", "×", "400", "mm"]
+    assert slow.split()[8] == "256"
+
+
+def test_a_mistake_is_one_line_on_stderr_and_status_2(folder):
+    edit(folder / "vehicle.toml", "mass_kg = 228.0", "mass_kg = -228.0")
+    done = wheelhop("check", folder)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"wheelhop: {folder / 'vehicle.toml'}: [body]: mass_kg")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [],
+        ["diagnos", "x"],
+        ["diagnose"],
+        ["diagnose", "x", "--jobs", "none"],
+        ["diagnose", "x", "--max-effects", "0"],
+        ["compare", "x", "--plus", "dry-friction"],
+        ["add", "x"],
+    ],
+)
+def test_a_wrong_command_line_is_one_line_and_status_2(words, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(words)
+    assert end.value.code == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith("wheelhop: ") and err.count("\n") == 1
+
+
+def test_an_output_that_cannot_be_written_is_told_before_the_work(folder, capsys, tmp_path):
+    assert main(["diagnose", str(folder), "--json", str(tmp_path / "no/x.json")]) == 2
+    assert "there is no folder" in capsys.readouterr().err
+    assert main(["diagnose", str(folder), "--report", str(tmp_path)]) == 2
+    assert "is a folder" in capsys.readouterr().err
+
+
+def test_interruption_is_one_line_and_status_130(monkeypatch, folder, capsys):
+    def interrupted(arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("wheelhop.cli.check.run", interrupted)
+    assert main(["check", str(folder)]) == 130
+    assert capsys.readouterr().err == "wheelhop: interrupted\n"
+
+
+@pytest.mark.parametrize("words", [["check", "."], ["version"]])
+def test_a_reader_that_stops_reading_is_no_error(folder, words):
+    command = [sys.executable, "-m", "wheelhop.cli.main", *words]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=folder, **pipes) as process:
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == cli.BROKEN_PIPE
+
+
+def test_a_fault_of_the_program_is_not_taken_for_one_of_the_user(monkeypatch, folder):
+    def faulty(arguments):
+        raise ValueError("a bug")
+
+    monkeypatch.setattr("wheelhop.cli.check.run", faulty)
+    with pytest.raises(ValueError, match="a bug"):
+        main(["check", str(folder)])
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_is_a_module_and_has_help(command, capsys):
+    assert callable(import_module(f"wheelhop.cli.{command}").run)
+    with pytest.raises(SystemExit) as end:
+        main([command, "--help"])
+    assert end.value.code == 0
+    assert f"wheelhop {command}" in capsys.readouterr().out
+
+
+def test_options_of_diagnose_and_compare():
+    parse = cli._parser().parse_args
+    compare = parse(
+        ["compare", "c", "--add", "dry-friction", "--add", "tyre-lift-off", "--json", "x.json"]
+    )
+    assert compare.add == ["dry-friction", "tyre-lift-off"]
+    assert compare.json == Path("x.json")
+    diagnose = parse(["diagnose", "c"])
+    assert (diagnose.max_effects, diagnose.json, diagnose.report) == (3, None, None)
+    own = parse(["diagnose", "c", "--effects", "mine.py", "--jobs", "2", "--max-effects", "5"])
+    assert (own.effects, own.jobs, own.max_effects) == (Path("mine.py"), 2, 5)
+    assert parse(["add", "c", "dry-friction", "bump-stop"]).effects == ["dry-friction", "bump-stop"]
+
+
+def test_version_is_printed_both_ways(capsys):
+    assert main(["version"]) == main(["--version"]) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert first == second and first.startswith("wheelhop 0.")
+
+
+def test_help_answers_at_once_because_it_loads_no_room():
+    heavy = "numpy", "scipy", "numba", "matplotlib", "rich", "wheelhop.campaign"
+    code = (
+        "import sys; from wheelhop.cli.main import _parser; _parser().format_help(); "
+        f"print([name for name in {heavy!r} if name in sys.modules])"
+    )
+    best = 9.0
+    for _ in range(3):
+        start = time.perf_counter()
+        loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout
+        best = min(best, time.perf_counter() - start)
+    assert loaded.strip() == "[]"
+    assert best < 1.0  # 0.1 s on a laptop core
+
+
+def test_demo_copies_the_example_and_starts_afresh_every_time(tmp_path, monkeypatch, capsys):
+    from wheelhop.cli.demo import copy_example
+
+    folder = tmp_path / "demo"
+    copy_example(folder)
+    (folder / "campaign.toml").write_text("spoilt")
+    copy_example(folder)
+    assert main(["check", str(folder)]) == 0
+    assert "open-dry-friction" in capsys.readouterr().out
+    assert not (folder / "truth.toml").exists()

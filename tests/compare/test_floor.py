@@ -1,0 +1,77 @@
+"""The noise floor, stated and estimated."""
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wheelhop.campaign import read_campaign
+from wheelhop.compare import compare, estimate_noise, in_band, noise_floor, relative_error
+from wheelhop.simulate import Response
+
+ROOT = Path(__file__).parents[2]
+IN_BAND = np.sqrt(604 / 1024)  # of white noise at 100 Hz, band 0.5 to 30 Hz, 1024 samples
+
+
+def test_the_floor_is_the_error_of_a_model_that_leaves_only_noise(bench):
+    campaign, responses = bench.campaign(
+        [2.0, 3.0, 2.5, 4.0], lambda t, v: bench.noise(0.3), noise=0.3 * IN_BAND
+    )
+    comparison = compare(campaign, responses)
+    floor = comparison.floor
+    assert floor.source == "noise_rms_m_s2"
+    assert comparison.error_fit == pytest.approx(floor.error_fit, rel=0.03)
+    assert comparison.error_validate == pytest.approx(floor.error_validate, rel=0.03)
+
+
+@pytest.mark.parametrize("kind", ["washboard", "unknown"])
+def test_an_estimate_finds_the_noise_of_each_channel_under_a_wrong_model(bench, kind):
+    rms = np.linspace(0.05, 0.4, 8)
+    campaign, responses = bench.campaign(
+        [1.0, 1.2, 1.5, 1.9, 2.4, 3.0],
+        lambda t, v: bench.noise(1.0) * rms + 0.5 * bench.motion(t, v),
+        noise=None,
+        kind=kind,
+    )
+    estimate = estimate_noise(in_band(campaign, responses))
+    np.testing.assert_allclose(estimate, rms * IN_BAND, rtol=0.2)
+
+
+def test_the_estimate_scales_with_the_signals(bench):
+    campaign, responses = bench.campaign([2.0, 3.0], lambda t, v: bench.noise(0.1), noise=None)
+    once = estimate_noise(in_band(campaign, responses))
+    runs = tuple(replace(r, acceleration=3.0 * r.acceleration) for r in campaign.runs)
+    larger = [replace(r, acceleration=3.0 * r.acceleration) for r in responses]
+    np.testing.assert_allclose(
+        estimate_noise(in_band(replace(campaign, runs=runs), larger)), 3.0 * once, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize(("n", "band"), [(200, (0.5, 30.0)), (60, (1.0, 5.0)), (40, (2.0, 3.0))])
+def test_short_records_and_narrow_bands_still_give_a_finite_estimate(bench, n, band):
+    campaign, responses = bench.campaign(
+        [2.0, 3.0, 4.0], lambda t, v: bench.noise(0.1, (n, 8)), noise=None, n=n
+    )
+    estimate = estimate_noise(in_band(replace(campaign, band_hz=band), responses))
+    assert np.all(np.isfinite(estimate)) and np.all(estimate > 0.0)
+
+
+TRUTHS = sorted((ROOT / "tests" / "data" / "open_truth").glob("*.toml"))
+
+
+@pytest.mark.parametrize("truth", TRUTHS, ids=[path.stem for path in TRUTHS])
+def test_the_noise_of_an_open_campaign_is_found_without_being_told(truth):
+    # No model at all (a response of zero): what the recordings alone give away.
+    campaign = replace(read_campaign(ROOT / "examples" / truth.stem), noise_rms_m_s2=None)
+    responses = [Response(r.id, np.zeros_like(r.acceleration), None) for r in campaign.runs]
+    records = in_band(campaign, responses)
+    floor = noise_floor(campaign, records)
+    assert floor.source == "estimated"
+    true = tomllib.loads(truth.read_text())
+    pooled = np.sqrt(np.mean(floor.noise_rms_m_s2**2))
+    assert pooled == pytest.approx(true["noise_rms_in_band_m_s2"], rel=0.15)
+    each = np.array([true["noise"][channel.name] for channel in campaign.channels])
+    np.testing.assert_allclose(floor.noise_rms_m_s2, each * IN_BAND, rtol=0.2)
+    assert relative_error(records) == pytest.approx(1.0)

@@ -1,0 +1,97 @@
+"""The rules of the house: arrows go one way, files stay small, nothing is left half done."""
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_sim")]
+# A room may import itself and the rooms before it.
+ROOMS = (
+    *("campaign", "track", "vehicle", "effects", "simulate", "compare"),
+    *("fit", "diagnose", "report", "cli"),
+)
+LONGEST_FILE = 400  # lines
+TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}
+FOLDERS = ("host", "calibration", "hil_sim", "firmware", "tests", "benchmarks", "docs", "tools")
+
+MODULES = sorted(path for portion in PORTIONS for path in portion.rglob("*.py"))
+
+
+def texts() -> Iterator[Path]:
+    """Every text file of ours; recordings and what tools leave behind are not."""
+    top = [path for path in ROOT.iterdir() if path.is_file()]
+    below = [path for name in (*FOLDERS, ".ci", "examples") for path in (ROOT / name).rglob("*")]
+    for path in (*top, *below):
+        hidden = any(
+            part.startswith(".") and part != ".ci" for part in path.relative_to(ROOT).parts
+        )
+        if path.is_file() and path.suffix in TEXT and not hidden and path.name != "LICENSE":
+            yield path
+
+
+def imported_rooms(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and room of every import of wheelhop in a module, wherever it stands."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}:{node.lineno}: write imports in full"
+            names = [node.module or ""]
+            if node.module == "wheelhop":
+                names = [f"wheelhop.{alias.name}" for alias in node.names]
+        for name in names:
+            if name.startswith("wheelhop."):
+                yield node.lineno, name.split(".")[1]
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_imports_only_go_upstream(path):
+    room = next(path.relative_to(p).parts[0] for p in PORTIONS if path.is_relative_to(p))
+    assert room in ROOMS, f"{room} has no place in the order of the rooms"
+    for line, other in imported_rooms(path):
+        assert other in ROOMS and ROOMS.index(other) <= ROOMS.index(room), (
+            f"{path.relative_to(ROOT)}:{line}: {room} must not import {other}"
+        )
+
+
+def test_the_portions_form_one_namespace():
+    assert [portion for portion in PORTIONS if (portion / "__init__.py").exists()] == []
+    rooms = {path.parent for path in MODULES}
+    assert [room for room in rooms if not (room / "__init__.py").exists()] == []
+
+
+def test_no_file_is_longer_than_a_few_screens():
+    long = {
+        str(path.relative_to(ROOT)): lines
+        for path in texts()
+        if path.suffix in {".py", ".cpp", ".h"}
+        and (lines := len(path.read_text(encoding="utf-8").splitlines())) > LONGEST_FILE
+    }
+    assert long == {}
+
+
+def test_nothing_is_left_half_done_and_no_path_belongs_to_one_machine():
+    leftover = re.compile(r"\b(TO" r"DO|FIX" r"ME|XX" r"X)\b|(?<![\w.])/(home|wo" r"rk|Users)/\w")
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in texts()
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if leftover.search(line)
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("room", ["campaign", "vehicle", "track", "simulate", "compare"])
+def test_rooms_that_compute_do_not_load_the_plotting(room):
+    if not (ROOT / "host/wheelhop" / room).exists():
+        pytest.skip(f"{room} is not built yet")
+    code = f"import sys, wheelhop.{room}; print('matplotlib' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout == "False\n", done.stderr

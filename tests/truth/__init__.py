@@ -1,0 +1,27 @@
+"""Measured campaigns whose truth is known: an independent simulator for tests and benchmarks.
+
+Built on MuJoCo; shares no code with the package it tests.
+"""
+
+from .campaign import Truth, in_band, make_campaign, read_truth
+from .effects import known_ids, make_effect, make_effects
+from .model import CHANNELS, Motion, Run, integrate, simulate_run
+from .presets import PRESETS
+from .tracks import Track
+
+__all__ = [
+    "CHANNELS",
+    "PRESETS",
+    "Motion",
+    "Run",
+    "Track",
+    "Truth",
+    "in_band",
+    "integrate",
+    "known_ids",
+    "make_campaign",
+    "make_effect",
+    "make_effects",
+    "read_truth",
+    "simulate_run",
+]

@@ -1,0 +1,137 @@
+"""vehicle.toml: what every number means, how well it is known, and what is refused."""
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.campaign.build import VEHICLE, edit
+from wheelhop.campaign import CampaignError
+from wheelhop.vehicle import Vehicle, read_vehicle
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "vehicle.toml"
+    path.write_text(VEHICLE)
+    return path
+
+
+def complaint(file: Path) -> str:
+    with pytest.raises(CampaignError) as caught:
+        read_vehicle(file)
+    assert str(caught.value).startswith(str(file))
+    return str(caught.value)
+
+
+def test_numbers_stand_under_their_dotted_keys(file):
+    vehicle = read_vehicle(file)
+    assert vehicle.name == "student-built ATV"
+    assert vehicle["geometry.wheelbase_m"] == 1.42
+    assert vehicle["suspension.rear.damping_N_s_m"] == 590.0
+    assert vehicle["wheel.front.unsprung_mass_kg"] == 15.0
+    assert vehicle["driver.x_m"] == -0.10
+    assert len(vehicle.values) == 22
+    assert vehicle.values.keys() == vehicle.uncertainty.keys()
+    assert not any(key.startswith("engine") for key in vehicle.values)
+
+
+def test_uncertainty_is_relative_unless_it_stands_beside_the_value(file):
+    uncertainty = read_vehicle(file).uncertainty
+    assert uncertainty["body.mass_kg"] == pytest.approx(22.8)
+    assert uncertainty["suspension.front.stiffness_N_m"] == 800.0
+    assert uncertainty["driver.mass_kg"] == pytest.approx(7.0)
+
+
+def test_where_the_driver_sits_is_never_known_better_than_2_cm_unless_stated(file):
+    uncertainty = read_vehicle(file).uncertainty
+    assert uncertainty["driver.x_m"] == 0.02  # ten per cent of 0.1 m would be 0.01 m
+    assert uncertainty["driver.y_m"] == 0.02
+    edit(file, "x_m = -0.10", "x_m = -0.50\ny_m_uncertainty = 0.005")
+    uncertainty = read_vehicle(file).uncertainty
+    assert uncertainty["driver.x_m"] == pytest.approx(0.05)
+    assert uncertainty["driver.y_m"] == 0.005
+
+
+def test_changed_values_make_another_vehicle(file):
+    vehicle = read_vehicle(file)
+    heavier = vehicle.with_values({"body.mass_kg": 250.0})
+    assert heavier["body.mass_kg"] == 250.0
+    assert vehicle["body.mass_kg"] == 228.0
+    assert heavier.with_values({"body.mass_kg": 228.0}) == vehicle
+    with pytest.raises(KeyError, match=r"body\.mass_g"):
+        vehicle.with_values({"body.mass_g": 250.0})
+
+
+MISTAKES = {
+    "misspelt key": ("track_width_m", "track_widht_m", ["[geometry]", "'track_width_m'?"]),
+    "misspelt table": ("[wheel.rear]", "[wheel.raer]", ["[wheel]", "'rear'?"]),
+    "key in the wrong table": ("cg_height_m", "stiffness_N_m", ["[geometry]", "stiffness_N_m"]),
+    "newtons per millimetre": (
+        "stiffness_N_m = 6500.0",
+        "stiffness_N_mm = 6.5",
+        ["[suspension.rear]", "newtons per metre", "stiffness_N_m = 6500"],
+    ),
+    "uncertainty in millimetres": (
+        "wheelbase_m = 1.42",
+        "wheelbase_m = 1.42\nwheelbase_mm_uncertainty = 5",
+        ["wheelbase is given in metres", "wheelbase_m_uncertainty = 0.005"],
+    ),
+    "missing key": ("cg_height_m = 0.52\n", "", ["[geometry]", "'cg_height_m' is missing"]),
+    "missing table": ("[body]", "[bodywork]", ["'bodywork'", "'body'?"]),
+    "no mass": ("mass_kg = 228.0", "mass_kg = 0", ["[body]", "mass_kg = 0", "greater than 0"]),
+    "negative damping": ("damping_N_s_m = 590.0", "damping_N_s_m = -1", ["[suspension.rear]"]),
+    "not finite": ("mass_kg = 228.0", "mass_kg = nan", ["[body]", "mass_kg", "finite"]),
+    "centre of mass ahead": ("_axle_m = 0.80", "_axle_m = -0.1", ["[geometry]", "cg_to_front"]),
+    "centre of mass behind": (
+        "_axle_m = 0.80",
+        "_axle_m = 1.5",
+        ["[geometry]", "between the axles"],
+    ),
+    "driver heavier than the body": ("mass_kg = 70.0", "mass_kg = 300.0", ["includes driver"]),
+    "per cent": ("= 0.10", "= 10", ["relative_uncertainty = 10", "0.10 for 10 %"]),
+    "certainty": ("_uncertainty = 800.0", "_uncertainty = 0", ["greater than 0"]),
+    "relative to nothing": (
+        "tyre_damping_N_s_m = 200.0",
+        "tyre_damping_N_s_m = 0",
+        ["[wheel.front]", "give tyre_damping_N_s_m_uncertainty"],
+    ),
+    "format": ("format = 1", "format = '1'", ["reads format = 1"]),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes_get_one_line(file, mistake):
+    old, new, words = MISTAKES[mistake]
+    edit(file, old, new)
+    line = complaint(file)
+    assert line.isprintable()
+    assert all(word in line for word in words), line
+
+
+def test_missing_file(tmp_path):
+    assert "no such file" in complaint(tmp_path / "vehicle.toml")
+
+
+@given(st.data())
+def test_what_is_written_is_what_is_read(data):
+    shape = read_vehicle_text(VEHICLE)
+    positive = st.floats(1e-3, 1e6)
+    values = {key: data.draw(positive, key) for key in shape.values}
+    values["geometry.wheelbase_m"] = values["geometry.cg_to_front_axle_m"] * 2.0
+    values["body.mass_kg"] = values["driver.mass_kg"] * 1.5
+    uncertainty = {key: data.draw(positive, f"{key}_uncertainty") for key in values}
+    lines = ["format = 1", 'name = "v"', "relative_uncertainty = 0.2"]
+    for key, value in values.items():
+        lines += [f"{key} = {value!r}", f"{key}_uncertainty = {uncertainty[key]!r}"]
+    vehicle = read_vehicle_text("\n".join(lines))
+    assert vehicle == Vehicle("v", values, uncertainty)
+
+
+def read_vehicle_text(text: str) -> Vehicle:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "vehicle.toml"
+        file.write_text(text)
+        return read_vehicle(file)

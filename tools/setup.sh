@@ -1,0 +1,36 @@
+#!/bin/sh
+# Make .venv with a Python >= 3.11 and install wheelhop into it: tools/setup.sh '.[test]'
+set -eu
+cd "$(dirname "$0")/.."
+
+find_python() {
+    for name in python3.13 python3.12 python3.11 python3; do
+        if "$name" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            echo "$name"
+            return
+        fi
+    done
+    return 1
+}
+
+# Debian and Ubuntu ship Python without the part that venv needs.
+can_make_venv() { "$1" -c 'import ensurepip, venv' 2>/dev/null; }
+
+install_or_ask() { # PACKAGE, WHAT IT GIVES
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+        apt-get update -qq
+        DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$1" >/dev/null
+    else
+        echo "wheelhop: $2 is missing; on Debian or Ubuntu: sudo apt-get install $1" >&2
+        exit 1
+    fi
+}
+
+if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
+    find_python >/dev/null || install_or_ask python3 "Python 3.11 or later"
+    python=$(find_python) || { echo "wheelhop: Python 3.11 or later is missing" >&2; exit 1; }
+    version=$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+    can_make_venv "$python" || install_or_ask "python$version-venv" "Python's venv"
+    "$python" -m venv --clear .venv
+fi
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable "$1"
