@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import inf, isfinite
 
 import numpy as np
 
 from wheelhop.diagnose.probe import FitProbe
-from wheelhop.diagnose.screen import Screened, Variant, with_variant
+from wheelhop.diagnose.screen import Screened, with_variant
 from wheelhop.fit import Fit, Workshop, effect_parameters, fit
 from wheelhop.simulate import Model
 
@@ -61,8 +61,8 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
     ends a little above the minimum; `refit` goes all the way.
     """
-    variant, amplitudes = _start(workshop, base, screened)
-    model = with_variant(base.model, variant, amplitudes)
+    model = _start(workshop, base, screened)
+    variant = screened.variant
     shared = [*base.fit.shared, *effect_parameters(workshop.campaign, model, variant.effect)]
     benches = workshop.of_role("fit")
     return validate(workshop, fit(workshop, model, shared, benches, base.fit))
@@ -80,22 +80,37 @@ def without(workshop: Workshop, rung: Rung, effect_id: str) -> Rung:
     return validate(workshop, fit(workshop, model, shared, workshop.of_role("fit")))
 
 
-SMALLEST_START = 0.1
-"""A fit begins with at least this fraction of an amplitude's scale: at zero some laws are flat."""
+SHARES = (1.0, 0.4, 0.1)
+"""A fit begins at the best of these shares of the amplitudes that screening expects: to first
+order strong effects are overrated."""
+
+SMALLEST_START = 0.05
+"""And with at least this fraction of an amplitude's scale: at zero some laws are flat."""
 
 
-def _start(
-    workshop: Workshop, base: Rung, screened: Screened
-) -> tuple[Variant, Mapping[str, float]]:
-    """Where the fit of an effect begins: at what screening found, or where the effect suggests."""
+def _start(workshop: Workshop, base: Rung, screened: Screened) -> Model:
+    """The model where the fit of an effect begins."""
     variant = screened.variant
-    amplitudes = {}
-    for p in variant.amplitudes:
-        value = min(max(screened.amplitudes[p.name], -3 * p.scale), 3 * p.scale)
-        small = abs(value - p.absent) < SMALLEST_START * p.scale
-        amplitudes[p.name] = p.absent + SMALLEST_START * p.scale if small else value
     benches = list(workshop.benches.values())
     probe = FitProbe(workshop, base.model, benches)
     starts = workshop.each(lambda b: variant.effect.run_start(probe, b.simulator.setting), benches)
     runs = {bench.run.id: start for bench, start in zip(benches, starts, strict=True)}
-    return replace(variant, runs=runs), amplitudes
+    variant = replace(variant, runs=runs)
+    models = []
+    for share in SHARES if any(not p.switch for p in variant.amplitudes) else (1.0,):
+        amplitudes = {}
+        for p in variant.amplitudes:
+            away = (screened.amplitudes[p.name] - p.absent) * (1.0 if p.switch else share)
+            least = SMALLEST_START * p.scale
+            away = away if abs(away) > least else least
+            amplitudes[p.name] = min(max(p.absent + away, p.lower), p.upper)
+        models.append(with_variant(base.model, variant, amplitudes))
+    return min(models, key=lambda model: _misfit(workshop, model)) if len(models) > 1 else models[0]
+
+
+def _misfit(workshop: Workshop, model: Model) -> float:
+    """Σ residual² over the runs fitted."""
+    systems = workshop.systems(model)
+    residuals = workshop.each(lambda b: b.residual(model, systems), workshop.of_role("fit"))
+    total = sum(float(r @ r) for r in residuals)
+    return total if isfinite(total) else inf

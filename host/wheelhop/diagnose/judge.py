@@ -17,18 +17,17 @@ BLOCK_S = 1.0
 def advantage(base: Rung, rival: Rung) -> float:
     """How surely `rival` beats `base` on the runs that judge: t = Σd / √Σd².
 
-    d is the drop of the residual's sum of squares from base to rival in one block (one second of
-    one run), less what the additional numbers free in that run would gain from noise. If the
-    models were equally good, the signs of d would be those of fair coins, and t would exceed t₀
-    with a probability below exp(−t₀²/2) (Hoeffding's inequality, J. Am. Stat. Assoc. 58 (1963)
-    13), whatever the distribution of d. Negative if the rival is worse.
+    d is the logarithm of the ratio of the residuals' sums of squares, base to rival, in one block
+    (one second of one run), charged for the numbers free in that run; the logarithm gives loud and
+    quiet blocks one vote each. If the models were equally good, the signs of d would be those of
+    fair coins, and t would exceed t₀ with a probability below exp(−t₀²/2) (Hoeffding's inequality,
+    J. Am. Stat. Assoc. 58 (1963) 13), whatever the distribution of d. Negative if the rival is
+    worse.
 
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
     before, after = _judging(base), _judging(rival)
-    drops = np.concatenate(
-        [_drops(a, b, after.sigma) for a, b in zip(before.runs, after.runs, strict=True)]
-    )
+    drops = np.concatenate([_drops(a, b) for a, b in zip(before.runs, after.runs, strict=True)])
     spread = float(np.sqrt(np.sum(drops**2)))
     return float(np.sum(drops)) / spread if spread > 0 else 0.0
 
@@ -61,10 +60,11 @@ def _count(run: RunFit) -> int:
     return max(1, round(float(time[-1] - time[0]) / BLOCK_S))
 
 
-def _drops(base: RunFit, rival: RunFit, sigma: float) -> Array:
+def _drops(base: RunFit, rival: RunFit) -> Array:
     count = _count(base)
-    charge = max(len(rival.own) - len(base.own), 0) * sigma**2 / count
-    return _block_squares(base, count) - _block_squares(rival, count) - charge
+    size = base.bench.size
+    charge = float(np.log(max(size - len(rival.own), 1) / max(size - len(base.own), 1)))
+    return np.log(_block_squares(base, count) / _block_squares(rival, count)) + charge
 
 
 def _block_squares(run: RunFit, count: int) -> Array:
