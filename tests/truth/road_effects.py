@@ -38,20 +38,22 @@ class SpeedFluctuation(Effect):
 class LeftRightDrift(Effect):
     """The right wheels travel further than the left: by a fraction of the way, and a slow wander.
 
-    The difference is zero at time 0.
+    The vehicle's speed is the mean of its two sides'. The difference is zero at time 0.
     """
 
     id = "left-right-drift"
-    rate: float  # extra way of the right wheels per way of the left
+    rate: float  # extra way of the right wheels over the left, per way of the vehicle
     wander_m: float = 0.0  # amplitude
     wander_period_s: float = 8.0
 
     def steer(self, drive: Drive) -> None:
-        left = drive.path[:, 0]
+        middle = drive.path.mean(axis=1)
         phase = drive.rng.uniform(0.0, 2.0 * pi)
         wander = np.sin(2.0 * pi * drive.time / self.wander_period_s + phase) - np.sin(phase)
-        travelled = left - np.interp(0.0, drive.time, left)
-        drive.path[:, 1] += self.rate * travelled + self.wander_m * wander
+        travelled = middle - np.interp(0.0, drive.time, middle)
+        lead = self.rate * travelled + self.wander_m * wander
+        drive.path[:, 0] -= 0.5 * lead
+        drive.path[:, 1] += 0.5 * lead
 
 
 @dataclass

@@ -1,10 +1,37 @@
-"""`wheelhop add`."""
+"""`wheelhop add`: make effects part of the model and keep it in the campaign's folder."""
+
+from __future__ import annotations
 
 from argparse import Namespace
 
-from wheelhop.campaign import CampaignError
+from wheelhop.campaign import read_campaign
+from wheelhop.cli.console import open_console
+from wheelhop.cli.exchange import pick
+from wheelhop.cli.progress import stages
+from wheelhop.cli.show import print_ladder, print_parameters
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.added import fit_with
+from wheelhop.diagnose.verdict import step_of
+from wheelhop.effects import load_effects
+from wheelhop.report.model_file import write_model
+from wheelhop.vehicle import read_vehicle
+
+MODEL_FILE = "model.toml"
 
 
 def run(arguments: Namespace) -> int:
-    """Not part of this version yet; raises CampaignError to say so."""
-    raise CampaignError("'add' is not part of this version yet; 'wheelhop check' is")
+    """Refit, print the ladder, store CAMPAIGN/model.toml; raises CampaignError."""
+    effects = pick(arguments.effects, load_effects(arguments.effects_file))
+    campaign = read_campaign(arguments.campaign)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    with stages() as progress:
+        base = fit_baseline(campaign, vehicle, progress=progress)
+        rungs = fit_with(base, effects, progress)
+        steps = [step_of(base.workshop, rung) for rung in rungs]
+    console = open_console()
+    print_ladder(steps, console)
+    print_parameters(steps[-1], console)
+    file = arguments.campaign / MODEL_FILE
+    write_model(file, campaign, vehicle, steps)
+    console.print(f"stored in {file}", markup=False)
+    return 0

@@ -1,10 +1,54 @@
-"""`wheelhop compare`."""
+"""`wheelhop compare`: the fitted model against the measurements, effects added if wanted."""
+
+from __future__ import annotations
 
 from argparse import Namespace
+from typing import Any
 
-from wheelhop.campaign import CampaignError
+from wheelhop.campaign import read_campaign
+from wheelhop.cli.console import open_console
+from wheelhop.cli.exchange import pick, write_json
+from wheelhop.cli.progress import stages
+from wheelhop.cli.show import print_ladder
+from wheelhop.compare import print_comparison, to_json
+from wheelhop.diagnose import Step, fit_baseline
+from wheelhop.diagnose.added import fit_with
+from wheelhop.diagnose.verdict import step_of
+from wheelhop.effects import load_effects
+from wheelhop.report import write_comparison_report
+from wheelhop.vehicle import read_vehicle
 
 
 def run(arguments: Namespace) -> int:
-    """Not part of this version yet; raises CampaignError to say so."""
-    raise CampaignError("'compare' is not part of this version yet; 'wheelhop check' is")
+    """Fit, print where the model fails, write JSON and report; raises CampaignError."""
+    effects = pick(arguments.add, load_effects(arguments.effects))
+    campaign = read_campaign(arguments.campaign)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    with stages() as progress:
+        base = fit_baseline(campaign, vehicle, progress=progress)
+        rungs = fit_with(base, effects, progress)
+        steps = [step_of(base.workshop, rung) for rung in rungs]
+    console = open_console()
+    print_comparison(steps[-1].comparison, console)
+    if effects:
+        console.print()
+        print_ladder(steps, console)
+    if arguments.json:
+        write_json(arguments.json, comparison_json(steps))
+    if arguments.report:
+        write_comparison_report(arguments.report, campaign, steps)
+        console.print(f"report: {arguments.report}", markup=False)
+    return 0
+
+
+def comparison_json(steps: list[Step]) -> dict[str, Any]:
+    """The last model's comparison, and the errors on the way to it."""
+    ladder = [
+        {
+            "added": list(step.added),
+            "error_fit": step.rung.error_fit,
+            "error_validate": None if step.rung.validation is None else step.rung.error_validate,
+        }
+        for step in steps
+    ]
+    return {"format": 1, "ladder": ladder, **to_json(steps[-1].comparison)}

@@ -1,13 +1,31 @@
-"""`wheelhop demo`: a campaign that comes with wheelhop, copied to where the user can change it."""
+"""`wheelhop demo`: a campaign that comes with wheelhop, and what its model is missing."""
+
+from __future__ import annotations
 
 import shutil
 from argparse import Namespace
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from wheelhop.cli import check
+from rich.console import Console
+from rich.text import Text
+
+from wheelhop.campaign import Campaign, read_campaign
+from wheelhop.cli.add import MODEL_FILE
+from wheelhop.cli.console import open_console
+from wheelhop.cli.progress import stages
+from wheelhop.cli.show import print_ladder, print_parameters, print_ranking, print_verdict
+from wheelhop.compare import describe
+from wheelhop.diagnose import Step, climb, fit_baseline
+from wheelhop.diagnose.verdict import step_of
+from wheelhop.effects import load_effects
+from wheelhop.report import write_diagnosis_report
+from wheelhop.report.model_file import write_model
+from wheelhop.report.words import judged, percent
+from wheelhop.vehicle import Vehicle, read_vehicle
 
 EXAMPLE = "open-dry-friction"
+REPORT_FILE = "report.html"
 
 
 def run(arguments: Namespace) -> int:
@@ -16,12 +34,69 @@ def run(arguments: Namespace) -> int:
 
 
 def run_demo(folder: Path) -> int:
-    """Copy the example into `folder` and show what it holds."""
+    """Copy the example into `folder`; compare, diagnose, and add what the diagnosis found."""
     copy_example(folder)
-    return check.run(Namespace(campaign=folder))
+    campaign = read_campaign(folder)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    library = load_effects()
+    console = open_console()
+    _tell_what_it_is(campaign, vehicle, folder, console)
+
+    _tell_command(f"compare {folder}", "where does the model fail?", console)
+    with stages() as progress:
+        base = fit_baseline(campaign, vehicle, progress=progress)
+        first = step_of(base.workshop, base.rung)
+    _tell_failure(first, console)
+
+    _tell_command(f"diagnose {folder}", "which physics is missing?", console)
+    with stages() as progress:
+        diagnosis = climb(base, library, max_effects=3, progress=progress)
+    print_verdict(diagnosis, console, explain=False)
+    print_ranking(diagnosis.ranking, console, rows=5)
+
+    last = diagnosis.ladder[-1]
+    if last.added:
+        _tell_command(f"add {folder} {' '.join(last.added)}", "does that explain it?", console)
+        print_ladder(diagnosis.ladder, console)
+        print_parameters(last, console)
+        write_model(folder / MODEL_FILE, campaign, vehicle, diagnosis.ladder)
+        console.print(f"\nThe model is in {folder / MODEL_FILE}.", markup=False)
+    write_diagnosis_report(folder / REPORT_FILE, campaign, diagnosis, library)
+    console.print(f"The report is {folder / REPORT_FILE}: open it in a browser.", markup=False)
+    return 0
 
 
 def copy_example(folder: Path) -> None:
     """Copy the example campaign into `folder`, fresh even if it was there."""
     with as_file(files("wheelhop") / "examples" / EXAMPLE) as example:
         shutil.copytree(example, folder, dirs_exist_ok=True)
+
+
+def _tell_what_it_is(campaign: Campaign, vehicle: Vehicle, folder: Path, console: Console) -> None:
+    tracks = list(dict.fromkeys(run.track.kind for run in campaign.runs))
+    text = (
+        f"{folder} is a campaign: {len(campaign.runs)} runs of one vehicle, {vehicle.name}, over"
+        f" {', '.join(tracks)}; {len(campaign.channels)} accelerometers on axles and body. The"
+        f" model knows masses, springs, dampers and tyres, all linear. {len(campaign.fit_runs)}"
+        f" runs may be fitted, {len(campaign.validate_runs)} only judge."
+    )
+    console.print(Text(text))
+
+
+def _tell_command(words: str, question: str, console: Console) -> None:
+    console.print()
+    console.print(Text.assemble(("$ wheelhop " + words, "bold cyan"), ("   # " + question, "dim")))
+
+
+def _tell_failure(step: Step, console: Console) -> None:
+    error, floor = judged(step)
+    console.print(
+        Text(
+            f"Fitted as well as it can be, it misses the held-out runs by {percent(error)};"
+            f" the sensors' noise alone would leave {percent(floor)}."
+        )
+    )
+    for sentence in describe(step.comparison.breakdown):
+        console.print(Text(sentence))
+    cells = [f"{part.name} {part.ratio:.1f}" for part in step.comparison.breakdown.channel]
+    console.print(Text(f"Residual / noise floor by channel: {', '.join(cells)}"))

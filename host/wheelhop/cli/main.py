@@ -14,6 +14,7 @@ from typing import NoReturn
 
 BAD_INPUT = 2
 INTERRUPTED = 130
+COMPUTING = ("compare", "diagnose", "add", "demo")
 BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
 
 
@@ -40,6 +41,8 @@ def _run(arguments: argparse.Namespace) -> int:
     try:
         for output in (vars(arguments).get("json"), vars(arguments).get("report")):
             _check_output(output)
+        if arguments.command in COMPUTING:
+            import_module("wheelhop.cli.progress").announce_compilation()
         command = import_module(f"wheelhop.cli.{arguments.command}")
         status: int = command.run(arguments)
         return status
@@ -95,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
         default=[],
         help="make an effect part of the model, more than once if wanted",
     )
+    _library(compare)
     _outputs(compare)
 
     diagnose = commands.add_parser("diagnose", help="find out which effects are missing")
@@ -103,16 +107,15 @@ def _parser() -> argparse.ArgumentParser:
         "--max-effects", metavar="N", type=_count, default=3, help="longest ladder (default 3)"
     )
     diagnose.add_argument(
-        "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="parallel processes"
+        "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="parallel threads"
     )
-    diagnose.add_argument(
-        "--effects", metavar="FILE.py", type=Path, help="a file with effects of your own"
-    )
+    _library(diagnose)
     _outputs(diagnose)
 
     add = commands.add_parser("add", help="add effects, refit, and store the model in CAMPAIGN")
     _campaign(add)
     add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")
+    _library(add, "effects_file")  # "effects" are those to add
 
     demo = commands.add_parser("demo", help="diagnose a campaign that comes with wheelhop")
     demo.add_argument(
@@ -129,6 +132,12 @@ def _parser() -> argparse.ArgumentParser:
 
 def _campaign(command: argparse.ArgumentParser) -> None:
     command.add_argument("campaign", metavar="CAMPAIGN", type=Path, help="the campaign's folder")
+
+
+def _library(command: argparse.ArgumentParser, name: str = "effects") -> None:
+    command.add_argument(
+        "--effects", dest=name, metavar="FILE.py", type=Path, help="a file with effects of your own"
+    )
 
 
 def _outputs(command: argparse.ArgumentParser) -> None:

@@ -11,60 +11,62 @@ from wheelhop.fit import Fit, RunFit
 Array = NDArray[np.float64]
 
 BLOCK_S = 1.0
-"""Residuals are not white, but what one second of a run says of a model says little of the next."""
+"""Residuals are not white: what one second of a run says of a model is counted as one oscillation
+with an amplitude and a phase, two degrees of freedom, however many samples it holds."""
 
 
-def advantage(base: Rung, rival: Rung) -> float:
-    """How surely `rival` beats `base` on the runs that judge: t = Σd / √Σd².
+def log_odds(base: Rung, rival: Rung) -> float:
+    """Logarithm of the likelihood ratio of `rival` over `base` on the runs that judge.
 
-    d is the logarithm of the ratio of the residuals' sums of squares, base to rival, in one block
-    (one second of one run), charged for the numbers free in that run; the logarithm gives loud and
-    quiet blocks one vote each. If the models were equally good, the signs of d would be those of
-    fair coins, and t would exceed t₀ with a probability below exp(−t₀²/2) (Hoeffding's inequality,
-    J. Am. Stat. Assoc. 58 (1963) 13), whatever the distribution of d. Negative if the rival is
-    worse.
+    Λ = Σ ½ · 2 · ln(S_base / S_rival) over blocks of one second: Gaussian residuals of unknown
+    size with two degrees of freedom a block; S is the block's sum of squares, charged for the
+    numbers free in its run. Each block counts by how many times smaller its residual became, so
+    that loud and quiet runs are heard alike. Negative if the rival is worse.
 
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
-    before, after = _judging(base), _judging(rival)
-    drops = np.concatenate([_drops(a, b) for a, b in zip(before.runs, after.runs, strict=True)])
-    spread = float(np.sqrt(np.sum(drops**2)))
-    return float(np.sum(drops)) / spread if spread > 0 else 0.0
+    before, after = judging(base), judging(rival)
+    return sum(float(np.sum(_gains(a, b))) for a, b in zip(before.runs, after.runs, strict=True))
 
 
-def p_value(t: float, tried: int) -> float:
-    """Chance that one of `tried` worthless effects shows an advantage of t or more."""
-    return min(1.0, tried * float(np.exp(-0.5 * t * t))) if t > 0 else 1.0
+def p_value(odds: float, tried: int) -> float:
+    """Chance that one of `tried` worthless effects reaches these log-odds.
+
+    A likelihood ratio on data that the models were not fitted to exceeds 1/p with a probability
+    of at most p if the simpler model is true (L. Wasserman, A. Ramdas, S. Balakrishnan, Universal
+    inference, PNAS 117 (2020) 16880, theorem 1); Bonferroni's correction for the effects tried.
+    """
+    return min(1.0, tried * float(np.exp(-max(odds, 0.0))))
 
 
 def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
-    """Drop of the held-out sum of squares, charged, in units of what noise alone leaves there."""
-    before, after = _charged(base), _charged(rival)
-    size = sum(run.bench.size for run in _judging(base).runs)
-    return (before - after) / (size * noise**2) if noise > 0 else np.inf
+    """Drop of the held-out sum of squares, charged, in units of what noise alone leaves there.
+
+    `noise` is the standard deviation of one in-band coefficient; infinite if that is 0.
+    """
+    size = sum(run.bench.size for run in judging(base).runs)
+    return (_charged(base) - _charged(rival)) / (size * noise**2) if noise > 0 else np.inf
 
 
-def _judging(rung: Rung) -> Fit:
+def judging(rung: Rung) -> Fit:
+    """The fit whose runs judge a model."""
     return rung.fit if rung.validation is None else rung.validation
 
 
 def _charged(rung: Rung) -> float:
-    return sum(
-        run.rss * run.bench.size / max(run.bench.size - len(run.own), 1)
-        for run in _judging(rung).runs
-    )
+    return sum(run.rss / _freedom(run) for run in judging(rung).runs)
 
 
-def _count(run: RunFit) -> int:
-    time = run.bench.run.time_s
-    return max(1, round(float(time[-1] - time[0]) / BLOCK_S))
+def _freedom(run: RunFit) -> float:
+    """Share of a run's data left over by the numbers that are free in it."""
+    return max(run.bench.size - len(run.own), 1) / run.bench.size
 
 
-def _drops(base: RunFit, rival: RunFit) -> Array:
-    count = _count(base)
-    size = base.bench.size
-    charge = float(np.log(max(size - len(rival.own), 1) / max(size - len(base.own), 1)))
-    return np.log(_block_squares(base, count) / _block_squares(rival, count)) + charge
+def _gains(base: RunFit, rival: RunFit) -> Array:
+    time = base.bench.run.time_s
+    count = max(1, round(float(time[-1] - time[0]) / BLOCK_S))
+    ratio = _block_squares(base, count) / _block_squares(rival, count)
+    return np.asarray(np.log(ratio * _freedom(rival) / _freedom(base)))
 
 
 def _block_squares(run: RunFit, count: int) -> Array:

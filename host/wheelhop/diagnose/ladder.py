@@ -10,7 +10,7 @@ from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
-from wheelhop.diagnose.judge import advantage, p_value, relative_to_noise
+from wheelhop.diagnose.judge import log_odds, p_value, relative_to_noise
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.verdict import Candidate, Look, conclude, step_of
 from wheelhop.effects import Effect
@@ -91,10 +91,8 @@ def _look(
     progress(f"screening {len(left)} effects")
     screened = screen(workshop, rung.fit, left)
     candidates = _confirm_best(workshop, rung, screened, progress)
-    chosen = _choose(workshop, rung, candidates, progress)
-    if chosen is not None:
-        others = [c for c in candidates if c.id != chosen.id]
-        candidates = [chosen, *others]
+    candidates = _refit_leaders(workshop, rung, candidates, progress)
+    chosen = next((c for c in candidates if c.holds), None)
     return Look(rung, tuple(screened), tuple(candidates), chosen)
 
 
@@ -112,35 +110,34 @@ def _confirm_best(
     return sorted(found, key=lambda c: -c.rung.evidence)
 
 
-def _choose(
+def _refit_leaders(
     workshop: Workshop, rung: Rung, candidates: Sequence[Candidate], progress: Progress
-) -> Candidate | None:
-    """The effect to accept: best evidence and confirmed by held-out runs, or none.
+) -> list[Candidate]:
+    """The candidates, the best two that hold fitted with all derivatives; best evidence first.
 
-    The best two are fitted with all derivatives before the choice: a quick fit favours effects
-    that resemble what the vehicle's own parameters do.
+    A quick fit favours effects that resemble what the vehicle's own parameters do.
     """
-    holding = [c for c in candidates if c.holds][:2]
-    if len(holding) == 2:
-        leader, second = sorted(c.rung.error_validate for c in holding)
-        if second > HOPELESS * leader:
-            holding = [min(holding, key=lambda c: c.rung.error_validate)]
+    leaders = [c for c in candidates if c.holds][:2]
+    if len(leaders) == 2:
+        first, second = sorted(leaders, key=lambda c: c.rung.error_validate)
+        if second.rung.error_validate > HOPELESS * first.rung.error_validate:
+            leaders = [first]
     refitted = []
-    for candidate in holding:
-        progress(f"fitting the vehicle with {candidate.id}")
-        better = refit(workshop, candidate.rung)
-        refitted.append(_judged(workshop, rung, candidate.screened, better, candidate.tried))
-    refitted = [c for c in refitted if c.holds]
-    return max(refitted, key=lambda c: c.rung.evidence) if refitted else None
+    for leader in leaders:
+        progress(f"fitting the vehicle with {leader.id}")
+        better = refit(workshop, leader.rung)
+        refitted.append(_judged(workshop, rung, leader.screened, better, leader.tried))
+    others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
+    return sorted(refitted, key=lambda c: (not c.holds, -c.rung.evidence)) + others
 
 
 def _judged(
     workshop: Workshop, rung: Rung, screened: Screened, rival: Rung, tried: int
 ) -> Candidate:
-    t = advantage(rung, rival)
+    odds = log_odds(rung, rival)
     material = relative_to_noise(rung, rival, workshop.noise) > MATERIAL
-    holds = material and p_value(t, tried) < SIGNIFICANT
-    return Candidate(screened, rival, t, tried, holds)
+    holds = material and p_value(odds, tried) < SIGNIFICANT
+    return Candidate(screened, rival, odds, tried, holds)
 
 
 def _without_idle(workshop: Workshop, rung: Rung, progress: Progress) -> Rung:
@@ -149,6 +146,6 @@ def _without_idle(workshop: Workshop, rung: Rung, progress: Progress) -> Rung:
         progress(f"is {effect.id} still needed?")
         shorter = without(workshop, rung, effect.id)
         material = relative_to_noise(shorter, rung, workshop.noise) > MATERIAL
-        if not material or p_value(advantage(shorter, rung), 1) >= SIGNIFICANT:
+        if not material or p_value(log_odds(shorter, rung), 1) >= SIGNIFICANT:
             rung = shorter
     return rung

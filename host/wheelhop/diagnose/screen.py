@@ -225,7 +225,12 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
     gradient = np.sum([t.gradient for t in tables], axis=0)
     matrix[:g, :g] += np.diag(weight + 1e-9 * (1 + weight))
     own_gain = sum(t.gain for t in tables)
-    amplitudes, gain = _bounded(matrix, gradient, g, variant.amplitudes)
+    amplitudes = {p.name: p.absent for p in variant.amplitudes}
+    gain = -np.inf
+    if np.isfinite(matrix).all():  # else the simulation ran away: not at this strength
+        # The small constant is for a signature these runs do not show at all.
+        matrix[g:, g:] += np.diag(1e-9 * (1 + np.diag(matrix)[g:]))
+        amplitudes, gain = _bounded(matrix, gradient, g, variant.amplitudes)
     gain = (gain + own_gain) / base.sigma**2
     rss = max(base.rss - gain * base.sigma**2, 0.0)
     energy = sum(run.bench.energy for run in base.runs)

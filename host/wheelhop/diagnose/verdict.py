@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import exp
-
-from scipy.special import ndtr
+from math import exp, inf
 
 from wheelhop.compare import describe
 from wheelhop.diagnose.ambiguity import Angles
 from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step
-from wheelhop.diagnose.judge import advantage, p_value
+from wheelhop.diagnose.judge import log_odds, p_value
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
@@ -26,12 +24,12 @@ CEILING = 0.99
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """An effect simulated in full: its advantage t on held-out runs, of how many effects tried it
-    is one, and whether that is significant and material."""
+    """An effect simulated in full: its log-odds over the rung's model on held-out runs, of how many
+    effects tried it is one, and whether that is significant and material."""
 
     screened: Screened
     rung: Rung
-    t: float
+    log_odds: float
     tried: int
     holds: bool
 
@@ -43,7 +41,7 @@ class Candidate:
     @property
     def p(self) -> float:
         """Chance that any of the effects tried does so well without being there."""
-        return p_value(self.t, self.tried)
+        return p_value(self.log_odds, self.tried)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +117,8 @@ def _over_floor(step: Step) -> float:
 def _confidence(verdict: Sequence[str], last_step: Step, first: Look, last: Look) -> float:
     """That the verdict's first entry is right.
 
-    For an effect: the probability, from held-out blocks, that it beats the best of its rivals,
-    less the chance that it is mistaken altogether. For "none": how far the likeliest effect is
+    For an effect: the odds against the best of its rivals, times the chance that it is not
+    mistaken altogether. For "none": how far the likeliest effect is
     from being accepted. For "unknown": how far the residual is above the floor's own uncertainty.
     """
     if verdict[0] == "unknown":
@@ -133,8 +131,19 @@ def _confidence(verdict: Sequence[str], last_step: Step, first: Look, last: Look
     if accepted is None:
         return 0.5 * CEILING
     rivals = [c for c in first.candidates if c.id not in verdict]
-    beaten = min((float(ndtr(advantage(c.rung, accepted.rung))) for c in rivals), default=1.0)
+    at_floor = "unknown" not in verdict
+    odds = min((_odds(c.rung, accepted.rung, at_floor) for c in rivals), default=inf)
+    beaten = 1.0 / (1.0 + exp(-min(max(odds, -700.0), 700.0)))
     return CEILING * beaten * (1.0 - accepted.p)
+
+
+def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:
+    """Logarithm of the odds for the accepted model.
+
+    Once the residual is down at the white noise of the sensors, the evidence counts in full; while
+    something unexplained is left in it, only what whole seconds of held-out runs say.
+    """
+    return accepted.evidence - rival.evidence if at_floor else log_odds(rival, accepted)
 
 
 def _ranking(look: Look, angles: Angles) -> list[Ranked]:

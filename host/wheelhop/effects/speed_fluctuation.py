@@ -6,16 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import interpolate
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.history import History
 
 KNOT_S = 0.4
 """Spacing of the spline's knots: a wander of 2.5 s period is followed to 0.1 %."""
-
-LEAD_S = 0.8
-"""The history begins this long before the record: the vehicle remembers no longer."""
 
 EXPECTED = 0.04
 """Relative size of the wander believed of a driver who holds the speed by hand."""
@@ -45,29 +42,27 @@ class SpeedFluctuation(Effect):
             return ()
         # A wander of period T and relative size f moves the vehicle by v f T / 2π; T about 5 s.
         scale = EXPECTED * run.speed_m_s * 5.0 / (2 * np.pi)
-        count = len(_knots(run)) - 4
-        return tuple(Parameter(f"gain_{j}_m", "m", "distance gained", scale) for j in range(count))
+        names = History(run, KNOT_S).names
+        return tuple(Parameter(name, "m", "distance gained", scale) for name in names)
 
     def travel(
         self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float
     ) -> tuple[Array, Array] | None:
         """All four wheels gain the same distance."""
-        spline = _spline(theta, run)
-        if spline is None:
+        gained = History(run, KNOT_S).at(theta, time_s)
+        if gained is None:
             return None
-        inside = np.clip(time_s, run.record_start_s - LEAD_S, run.end_s)
-        gain = spline(inside)
-        rate = np.where(inside == time_s, spline(inside, 1), 0.0)
+        gain, rate = gained
         return np.repeat(gain[:, None], 4, axis=1), np.repeat(rate[:, None], 4, axis=1)
 
     def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
         """Wander over mean speed: root mean square, and its peak averaged over the runs."""
         shares, peaks = [], []
         for run, theta in runs:
-            spline = _spline(theta, run)
-            if spline is not None:
-                rate = spline(np.linspace(run.record_start_s, run.end_s, 400), 1)
-                wander = (rate - rate.mean()) / run.speed_m_s
+            time = np.linspace(run.record_start_s, run.end_s, 400)
+            gained = History(run, KNOT_S).at(theta, time)
+            if gained is not None:
+                wander = (gained[1] - gained[1].mean()) / run.speed_m_s
                 shares.append(np.mean(wander**2))
                 peaks.append(np.abs(wander).max())
         if not shares:
@@ -82,7 +77,7 @@ class SpeedFluctuation(Effect):
             return {}
         centres, shifts, mismatch = _local_mismatch(probe, run)
         path = shifts[_cheapest_path(mismatch, shifts / run.speed_m_s, centres)]
-        return _coefficients(run, centres, path)
+        return History(run, KNOT_S).through(centres, path)
 
 
 def _local_mismatch(probe: Probe, run: RunSetting) -> tuple[Array, Array, Array]:
@@ -114,30 +109,3 @@ def _cheapest_path(mismatch: Array, shift_s: Array, centres: Array) -> NDArray[n
     for back in reversed(came_from):
         path.append(int(back[path[-1]]))
     return np.array(path[::-1])
-
-
-def _coefficients(run: RunSetting, centres: Array, path: Array) -> Values:
-    """The spline that follows the path, smoothly and constant beyond its ends."""
-    knots = _knots(run)
-    count = len(knots) - 4
-    basis = interpolate.BSpline(knots, np.eye(count), 3)
-    bend = np.diff(np.eye(count), 2, axis=0)
-    matrix = np.vstack([basis(centres), 0.3 * bend])
-    target = np.concatenate([path, np.zeros(len(bend))])
-    fitted = np.linalg.lstsq(matrix, target, rcond=None)[0]
-    return {f"gain_{j}_m": float(c) for j, c in enumerate(fitted)}
-
-
-def _knots(run: RunSetting) -> Array:
-    first = run.record_start_s - LEAD_S
-    count = max(int(np.ceil((run.end_s - first) / KNOT_S)), 1)
-    inner = np.linspace(first, run.end_s, count + 1)
-    return np.concatenate([[first] * 3, inner, [run.end_s] * 3])
-
-
-def _spline(theta: Values, run: RunSetting) -> interpolate.BSpline | None:
-    knots = _knots(run)
-    coefficients = np.array([theta.get(f"gain_{j}_m", 0.0) for j in range(len(knots) - 4)])
-    if not coefficients.any():
-        return None
-    return interpolate.BSpline(knots, coefficients, 3)

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 STEP = 0.02
 """Differences are taken over this fraction of a parameter's scale."""
 
-ITERATIONS = 25
+ITERATIONS = 60
 
 LEAST_DAMPING = 1e-4
 
@@ -143,7 +143,7 @@ def fit(
         if progress is not None:
             progress(f"iteration {iteration + 1}, error {state.error:.4f}")
         trial = problem.stepped(state, damping)
-        gain = 1.0 - trial.cost / state.cost
+        gain = 1.0 - trial.cost / state.cost if np.isfinite(trial.cost) else -np.inf
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
         if 0 <= gain < (CONVERGED if known is None else CONVERGED_QUICK):

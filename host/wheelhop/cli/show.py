@@ -1,0 +1,91 @@
+"""Results on the terminal: the ladder as bars, the ranking, the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite, log
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from wheelhop.diagnose import Diagnosis, Ranked, Step
+from wheelhop.report.words import (
+    chance,
+    headline,
+    interval,
+    judged,
+    over_floor,
+    percent,
+    signed,
+    significant,
+    unit_of,
+)
+
+BAR = 40  # characters, for the largest error
+LEAST_SPAN = log(3.0)  # of a bar of that length: noise alone must not look like a fall
+
+
+def print_ladder(steps: Sequence[Step], console: Console) -> None:
+    """The error of every rung as a bar that begins at the noise floor."""
+    ratios = [over_floor(step) for step in steps]
+    span = max([LEAST_SPAN, *(log(ratio) for ratio in ratios if ratio > 0)])
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for justify in ("left", "left", "right", "right"):
+        table.add_column(justify=justify)
+    before: tuple[str, ...] | None = None
+    for step, ratio in zip(steps, ratios, strict=True):
+        length = round(BAR * max(log(ratio), 0.0) / span) if ratio > 0 else 0
+        error = percent(judged(step)[0])
+        times = f"{significant(ratio)} × floor"
+        table.add_row(Text(_rung(before, step)), "│" + "█" * length, error, times)
+        before = step.added
+    table.add_row("noise floor", "│", percent(judged(steps[-1])[1]))
+    console.print(table)
+
+
+def _rung(before: tuple[str, ...] | None, step: Step) -> str:
+    if before is None:
+        return "baseline"
+    added = [f"+ {name}" for name in step.added if name not in before]
+    dropped = [f"- {name}" for name in before if name not in step.added]
+    return " ".join(added + dropped)
+
+
+def print_ranking(ranking: Sequence[Ranked], console: Console, *, rows: int = 6) -> None:
+    """The first few effects and the errors they reach."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("effect", "screened", "confirmed", "held out", "log evidence", "p"):
+        table.add_column(heading, justify="left" if heading == "effect" else "right")
+    table.add_column("hard to tell from")
+    for item in ranking[:rows]:
+        near = ", ".join(f"{name} ({angle:.0f}°)" for name, angle in item.ambiguous_with)
+        table.add_row(
+            Text(item.effect),
+            percent(item.screened_error),
+            "" if item.confirmed_error is None else percent(item.confirmed_error),
+            "" if item.validated_error is None else percent(item.validated_error),
+            "" if item.evidence is None else signed(item.evidence),
+            "" if item.p_value is None else chance(item.p_value),
+            Text(near),
+        )
+    console.print(table)
+
+
+def print_parameters(step: Step, console: Console) -> None:
+    """The numbers of the effects in a model, with their intervals."""
+    prefixes = tuple(f"{effect.id}." for effect in step.rung.model.effects)
+    for name, (value, deviation) in step.parameters.items():
+        if name.startswith(prefixes):
+            spread = " (2 sd)" if isfinite(deviation) else ""
+            words = f"{interval(value, deviation)} {unit_of(name)}".rstrip()
+            console.print(Text(f"  {name} = {words}{spread}"))
+
+
+def print_verdict(diagnosis: Diagnosis, console: Console, *, explain: bool = True) -> None:
+    """The verdict in a sentence, how sure it is, and why."""
+    console.print(Text(headline(diagnosis), style="bold"))
+    console.print(Text(f"Confidence {100 * diagnosis.confidence:.0f} %."))
+    for line in diagnosis.explanation if explain else ():
+        console.print(Text(line))

@@ -1,0 +1,50 @@
+"""A smooth history that is free in every run: a cubic spline in time."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import interpolate
+
+from wheelhop.effects.base import Array, RunSetting, Values
+
+LEAD_S = 0.8
+"""Histories begin this long before the record: the vehicle remembers no longer."""
+
+
+class History:
+    """Cubic B-splines over one run, constant before and after.
+
+    Parameters
+    ----------
+    run
+        The run.
+    spacing_s
+        Distance of the knots. A sine of period T is followed to about (2π spacing / T)⁴ / 384 of
+        its amplitude (C. de Boor, A Practical Guide to Splines, Springer 1978, ch. XII).
+    """
+
+    def __init__(self, run: RunSetting, spacing_s: float) -> None:
+        self.begin_s, self.end_s = run.record_start_s - LEAD_S, run.end_s
+        count = max(int(np.ceil((self.end_s - self.begin_s) / spacing_s)), 1)
+        inner = np.linspace(self.begin_s, self.end_s, count + 1)
+        self._knots = np.concatenate([[self.begin_s] * 3, inner, [self.end_s] * 3])
+        self.names = tuple(f"coefficient_{j}_m" for j in range(count + 3))
+
+    def at(self, theta: Values, time_s: Array) -> tuple[Array, Array] | None:
+        """Value and rate at the given times; None where no coefficient is stated or all vanish."""
+        coefficients = np.array([theta.get(name, 0.0) for name in self.names])
+        if not coefficients.any():
+            return None
+        spline = interpolate.BSpline(self._knots, coefficients, 3)
+        inside = np.clip(time_s, self.begin_s, self.end_s)
+        return spline(inside), np.where(inside == time_s, spline(inside, 1), 0.0)
+
+    def through(self, time_s: Array, values: Array) -> dict[str, float]:
+        """Coefficients of a smooth spline near the given points, constant beyond them."""
+        count = len(self.names)
+        basis = interpolate.BSpline(self._knots, np.eye(count), 3)
+        bend = np.diff(np.eye(count), 2, axis=0)
+        matrix = np.vstack([basis(time_s), 0.3 * bend])
+        target = np.concatenate([values, np.zeros(len(bend))])
+        fitted = np.linalg.lstsq(matrix, target, rcond=None)[0]
+        return dict(zip(self.names, fitted.tolist(), strict=True))

@@ -1,0 +1,254 @@
+"""The figures: the ladder, measured against modelled, and where the residual lies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from numpy.typing import NDArray
+from scipy import signal
+
+from wheelhop.compare import Breakdown, Locking, Slice
+from wheelhop.diagnose import Step
+from wheelhop.report.cases import Case
+from wheelhop.report.svg import COLOURS, STYLE
+from wheelhop.report.words import percent
+
+Array = NDArray[np.float64]
+
+INK, SOFT, RULE = COLOURS["ink"], COLOURS["soft"], COLOURS["rule"]
+MEASURED, BEFORE, AFTER, FLOOR = (COLOURS[k] for k in ("measured", "before", "after", "floor"))
+WIDTH = 8.0  # inches, the page's text width
+
+
+def ladder_figure(steps: Sequence[Step]) -> Figure:
+    """Error on fitted and on held-out runs, rung by rung, down to the noise floor."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 2.9 if len(steps) > 1 else 1.9), layout="constrained")
+        axes = figure.add_subplot()
+        floor = steps[-1].comparison.floor
+        validated = [step.rung.error_validate for step in steps]
+        fitted = [step.rung.error_fit for step in steps]
+        held_out = bool(np.isfinite(validated).any())
+        lowest = floor.error_validate if held_out else floor.error_fit
+        x = np.arange(len(steps))
+        axes.axhline(100 * lowest, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
+        axes.annotate(
+            f"noise floor {percent(lowest, 2)}",
+            (1.0, 100 * lowest),
+            xycoords=("axes fraction", "data"),
+            xytext=(0, -4),
+            textcoords="offset points",
+            color=SOFT,
+            ha="right",
+            va="top",
+        )
+        main = validated if held_out else fitted
+        if held_out:
+            axes.plot(x, 100 * np.array(fitted), "o", ms=6, mfc="none", mec=SOFT, zorder=3,
+                      label="runs fitted")  # fmt: skip
+        axes.plot(x, 100 * np.array(main), "-", color=MEASURED, linewidth=2.0, zorder=2)
+        axes.plot(x, 100 * np.array(main), "o", ms=6, color=INK, zorder=4,
+                  label="runs held out" if held_out else "runs fitted")  # fmt: skip
+        for i, error in enumerate(main):
+            axes.annotate(percent(error, 2), (i, 100 * error), xytext=(9, 5),
+                          textcoords="offset points", color=INK)  # fmt: skip
+        axes.set_xticks(x, [_rung_name(a, b) for a, b in zip([None, *steps], steps, strict=False)])
+        axes.tick_params(axis="x", length=0, colors=INK)
+        axes.grid(axis="x", visible=False)
+        axes.set_xlim(-0.4, max(len(steps) - 1, 1) + 0.6)
+        axes.set_ylabel("error E, %")
+        values = np.array([*main, *fitted, lowest])
+        values = values[np.isfinite(values) & (values > 0)]
+        _log_axis(axes, 100 * values.min() / 1.7, 100 * values.max() * 1.6)
+        axes.legend(loc="upper right", ncols=2, borderaxespad=0.0)
+    return figure
+
+
+def _rung_name(before: Step | None, step: Step) -> str:
+    if before is None:
+        return "baseline"
+    lines = [f"+ {name}" for name in step.added if name not in before.added]
+    lines += [f"− {name}" for name in before.added if name not in step.added]
+    return "\n".join(lines)
+
+
+def case_figure(case: Case, added: str) -> Figure:
+    """One channel of one run: against time, what is left of it, and its spectrum. `added` names
+    the effects of the last model; without any, the baseline is drawn alone."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.75, 1), height_ratios=(2.1, 1))
+        upper = figure.add_subplot(grid[0, 0])
+        lower = figure.add_subplot(grid[1, 0], sharex=upper)
+        _draw_time(upper, lower, case, added)
+        _draw_spectrum(figure.add_subplot(grid[:, 1]), case, bool(added))
+        figure.align_ylabels([upper, lower])
+        handles, labels = upper.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper left", ncols=3)
+    return figure
+
+
+def _draw_time(upper: Axes, lower: Axes, case: Case, added: str) -> None:
+    part = case.shown
+    time = case.time_s[part]
+    upper.plot(time, case.measured[part], color=MEASURED, linewidth=3.0, label="measured")
+    upper.plot(time, case.before[part], color=BEFORE, label="baseline")
+    lower.plot(time, (case.measured - case.before)[part], color=BEFORE)
+    if added:
+        upper.plot(time, case.after[part], color=AFTER, label=f"with {added}")
+        lower.plot(time, (case.measured - case.after)[part], color=AFTER)
+    lower.axhspan(-2 * case.noise_rms_m_s2, 2 * case.noise_rms_m_s2, color=RULE, linewidth=0)
+    upper.tick_params(axis="x", labelbottom=False, length=0)
+    upper.set_ylabel("acceleration, m/s²")
+    lower.set_ylabel("residual, m/s²")
+    lower.set_xlabel("time, s")
+    lower.set_xlim(time[0], time[-1])
+    for axes, count in ((upper, 5), (lower, 3)):
+        axes.yaxis.set_major_locator(MaxNLocator(count))
+
+
+def _draw_spectrum(axes: Axes, case: Case, compared: bool) -> None:
+    lines = [(case.measured, MEASURED, 3.0), (case.before, BEFORE, 1.1)]
+    if compared:
+        lines.append((case.after, AFTER, 1.1))
+    lowest = np.inf
+    for values, colour, width in lines:
+        frequency, power = _spectrum(values, case.rate_hz)
+        axes.plot(frequency, power, color=colour, linewidth=width)
+        lowest = min(lowest, float(power[1:].min()))
+    bandwidth = _bandwidth(case)
+    if case.noise_rms_m_s2 > 0:
+        level = case.noise_rms_m_s2**2 / bandwidth[1]
+        axes.axhline(level, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
+        lowest = 0.2 * level
+    top = float(_spectrum(case.measured, case.rate_hz)[1].max())
+    axes.set_xscale("log")
+    axes.set_xlim(*bandwidth[0])
+    axes.xaxis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_yscale("log")
+    axes.set_ylim(lowest, 3 * top)
+    axes.set_xlabel("frequency, Hz")
+    axes.set_ylabel("power density, (m/s²)²/Hz")
+
+
+def _spectrum(values: Array, rate_hz: float) -> tuple[Array, Array]:
+    """Welch's estimate over a third of the run, Hann window."""
+    frequency, power = signal.welch(values, rate_hz, nperseg=max(8, len(values) // 3))
+    return frequency[1:], power[1:]
+
+
+def _bandwidth(case: Case) -> tuple[tuple[float, float], float]:
+    """Frequencies that hold the in-band signal, and their extent, Hz."""
+    power = np.abs(np.fft.rfft(case.measured)) ** 2
+    frequency = np.fft.rfftfreq(len(case.measured), 1 / case.rate_hz)
+    inside = frequency[power > 1e-18 * power.max()]
+    return (float(inside[0]), float(inside[-1])), float(inside[-1] - inside[0])
+
+
+def where_figure(before: Breakdown, after: Breakdown | None) -> Figure:
+    """Residual over floor by frequency band and by motion, and what it is locked to."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 2.75), layout="constrained")
+        draw = [_draw_bands, _draw_motions, _draw_locking]
+        if not before.motion:  # the channels determine none
+            draw.remove(_draw_motions)
+        panels = figure.subplots(1, len(draw), width_ratios=(1.35, 1, 1)[: len(draw)])
+        for drawn, axes in zip(draw, panels, strict=True):
+            drawn(axes, before, after)
+    return figure
+
+
+def _draw_bands(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
+    axes.set_title("by third-octave band")
+    for where, colour in ((before, BEFORE), (after, AFTER)):
+        if where is not None:
+            frequency = [float(part.name) for part in where.band]
+            ratio = [part.ratio for part in where.band]
+            axes.plot(frequency, ratio, "o-", ms=3.2, color=colour)
+    axes.axhline(1, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel("frequency, Hz")
+    axes.set_ylabel("residual / noise floor")
+    _log_axis(axes, *_ratio_range([*before.band, *(after.band if after else ())]))
+
+
+def _draw_motions(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
+    axes.set_title("by motion")
+    names = [part.name for part in before.motion]
+    y = np.arange(len(names))[::-1]
+    start = np.array([part.ratio for part in before.motion])
+    end = start if after is None else np.array([part.ratio for part in after.motion])
+    axes.hlines(y, np.minimum(start, end), np.maximum(start, end), color=RULE, linewidth=2.5)
+    axes.plot(start, y, "o", ms=4.5, color=BEFORE)
+    if after is not None:
+        axes.plot(end, y, "o", ms=4.5, color=AFTER)
+    axes.axvline(1, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
+    axes.set_yticks(y, names)
+    axes.tick_params(axis="y", length=0, colors=INK)
+    axes.grid(axis="y", visible=False)
+    axes.set_xlabel("residual / noise floor")
+    _log_axis(axes, *_ratio_range([*before.motion, *(after.motion if after else ())]), "x")
+
+
+def _draw_locking(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
+    axes.set_title("locked to")
+    bars = [("baseline", before)] if after is None else [("before", before), ("after", after)]
+    for i, (_, where) in enumerate(bars):
+        bottom = 0.0
+        for share, (_, colour) in zip(_locking_shares(where.locking), LOCKED, strict=True):
+            axes.bar(i, 100 * share, 0.62, bottom=bottom, color=colour, linewidth=0)
+            bottom += 100 * share
+    axes.set_xticks(range(len(bars)), [name for name, _ in bars])
+    axes.set_xlim(-0.6, max(len(bars) - 1, 1) + 1.6)
+    axes.tick_params(axis="x", length=0, colors=INK)
+    axes.grid(axis="x", visible=False)
+    axes.set_ylim(0, 100)
+    axes.set_ylabel("share of the residual, %")
+    x = max(len(bars) - 1, 0) + 0.5
+    for k, (name, colour) in enumerate(LOCKED):
+        axes.add_patch(Rectangle((x, 8 + 14 * k), 0.14, 7, color=colour, linewidth=0))
+        axes.text(x + 0.22, 11.5 + 14 * k, name, va="center")
+
+
+LOCKED = (
+    ("the road", AFTER),
+    ("time", BEFORE),
+    ("neither", COLOURS["share-neither"]),
+    ("noise", COLOURS["share-noise"]),
+)
+
+
+def _locking_shares(locking: Locking) -> tuple[float, float, float, float]:
+    """Road, time, neither, and the noise, which is locked to nothing."""
+    noise = min(locking.noise, locking.neither)
+    return locking.road, locking.time, locking.neither - noise, noise
+
+
+def _ratio_range(parts: Sequence[Slice]) -> tuple[float, float]:
+    ratios = np.array([part.ratio for part in parts])
+    ratios = ratios[np.isfinite(ratios) & (ratios > 0)]
+    if not len(ratios):
+        return 0.7, 10.0
+    return min(0.7, float(ratios.min()) / 1.2), max(2.6, float(ratios.max()) * 1.3)
+
+
+def _log_axis(axes: Axes, low: float, high: float, which: str = "y") -> None:
+    """A logarithmic axis with plain numbers: 0.5, 1, 2, 5, 10, …"""
+    axis = axes.yaxis if which == "y" else axes.xaxis
+    (axes.set_yscale if which == "y" else axes.set_xscale)("log")
+    (axes.set_ylim if which == "y" else axes.set_xlim)(low, high)
+    steps = (1,) if high / low > 300 else (1, 2, 5)
+    axis.set_major_locator(LogLocator(base=10, subs=steps))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,163 @@
+"""model.toml: a fitted model, for people and programs to read (docs/model-file.md)."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from importlib.metadata import version
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from wheelhop.campaign import Campaign
+from wheelhop.diagnose import Step
+from wheelhop.effects import Effect
+from wheelhop.report.words import form_of
+from wheelhop.vehicle import Vehicle
+
+FORMAT = 1
+
+Document = Mapping[str, Any]
+
+
+def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> None:
+    """Write the last model of a ladder; a file that is there is replaced whole or not at all."""
+    text = "".join(f"{line}\n" for line in _lines(_document(campaign, vehicle, steps)))
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Document:
+    last = steps[-1]
+    floor = last.comparison.floor
+    return {
+        "format": FORMAT,
+        "campaign": campaign.title,
+        "vehicle_name": vehicle.name,
+        "written_by": f"wheelhop {version('wheelhop')}",
+        "floor": {
+            "error_fit": floor.error_fit,
+            "error_validate": floor.error_validate,
+            "source": floor.source,
+        },
+        "ladder": [
+            {
+                "added": list(step.added),
+                "error_fit": step.rung.error_fit,
+                "error_validate": step.rung.error_validate,
+            }
+            for step in steps
+        ],
+        "effect": [_effect(effect, last, campaign) for effect in last.rung.model.effects],
+        "vehicle": _vehicle(vehicle, last),
+        "channel": _channels(campaign, last),
+        "run": [{"id": run.id} | _run(last, run.id) for run in campaign.runs],
+    }
+
+
+def _effect(effect: Effect, step: Step, campaign: Campaign) -> Document:
+    form = form_of(effect, campaign.channels)
+    prefix = f"{effect.id}."
+    own = {
+        name.removeprefix(prefix): value
+        for name, value in step.parameters.items()
+        if name.startswith(prefix)
+    }
+    about: dict[str, Any] = {"id": effect.id}
+    if form:
+        about["form"] = form
+    return about | {"parameters": _with_sd(own)}
+
+
+def _with_sd(values: Mapping[str, tuple[float, float]]) -> dict[str, float]:
+    """Every value and, beside it, its standard deviation if it has one."""
+    found: dict[str, float] = {}
+    for name, (value, deviation) in values.items():
+        found[name] = value
+        if isfinite(deviation):
+            found[f"{name}_uncertainty"] = deviation
+    return found
+
+
+def _vehicle(vehicle: Vehicle, step: Step) -> Document:
+    """The tables of vehicle.toml; what was not fitted keeps its nominal value and uncertainty."""
+    tables: dict[str, Any] = {}
+    for key, nominal in vehicle.values.items():
+        *groups, name = key.split(".")
+        table = tables
+        for group in groups:
+            table = table.setdefault(group, {})
+        known = (nominal, vehicle.uncertainty[key])
+        table |= _with_sd({name: step.parameters.get(key, known)})
+    return tables
+
+
+def _channels(campaign: Campaign, step: Step) -> Document:
+    """Places that were estimated, by channel."""
+    found = {}
+    for channel in campaign.channels:
+        prefix = f"channel.{channel.name}."
+        own = {
+            name.removeprefix(prefix): value
+            for name, value in step.parameters.items()
+            if name.startswith(prefix)
+        }
+        if own:
+            found[channel.name] = _with_sd(own)
+    return found
+
+
+def _run(step: Step, run_id: str) -> dict[str, Any]:
+    """What the run left free; what an effect left free in a table of its own."""
+    found: dict[str, Any] = {}
+    for name, value in step.rung.model.runs.get(run_id, {}).items():
+        effect, _, own = name.rpartition(".")
+        if effect:
+            found.setdefault(effect, {})[own] = value
+        else:
+            found[own] = value
+    return found
+
+
+def _lines(document: Document, path: tuple[str, ...] = ()) -> Iterator[str]:
+    """TOML: the values of a table, then its tables, then its arrays of tables."""
+    tables = {k: v for k, v in document.items() if isinstance(v, Mapping)}
+    arrays = {k: v for k, v in document.items() if _is_array_of_tables(v)}
+    for key, value in document.items():
+        if key not in tables and key not in arrays:
+            yield f"{_key(key)} = {_value(value)}"
+    for key, table in tables.items():
+        inner = (*path, _key(key))
+        if any(not isinstance(value, Mapping) for value in table.values()):
+            yield from ("", f"[{'.'.join(inner)}]")
+        yield from _lines(table, inner)
+    for key, array in arrays.items():
+        inner = (*path, _key(key))
+        for table in array:
+            yield from ("", f"[[{'.'.join(inner)}]]")
+            yield from _lines(table, inner)
+
+
+def _is_array_of_tables(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _text(key)
+
+
+def _value(value: str | float | list[str]) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_text, value))}]"
+    return _text(value) if isinstance(value, str) else repr(value)
+
+
+def _text(text: str) -> str:
+    """A JSON string is a basic string of TOML, once DEL is escaped too."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

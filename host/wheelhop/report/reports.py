@@ -1,0 +1,75 @@
+"""The two reports: what a diagnosis found, and how one model compares."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from wheelhop.campaign import Campaign
+from wheelhop.diagnose import Diagnosis, Step
+from wheelhop.effects import Effect
+from wheelhop.report import sections
+from wheelhop.report.page import facts, paragraph, title, write_page
+from wheelhop.report.words import (
+    comparison_headline,
+    headline,
+    judged,
+    over_floor,
+    percent,
+    significant,
+)
+
+
+def write_diagnosis_report(
+    path: Path, campaign: Campaign, diagnosis: Diagnosis, effects: Mapping[str, Effect]
+) -> None:
+    """Write a diagnosis as one self-contained HTML page.
+
+    ``effects`` is the library that was searched: the page says of each of its effects why it was
+    accepted, or why not.
+    """
+    steps = diagnosis.ladder
+    confidence = f"{100 * diagnosis.confidence:.0f} %"
+    body = [
+        paragraph(f"wheelhop diagnosis · {campaign.title}", "kicker"),
+        title(headline(diagnosis)),
+        facts([("confidence", confidence), *_key_numbers(campaign, steps)], "key"),
+        sections.ladder(steps),
+        sections.traces(campaign, steps),
+        sections.where(steps),
+        sections.ranking(diagnosis, effects, campaign),
+        sections.model(campaign, steps),
+        sections.next_run(diagnosis),
+        sections.method(campaign, steps),
+    ]
+    write_page(path, f"{campaign.title}: {', '.join(diagnosis.verdict)}", body)
+
+
+def write_comparison_report(path: Path, campaign: Campaign, steps: Sequence[Step]) -> None:
+    """Write how a model compares with the records, as one self-contained HTML page.
+
+    ``steps`` are the baseline and, if effects were added to it, one step for each of them.
+    """
+    body = [
+        paragraph(f"wheelhop comparison · {campaign.title}", "kicker"),
+        title(comparison_headline(steps)),
+        facts(_key_numbers(campaign, steps), "key"),
+        sections.ladder(steps),
+        sections.traces(campaign, steps),
+        sections.where(steps),
+        sections.model(campaign, steps),
+        sections.method(campaign, steps),
+    ]
+    write_page(path, f"{campaign.title}: comparison", body)
+
+
+def _key_numbers(campaign: Campaign, steps: Sequence[Step]) -> list[tuple[str, str]]:
+    (first, floor), (last, _) = judged(steps[0]), judged(steps[-1])
+    runs = "held out" if campaign.validate_runs else "fitted"
+    fall = percent(first) if len(steps) == 1 else f"{percent(first)} → {percent(last)}"
+    return [
+        (f"error E, runs {runs}", fall),
+        ("noise floor", percent(floor)),
+        ("error / floor", significant(over_floor(steps[-1]))),
+        ("runs fitted / held out", f"{len(campaign.fit_runs)} / {len(campaign.validate_runs)}"),
+    ]

@@ -1,0 +1,163 @@
+"""The sections that the reports share, each from what it shows to HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from importlib.metadata import version
+
+import numpy as np
+
+from wheelhop.campaign import Campaign
+from wheelhop.compare import describe
+from wheelhop.diagnose import Diagnosis, Step
+from wheelhop.effects import Effect
+from wheelhop.report import figures, tables
+from wheelhop.report.cases import WINDOW_S, Case, cases
+from wheelhop.report.page import bullets, facts, figure, paragraph, section
+from wheelhop.report.svg import equation, inline
+from wheelhop.report.words import (
+    form_of,
+    listed,
+    next_run_words,
+    percent,
+    significant,
+    track_words,
+)
+
+
+def ladder(steps: Sequence[Step]) -> str:
+    """The error falling to the floor."""
+    drawing = inline(figures.ladder_figure(steps), "ladder", "error of every model")
+    return section(
+        "The error, from the baseline to the floor",
+        figure(
+            drawing,
+            "E = √(Σ|measured − modelled|² / Σ|measured|²) over runs and channels in band, on a"
+            " logarithmic scale. Runs held out take no part in any fit, except that each one’s own"
+            " speed and start are found, and charged for.",
+        ),
+        tables.ladder_table(steps),
+    )
+
+
+def traces(campaign: Campaign, steps: Sequence[Step]) -> str:
+    """Measured against modelled, in time and frequency."""
+    names = [channel.name for channel in campaign.channels]
+    parts = []
+    for i, case in enumerate(cases(names, steps)):
+        drawing = inline(
+            figures.case_figure(case, listed(steps[-1].added)),
+            f"case{i}",
+            f"channel {case.channel} of run {case.run_id}, measured and modelled",
+        )
+        parts += [
+            f"<h3>{case.title}: {escape(case.channel)} in {escape(case.run_id)}</h3>",
+            figure(drawing, _case_caption(case, campaign)),
+        ]
+    return section("Measured and modelled", *parts)
+
+
+def _case_caption(case: Case, campaign: Campaign) -> str:
+    run = next(run for run in campaign.runs if run.id == case.run_id)
+    role = "fitted" if run.role == "fit" else "held out"
+    return (
+        f"In band. Left: the {WINDOW_S:g} s with the largest baseline residual; grey is"
+        f" ±2 standard deviations of the noise. Right: power density of the whole run, dashed the"
+        f" noise floor. Run {run.id} ({track_words(run.track)}, {run.speed_m_s * 3.6:.3g} km/h),"
+        f" {role}."
+    )
+
+
+def where(steps: Sequence[Step]) -> str:
+    """The residual cut along every axis, for the first and the last model."""
+    first, last = steps[0].comparison, steps[-1].comparison
+    compared = len(steps) > 1
+    maps = figure(
+        tables.heat_map(steps) + tables.heat_legend(),
+        "Residual / noise floor, runs × channels, in band. * held out.",
+    )
+    drawing = figures.where_figure(first.breakdown, last.breakdown if compared else None)
+    words = "Orange: baseline. Blue: last model. Dashed: noise floor. " if compared else ""
+    return section(
+        "Where it fails",
+        bullets(describe(first.breakdown)),
+        maps,
+        figure(
+            inline(drawing, "where", "residual by band, by motion, and what it is locked to"),
+            f"{words}Right: the residual’s sum of squares shared out between what repeats with the"
+            " road, lines at a fixed frequency, neither, and the noise expected.",
+        ),
+        paragraph("What the last model leaves:", "soft") if compared else "",
+        bullets(describe(last.breakdown)) if compared else "",
+    )
+
+
+def ranking(diagnosis: Diagnosis, effects: Mapping[str, Effect], campaign: Campaign) -> str:
+    """Every effect of the library on the first rung."""
+    return section(
+        "Which effect",
+        paragraph(
+            "Every effect of the library against the baseline’s residual. Screened: the error first"
+            " order expects; confirmed: the error reached when the effect is simulated in full and"
+            " fitted with the vehicle; held out: the same model on runs no fit has seen. Log"
+            " evidence is relative to the baseline’s, p the chance that any of the effects tried"
+            " does as well without being there."
+        ),
+        tables.ranking_table(diagnosis.ranking, effects, campaign),
+    )
+
+
+def model(campaign: Campaign, steps: Sequence[Step]) -> str:
+    """The effects in the last model, and its numbers."""
+    step = steps[-1]
+    parts = []
+    for effect in step.rung.model.effects:
+        form = form_of(effect, campaign.channels)
+        parts += [
+            f"<h3>{escape(effect.id)}{f' ({escape(form)})' if form else ''}</h3>",
+            paragraph(f"{effect.title[0].upper()}{effect.title[1:]}."),
+            f'<p class="equation">{equation(effect.equation)}</p>',
+            paragraph(f"Source: {effect.source}.", "soft"),
+            tables.effect_parameters_table(effect, step, campaign),
+        ]
+    parts += [
+        "<h3>The vehicle</h3>",
+        paragraph(
+            "Intervals are two standard deviations and hold as far as the model is right. The"
+            " drawing shows the fitted interval; the shaded bar is the nominal one."
+        ),
+        tables.vehicle_table(step),
+    ]
+    return section("The model", *parts)
+
+
+def next_run(diagnosis: Diagnosis) -> str:
+    """What to record next, if anything."""
+    if diagnosis.next_run is None:
+        return ""
+    return section("What to record next", paragraph(next_run_words(diagnosis.next_run)))
+
+
+def method(campaign: Campaign, steps: Sequence[Step]) -> str:
+    """What was computed from what."""
+    low, high = campaign.band_hz
+    floor = steps[-1].comparison.floor
+    rms = float(np.sqrt(np.nanmean(floor.noise_rms_m_s2**2)))
+    source = {"noise_rms_m_s2": "stated in campaign.toml"}.get(
+        floor.source, "estimated from the quietest parts of records and residuals"
+    )
+    averaging = ""
+    if campaign.averaging_s:
+        averaging = f", each the mean over {campaign.averaging_s * 1e3:g} ms"
+    pairs = [
+        ("Campaign", campaign.title),
+        ("Runs", f"{len(campaign.fit_runs)} fitted, {len(campaign.validate_runs)} held out"),
+        ("Channels", ", ".join(channel.name for channel in campaign.channels)),
+        ("Samples", f"{campaign.sample_rate_hz:g} Hz{averaging}"),
+        ("Band", f"{low:g} to {high:g} Hz"),
+        ("Noise floor", f"{rms:.3g} m/s² rms per channel in band, {source}"),
+        ("Floor as E", f"{percent(floor.error)} over all runs"),
+        ("Computed by", f"wheelhop {version('wheelhop')}"),
+    ]
+    return section("How it was computed", facts(pairs), tables.runs_table(campaign, steps[-1]))

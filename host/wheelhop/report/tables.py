@@ -1,0 +1,211 @@
+"""The tables: heat map, ranking, parameters, runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from math import isfinite
+
+import numpy as np
+
+from wheelhop.campaign import Campaign
+from wheelhop.diagnose import Ranked, Step
+from wheelhop.diagnose.added import why_not
+from wheelhop.effects import Effect
+from wheelhop.fit import Free
+from wheelhop.report.page import table
+from wheelhop.report.words import (
+    chance,
+    interval,
+    label_of,
+    listed,
+    percent,
+    signed,
+    significant,
+    track_words,
+    unit_of,
+)
+
+HEAT = (1.3, 2.0, 5.0, 10.0)
+"""Residual over floor at which a cell takes the next colour."""
+
+
+def heat_map(steps: Sequence[Step]) -> str:
+    """Residual over noise floor, runs × channels, for the first model and the last beside it;
+    runs held out are marked, channels no model predicts are left out."""
+    models = [steps[0]] if len(steps) == 1 else [steps[0], steps[-1]]
+    breakdowns = [step.comparison.breakdown for step in models]
+    grid = breakdowns[0].runs_channels
+    shown = np.asarray(np.isfinite(grid.ratio).any(axis=0))
+    names = [name for name, is_shown in zip(grid.columns, shown, strict=True) if is_shown]
+    head, heads = "", "".join(f'<th class="r">{escape(name)}</th>' for name in (*names, "all"))
+    for step in models:
+        title = escape(f"with {listed(step.added)}" if step.added else "baseline")
+        head += f'<th class="gap"></th><th class="group" colspan="{len(names) + 1}">{title}</th>'
+    rows = []
+    for i, run in enumerate(grid.rows):
+        mark = "" if models[0].comparison.roles[run] == "fit" else " *"
+        blocks = [[*w.runs_channels.ratio[i][shown], w.run[i].ratio] for w in breakdowns]
+        rows.append(_heat_row(run + mark, blocks))
+    columns = [[part.ratio for part in w.channel if part.noise > 0] for w in breakdowns]
+    totals = [[*c, w.total.ratio] for c, w in zip(columns, breakdowns, strict=True)]
+    rows.append(_heat_row("all", totals))
+    second = f'<th class="gap"></th>{heads}' * len(models)
+    return (
+        f'<table class="heat"><thead><tr><th></th>{head}</tr><tr><th></th>{second}</tr></thead>'
+        f"<tbody>{chr(10).join(rows)}</tbody></table>"
+    )
+
+
+def _heat_row(name: str, blocks: Sequence[Sequence[float]]) -> str:
+    cells = "".join('<td class="gap"></td>' + "".join(map(_heat_cell, b)) for b in blocks)
+    return f'<tr><td class="name">{escape(name)}</td>{cells}</tr>'
+
+
+def _heat_cell(ratio: float) -> str:
+    if not isfinite(ratio):
+        return "<td>–</td>"
+    text = f"{ratio:.1f}" if ratio < 9.95 else f"{ratio:.0f}"
+    colour = int(np.searchsorted(HEAT, ratio, side="right"))
+    return f'<td class="h{colour}">{text}</td>'
+
+
+def heat_legend() -> str:
+    """What the colours of the heat map mean."""
+    limits = ["", *(f"{limit:g}" for limit in HEAT)]
+    names = [f"below {limits[1]}", *(f"from {limit}" for limit in limits[1:])]
+    spans = "".join(f'<span class="h{i}">{name}</span>' for i, name in enumerate(names))
+    return f'<p class="legend">{spans}</p>'
+
+
+def ranking_table(
+    ranking: Sequence[Ranked], effects: Mapping[str, Effect], campaign: Campaign
+) -> str:
+    """Every effect of the library on the first rung, best first, those that do not apply last."""
+    rows = [_ranking_row(i, item, effects) for i, item in enumerate(ranking, start=1)]
+    ranked = {item.effect for item in ranking}
+    for effect in effects.values():
+        if effect.id not in ranked:
+            about = f"<small>{escape(effect.title)} ({effect.place})</small>"
+            reason = f"does not apply: {why_not(effect, campaign)}"
+            rows.append(["", escape(effect.id) + about, *["–"] * 5, escape(reason)])
+    headings = ["", "effect", "screened E", "confirmed E", "held-out E", "log evidence", "p"]
+    return table([*headings, "why, or why not"], rows, "rlrrrrrl")
+
+
+def _ranking_row(number: int, item: Ranked, effects: Mapping[str, Effect]) -> list[str]:
+    title = f"{effects[item.effect].title} " if item.effect in effects else ""
+    name = escape(item.effect)
+    if item.reason.startswith("accepted"):
+        name = f"<strong>{name}</strong>"
+    near = listed([f"{name} ({angle:.0f}°)" for name, angle in item.ambiguous_with])
+    doubt = f"<small>hard to tell from {escape(near)}</small>" if near else ""
+    return [
+        str(number),
+        f"{name}<small>{escape(f'{title}({item.place})')}</small>",
+        percent(item.screened_error),
+        "–" if item.confirmed_error is None else percent(item.confirmed_error),
+        "–" if item.validated_error is None else percent(item.validated_error),
+        "–" if item.evidence is None else signed(item.evidence),
+        "–" if item.p_value is None else chance(item.p_value),
+        escape(item.reason.replace("e-", "e\u2011")) + doubt,
+    ]
+
+
+def effect_parameters_table(effect: Effect, step: Step, campaign: Campaign) -> str:
+    """An accepted effect's numbers with their intervals and meanings."""
+    meanings = {
+        p.name: (p.unit, p.meaning)
+        for p in effect.parameters_for(step.rung.model.values, campaign.channels)
+    }
+    rows = []
+    prefix = f"{effect.id}."
+    for full, (value, deviation) in step.parameters.items():
+        if full.startswith(prefix):
+            name = full.removeprefix(prefix)
+            unit, meaning = meanings.get(name, (unit_of(name), "over the fitted runs"))
+            shown = "" if unit == "1" else unit
+            cells = [name, meaning, interval(value, deviation), shown]
+            rows.append([f"<code>{escape(cells[0])}</code>", *map(escape, cells[1:])])
+    return table(["parameter", "meaning", "value ± 2 sd", "unit"], rows, "llrl")
+
+
+def vehicle_table(step: Step) -> str:
+    """The vehicle's numbers: nominal, fitted, and how far the fit moved them."""
+    rows = []
+    effects = tuple(f"{effect.id}." for effect in step.rung.model.effects)
+    for free in step.rung.fit.shared:
+        if free.name.startswith(effects):
+            continue
+        value, deviation = step.parameters[free.name]
+        moved = round((value - free.mean) / free.sigma, 1) + 0.0
+        rows.append(
+            [
+                escape(label_of(free.name)),
+                escape(interval(free.mean, free.sigma)),
+                f"<strong>{escape(interval(value, deviation))}</strong>",
+                escape(unit_of(free.name)),
+                f"{moved:+.1f}".replace("-", "−") if moved else "0.0",
+                _moved(free, value, deviation),
+            ]
+        )
+    headings = ["", "nominal ± 2 sd", "fitted ± 2 sd", "unit", "moved, sd", "−3 … +3 sd"]
+    return table(headings, rows, "lrrlrl")
+
+
+def _moved(free: Free, value: float, deviation: float) -> str:
+    """The fitted interval on a scale of ±3 nominal standard deviations, as a small drawing."""
+
+    def x(number: float) -> float:
+        return 60 + 20 * min(max((number - free.mean) / free.sigma, -3.0), 3.0)
+
+    low, high = x(value - 2 * deviation), x(value + 2 * deviation)
+    return (
+        '<svg class="moved" viewBox="0 0 120 14" aria-hidden="true">'
+        '<rect x="20" y="4" width="80" height="6" style="fill:var(--rule)"/>'
+        '<path d="M60 2V12" style="stroke:var(--soft);stroke-width:1"/>'
+        f'<path d="M{low:.1f} 7H{high:.1f}" style="stroke:var(--after);stroke-width:2"/>'
+        f'<circle cx="{x(value):.1f}" cy="7" r="2.8" style="fill:var(--after)"/></svg>'
+    )
+
+
+def runs_table(campaign: Campaign, step: Step) -> str:
+    """Every run: role, track, nominal and fitted speed, error."""
+    where = {part.name: part for part in step.comparison.breakdown.run}
+    rows = []
+    for run in campaign.runs:
+        own = step.rung.model.runs.get(run.id, {})
+        fitted = own.get("speed_m_s")
+        part = where[run.id]
+        rows.append(
+            [
+                escape(run.id),
+                "fitted" if run.role == "fit" else "held out",
+                escape(track_words(run.track)),
+                f"{run.speed_m_s * 3.6:.3g}",
+                "–" if fitted is None else f"{fitted * 3.6:.2f}",
+                f"{len(run.time_s) / campaign.sample_rate_hz:.1f}",
+                percent(part.error),
+                percent(part.floor),
+            ]
+        )
+    headings = ["run", "role", "track", "nominal km/h", "fitted km/h", "s", "error E", "floor"]
+    return table(headings, rows, "lllrrrrr")
+
+
+def ladder_table(steps: Sequence[Step]) -> str:
+    """The rungs as numbers."""
+    floor = steps[-1].comparison.floor
+    rows = []
+    for step in steps:
+        rows.append(
+            [
+                escape(" + ".join(["baseline", *step.added])),
+                percent(step.rung.error_fit),
+                percent(step.rung.error_validate),
+                significant(step.comparison.breakdown.total.ratio),
+            ]
+        )
+    rows.append(["noise floor", percent(floor.error_fit), percent(floor.error_validate), "1"])
+    headings = ["model", "E, runs fitted", "E, runs held out", "residual / floor, all runs"]
+    return table(headings, rows, "lrrr")

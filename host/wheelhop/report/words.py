@@ -1,0 +1,185 @@
+"""Numbers, units and verdicts in an engineer's words; the same on the page and in the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import floor, isfinite, log10, nan
+
+from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.diagnose import Diagnosis, NextRun, Step
+from wheelhop.effects import Effect
+
+UNITS = {
+    "_N_s_m": "N s/m",
+    "_kg_m2": "kg m²",
+    "_N_m3": "N/m³",
+    "_N_m": "N/m",
+    "_m_s": "m/s",
+    "_1_kg": "1/kg",
+    "_1_m": "1/m",
+    "_hz": "Hz",
+    "_kg": "kg",
+    "_N": "N",
+    "_m": "m",
+    "_s": "s",
+}
+"""Endings of names, longer ones first, and the units they stand for."""
+
+NARROW_SPACE = "\u202f"
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """The verdict in a sentence or two."""
+    verdict = diagnosis.verdict
+    if verdict == ("none",):
+        return (
+            "Nothing is missing: the baseline model explains the records"
+            " down to the sensors’ noise."
+        )
+    effects = {effect.id: effect for effect in diagnosis.ladder[-1].rung.model.effects}
+    accepted = [effects[name] for name in verdict if name != "unknown"]
+    if not accepted:
+        return "Something is missing, and no effect of the library explains it."
+    sentences = [missing(accepted)]
+    if verdict[-1] == "unknown":
+        sentences.append("Something more is missing that no effect of the library explains.")
+    return " ".join(sentences)
+
+
+def comparison_headline(steps: Sequence[Step]) -> str:
+    """How well the last model does, in a sentence."""
+    first, last = judged(steps[0])[0], judged(steps[-1])[0]
+    ratio = f"{significant(over_floor(steps[-1]), 2)} times the noise floor"
+    if len(steps) == 1:
+        return f"The baseline’s error is {percent(last)}, {ratio}."
+    added = listed(steps[-1].added)
+    return f"With {added} the error goes from {percent(first)} to {percent(last)}, {ratio}."
+
+
+def judged(step: Step) -> tuple[float, float]:
+    """Error and noise floor on the runs that judge: held out, or fitted if no run is."""
+    floor = step.comparison.floor
+    if step.rung.validation is None:
+        return step.rung.error_fit, floor.error_fit
+    return step.rung.error_validate, floor.error_validate
+
+
+def over_floor(step: Step) -> float:
+    """Error over noise floor on the runs that judge; NaN where nothing is known of the noise."""
+    error, floor = judged(step)
+    return error / floor if floor > 0 else nan
+
+
+def missing(effects: Sequence[Effect]) -> str:
+    """What the effects are, as a sentence: physics the model lacks, faults of the measurement."""
+    faults = [effect for effect in effects if effect.place == "sensor"]
+    physics = [effect for effect in effects if effect.place != "sensor"]
+    sentences = []
+    if physics:
+        sentences.append(f"The model lacks {_named(physics)}.")
+    if faults:
+        sentences.append(f"The measurement is at fault: {_named(faults)}.")
+    return " ".join(sentences)
+
+
+def _named(effects: Sequence[Effect]) -> str:
+    if len(effects) == 1:
+        return f"{effects[0].id}: {effects[0].title}"
+    return listed([effect.id for effect in effects])
+
+
+def listed(names: Sequence[str]) -> str:
+    """a, b and c."""
+    *most, last = names or [""]
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def next_run_words(run: NextRun) -> str:
+    """What to record next, and which doubt it settles."""
+    first, second = run.separates
+    return (
+        f"Repeat a run like {run.run_like} ({run.track}, {run.speed_kmph:.3g} km/h): it tells"
+        f" {first} from {second}. Their signatures are {run.angle_deg:.0f}° apart on it,"
+        f" {run.present_angle_deg:.0f}° on the runs at hand."
+    )
+
+
+def percent(share: float, digits: int = 3) -> str:
+    """A share in per cent with so many significant digits; a dash if there is none."""
+    return f"{significant(100 * share, digits)} %" if isfinite(share) else "–"
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """So many significant digits, thousands apart; no exponent unless it is very small."""
+    if not isfinite(value):
+        return "–"
+    if value == 0:
+        return "0"
+    size = floor(log10(abs(value)))
+    if not -5 <= size <= 8:
+        return f"{value:.{digits - 1}e}"
+    return _grouped(value, digits - 1 - size)
+
+
+def interval(value: float, deviation: float) -> str:
+    """value ± 2 standard deviations, the latter to two significant digits."""
+    if not (isfinite(deviation) and deviation > 0):
+        return significant(value)
+    decimals = 1 - floor(log10(2 * deviation))
+    if decimals > 6:
+        return f"{value:.3g} ± {2 * deviation:.2g}"
+    return f"{_grouped(value, decimals)} ± {_grouped(2 * deviation, decimals)}"
+
+
+def signed(value: float) -> str:
+    """A whole number with its sign."""
+    return ("+" if value >= 0 else "") + _grouped(value, 0)
+
+
+def chance(p: float) -> str:
+    """A probability to one digit, as far down as it means anything."""
+    return "< 10⁻⁶" if p < 1e-6 else f"{p:.1g}"
+
+
+def _grouped(value: float, decimals: int) -> str:
+    rounded = round(value, decimals) + 0.0  # no minus zero
+    return f"{rounded:,.{max(0, decimals)}f}".replace(",", NARROW_SPACE).replace("-", "−")
+
+
+def unit_of(name: str) -> str:
+    """The unit a name ends in; empty for a pure number."""
+    return next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
+
+
+def label_of(name: str) -> str:
+    """A number's name without its unit, in plain words: "front suspension stiffness"."""
+    ending = next((ending for ending in UNITS if name.endswith(ending)), "")
+    group, _, rest = name.removesuffix(ending).partition(".")
+    end, _, quantity = rest.rpartition(".")
+    if group == "geometry":
+        group = ""
+    if group == "wheel" and quantity != "radius":
+        group = ""
+    words = (end, group, quantity) if end in ("front", "rear") else (group, end, quantity)
+    return " ".join(word.replace("_", " ") for word in words if word)
+
+
+def form_of(effect: Effect, channels: Sequence[Channel]) -> str:
+    """Which of its forms an effect has ("B3", "air"); empty if there is but one."""
+    return next(
+        (
+            choice
+            for choice in effect.choices(channels)
+            if choice and vars(effect.with_choice(choice)) == vars(effect)
+        ),
+        "",
+    )
+
+
+def track_words(track: TrackSpec) -> str:
+    """Kind of track and its size in millimetres."""
+    if track.kind == "unknown":
+        return "unknown track"
+    keys = ("amplitude_m", "pitch_m", "height_m", "length_m")
+    sizes = [f"{float(track.values[key]) * 1e3:g}" for key in keys if key in track.values]
+    return f"{track.kind} {' × '.join(sizes)} mm" if sizes else track.kind
