@@ -9,9 +9,7 @@ from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import pick
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters
-from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.added import fit_with
-from wheelhop.diagnose.verdict import step_of
+from wheelhop.diagnose.added import steps_with
 from wheelhop.effects import load_effects
 from wheelhop.report.model_file import write_model
 from wheelhop.vehicle import read_vehicle
@@ -25,9 +23,7 @@ def run(arguments: Namespace) -> int:
     campaign = read_campaign(arguments.campaign)
     vehicle = read_vehicle(campaign.vehicle_file)
     with stages() as progress:
-        base = fit_baseline(campaign, vehicle, progress=progress)
-        rungs = fit_with(base, effects, progress)
-        steps = [step_of(base.workshop, rung) for rung in rungs]
+        steps = steps_with(campaign, vehicle, effects, progress)
     console = open_console()
     print_ladder(steps, console)
     print_parameters(steps[-1], console)

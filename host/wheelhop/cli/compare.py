@@ -9,11 +9,10 @@ from wheelhop.campaign import read_campaign
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import pick, write_json
 from wheelhop.cli.progress import stages
-from wheelhop.cli.show import print_ladder
+from wheelhop.cli.show import print_ladder, print_parameters
 from wheelhop.compare import print_comparison, to_json
-from wheelhop.diagnose import Step, fit_baseline
-from wheelhop.diagnose.added import fit_with
-from wheelhop.diagnose.verdict import step_of
+from wheelhop.diagnose import Step
+from wheelhop.diagnose.added import steps_with
 from wheelhop.effects import load_effects
 from wheelhop.report import write_comparison_report
 from wheelhop.vehicle import read_vehicle
@@ -25,14 +24,13 @@ def run(arguments: Namespace) -> int:
     campaign = read_campaign(arguments.campaign)
     vehicle = read_vehicle(campaign.vehicle_file)
     with stages() as progress:
-        base = fit_baseline(campaign, vehicle, progress=progress)
-        rungs = fit_with(base, effects, progress)
-        steps = [step_of(base.workshop, rung) for rung in rungs]
+        steps = steps_with(campaign, vehicle, effects, progress)
     console = open_console()
     print_comparison(steps[-1].comparison, console)
     if effects:
         console.print()
         print_ladder(steps, console)
+        print_parameters(steps[-1], console)
     if arguments.json:
         write_json(arguments.json, comparison_json(steps))
     if arguments.report:

@@ -1,6 +1,6 @@
 """Diagnosis: which physics a model is missing."""
 
-from wheelhop.diagnose.baseline import Baseline, comparison_of, fit_baseline
+from wheelhop.diagnose.baseline import Baseline, axle_driven, comparison_of, fit_baseline
 from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Diagnosis, NextRun, Ranked, Step, to_json
 from wheelhop.diagnose.ladder import climb, diagnose
@@ -12,6 +12,7 @@ __all__ = [
     "Ranked",
     "Rung",
     "Step",
+    "axle_driven",
     "climb",
     "comparison_of",
     "diagnose",

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Campaign, CampaignError
-from wheelhop.diagnose.baseline import Baseline, Progress
+from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit
+from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.verdict import step_of
 from wheelhop.effects import Effect
+from wheelhop.vehicle import Vehicle
 
 
 def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> list[Rung]:
@@ -35,6 +38,20 @@ def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> l
         progress(f"fitting the vehicle with {effect.id}")
         rungs.append(refit(workshop, rough))
     return rungs
+
+
+def steps_with(
+    campaign: Campaign, vehicle: Vehicle, effects: Sequence[Effect], progress: Progress
+) -> list[Step]:
+    """The same from the campaign on, each rung compared with the records.
+
+    Raises
+    ------
+    CampaignError
+        The campaign does not hold what a comparison needs, or an effect does not apply to it.
+    """
+    base = fit_baseline(campaign, vehicle, progress=progress)
+    return [step_of(base.workshop, rung) for rung in fit_with(base, effects, progress)]
 
 
 def why_not(effect: Effect, campaign: Campaign) -> str:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelhop.campaign import Campaign, CampaignError
+from wheelhop.campaign import Campaign, CampaignError, TrackSpec
 from wheelhop.compare import Comparison, compare
 from wheelhop.diagnose.confirm import Rung, validate
 from wheelhop.fit import Free, Workshop, find_start, fit, initial_model, vehicle_parameters
-from wheelhop.simulate import Model
+from wheelhop.simulate import Model, frequency_response
 from wheelhop.vehicle import CORNERS, Vehicle
 
 Progress = Callable[[str], None]
@@ -38,6 +38,7 @@ def fit_baseline(
     """
     _check(campaign)
     model = initial_model(campaign, vehicle)
+    campaign = _with_input_noise(campaign, model)
     workshop = Workshop(campaign, model, jobs=jobs)
     progress("finding each run's start and speed")
     model = _started(workshop, model)
@@ -55,6 +56,16 @@ def fit_baseline(
         noise = comparison_of(workshop, rung).floor.noise_rms_m_s2
         workshop.set_noise(float(np.sqrt(np.nanmean(noise**2))))
     return Baseline(workshop, free, rung)
+
+
+def axle_driven(campaign: Campaign) -> Campaign | None:
+    """The same records, the measured axle motion driving the body: track, speed and tyres no
+    longer matter. None without all four axles or without a channel on the body."""
+    corners = {c.corner for c in campaign.channels if c.is_axle}
+    if corners != set(CORNERS) or all(c.is_axle for c in campaign.channels):
+        return None
+    unknown = TrackSpec("unknown", {})
+    return replace(campaign, runs=tuple(replace(run, track=unknown) for run in campaign.runs))
 
 
 def comparison_of(workshop: Workshop, rung: Rung) -> Comparison:
@@ -78,6 +89,19 @@ def _started(workshop: Workshop, model: Model) -> Model:
     for bench, start in zip(benches, starts, strict=True):
         model = model.with_run(bench.run.id, start)
     return model
+
+
+def _with_input_noise(campaign: Campaign, model: Model) -> Campaign:
+    """Where measured axles drive every run, their noise reaches the prediction too: the stated
+    noise of one channel grows by the nominal vehicle's mean power transmission in band."""
+    if campaign.noise_rms_m_s2 is None or any(r.track.kind != "unknown" for r in campaign.runs):
+        return campaign
+    body = [c for c in campaign.channels if not c.is_axle]
+    frequency = np.linspace(*campaign.band_hz, 200)
+    response = frequency_response(model.system(body, "axles"), frequency)
+    transmitted = np.abs(response / (2 * np.pi * frequency[:, None, None]) ** 2) ** 2
+    growth = float(np.sqrt(1.0 + transmitted.sum(axis=2).mean()))
+    return replace(campaign, noise_rms_m_s2=campaign.noise_rms_m_s2 * growth)
 
 
 def _check(campaign: Campaign) -> None:

@@ -39,14 +39,14 @@ def cases(channels: Sequence[str], steps: Sequence[Step]) -> list[Case]:
     """The worst and a typical case, on runs that no fit has seen if there are any."""
     first, last = records_of(steps[0].rung), records_of(steps[-1].rung)
     comparison = steps[0].comparison
-    ratio = _ratios(comparison)
-    order = [(i, j) for i, j in zip(*np.unravel_index(np.argsort(ratio, axis=None), ratio.shape),
-             strict=True) if np.isfinite(ratio[i, j])]  # fmt: skip
-    chosen = {order[-1]: "Where it fails worst", order[len(order) // 2]: "A typical place"}
+    order = _by_ratio(comparison)
     found = []
-    for (i, j), title in chosen.items():
-        run_id = comparison.breakdown.runs_channels.rows[i]
-        found.append(_case(title, channels[j], int(j), first[run_id], last[run_id], comparison))
+    for title, (run_id, column) in (
+        ("The worst place", order[-1]),
+        ("A typical place", order[len(order) // 2]),
+    ):
+        runs = first[run_id], last[run_id]
+        found.append(_case(title, channels[column], column, *runs, comparison))
     return found
 
 
@@ -64,16 +64,20 @@ def _record(run: RunFit) -> Record:
     return Record(bench.run, bench.band, bench.predicted, measured, residual, None)
 
 
-def _ratios(comparison: Comparison) -> Array:
-    """Residual over noise of each run and channel; NaN for runs not to be chosen."""
+def _by_ratio(comparison: Comparison) -> list[tuple[str, int]]:
+    """Runs and columns in the order of residual over noise, runs held out alone if there are
+    any."""
     grid = comparison.breakdown.runs_channels
-    held_out = np.array([comparison.roles[run] == "validate" for run in grid.rows])
-    ratio = np.array(grid.ratio)
-    if held_out.any():
-        ratio[~held_out] = np.nan
-    if not np.isfinite(ratio).any():  # no noise to compare with
-        ratio = np.sqrt(grid.residual)
-    return ratio
+    eligible = [run for run in grid.rows if comparison.roles[run] == "validate"] or grid.rows
+    # Without any noise to compare with, the residual itself counts.
+    size = grid.ratio if np.isfinite(grid.ratio).any() else grid.residual
+    cells = [
+        (float(ratio), run, column)
+        for run, row in zip(grid.rows, size, strict=True)
+        for column, ratio in enumerate(row)
+        if run in eligible and np.isfinite(ratio)
+    ]
+    return [(run, column) for _, run, column in sorted(cells)]
 
 
 def _case(

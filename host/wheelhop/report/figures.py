@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -17,57 +18,61 @@ from wheelhop.compare import Breakdown, Locking, Slice
 from wheelhop.diagnose import Step
 from wheelhop.report.cases import Case
 from wheelhop.report.svg import COLOURS, STYLE
-from wheelhop.report.words import percent
+from wheelhop.report.words import judged, significant
 
 Array = NDArray[np.float64]
 
 INK, SOFT, RULE = COLOURS["ink"], COLOURS["soft"], COLOURS["rule"]
 MEASURED, BEFORE, AFTER, FLOOR = (COLOURS[k] for k in ("measured", "before", "after", "floor"))
+DASHED: dict[str, Any] = {"color": FLOOR, "linestyle": (0, (4, 3)), "linewidth": 1.0}
 WIDTH = 8.0  # inches, the page's text width
 
 
 def ladder_figure(steps: Sequence[Step]) -> Figure:
     """Error on fitted and on held-out runs, rung by rung, down to the noise floor."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 2.9 if len(steps) > 1 else 1.9), layout="constrained")
+        several = len(steps) > 1
+        figure = Figure(figsize=(WIDTH, 2.9 if several else 1.9), layout="constrained")
         axes = figure.add_subplot()
-        floor = steps[-1].comparison.floor
-        validated = [step.rung.error_validate for step in steps]
-        fitted = [step.rung.error_fit for step in steps]
-        held_out = bool(np.isfinite(validated).any())
-        lowest = floor.error_validate if held_out else floor.error_fit
-        x = np.arange(len(steps))
-        axes.axhline(100 * lowest, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
-        axes.annotate(
-            f"noise floor {percent(lowest, 2)}",
-            (1.0, 100 * lowest),
-            xycoords=("axes fraction", "data"),
-            xytext=(0, -4),
-            textcoords="offset points",
-            color=SOFT,
-            ha="right",
-            va="top",
-        )
-        main = validated if held_out else fitted
+        floor = 100 * judged(steps[-1])[1]
+        errors = [100 * judged(step)[0] for step in steps]
+        fitted = [100 * step.rung.error_fit for step in steps]
+        x = range(len(steps))
+        held_out = steps[0].rung.validation is not None
         if held_out:
-            axes.plot(x, 100 * np.array(fitted), "o", ms=6, mfc="none", mec=SOFT, zorder=3,
-                      label="runs fitted")  # fmt: skip
-        axes.plot(x, 100 * np.array(main), "-", color=MEASURED, linewidth=2.0, zorder=2)
-        axes.plot(x, 100 * np.array(main), "o", ms=6, color=INK, zorder=4,
-                  label="runs held out" if held_out else "runs fitted")  # fmt: skip
-        for i, error in enumerate(main):
-            axes.annotate(percent(error, 2), (i, 100 * error), xytext=(9, 5),
-                          textcoords="offset points", color=INK)  # fmt: skip
-        axes.set_xticks(x, [_rung_name(a, b) for a, b in zip([None, *steps], steps, strict=False)])
+            axes.plot(x, fitted, "o", ms=6, mfc="none", mec=SOFT, label="runs fitted", zorder=3)
+        label = "runs held out" if held_out else "runs fitted"
+        axes.plot(x, errors, "-", color=MEASURED, linewidth=2.0)
+        axes.plot(x, errors, "o", ms=6, color=INK, label=label, zorder=4)
+        for i, error in enumerate(errors):
+            place: dict[str, Any] = {"xytext": (9, 5), "textcoords": "offset points"}
+            axes.annotate(f"{significant(error, 2)} %", (i, error), **place)
+        values = [value for value in (*errors, *fitted, floor) if value > 0]
+        _log_axis(axes, min(values) / 1.7, max(values) * (1.6 if several else 2.6))
+        _draw_floor(axes, floor)
+        axes.set_ylabel("error E, %")
+        before = [None, *steps[:-1]]
+        axes.set_xticks(x, [_rung_name(a, b) for a, b in zip(before, steps, strict=True)])
         axes.tick_params(axis="x", length=0, colors=INK)
         axes.grid(axis="x", visible=False)
         axes.set_xlim(-0.4, max(len(steps) - 1, 1) + 0.6)
-        axes.set_ylabel("error E, %")
-        values = np.array([*main, *fitted, lowest])
-        values = values[np.isfinite(values) & (values > 0)]
-        _log_axis(axes, 100 * values.min() / 1.7, 100 * values.max() * 1.6)
         axes.legend(loc="upper right", ncols=2, borderaxespad=0.0)
     return figure
+
+
+def _draw_floor(axes: Axes, floor: float) -> None:
+    """A dashed line with its name, under its right end."""
+    axes.axhline(floor, **DASHED)
+    axes.annotate(
+        f"noise floor {significant(floor, 2)} %",
+        (1.0, floor),
+        xycoords=("axes fraction", "data"),
+        xytext=(0, -4),
+        textcoords="offset points",
+        color=SOFT,
+        ha="right",
+        va="top",
+    )
 
 
 def _rung_name(before: Step | None, step: Step) -> str:
@@ -97,7 +102,7 @@ def case_figure(case: Case, added: str) -> Figure:
 def _draw_time(upper: Axes, lower: Axes, case: Case, added: str) -> None:
     part = case.shown
     time = case.time_s[part]
-    upper.plot(time, case.measured[part], color=MEASURED, linewidth=3.0, label="measured")
+    upper.plot(time, case.measured[part], color=MEASURED, linewidth=2.4, label="measured")
     upper.plot(time, case.before[part], color=BEFORE, label="baseline")
     lower.plot(time, (case.measured - case.before)[part], color=BEFORE)
     if added:
@@ -114,7 +119,7 @@ def _draw_time(upper: Axes, lower: Axes, case: Case, added: str) -> None:
 
 
 def _draw_spectrum(axes: Axes, case: Case, compared: bool) -> None:
-    lines = [(case.measured, MEASURED, 3.0), (case.before, BEFORE, 1.1)]
+    lines = [(case.measured, MEASURED, 2.4), (case.before, BEFORE, 1.1)]
     if compared:
         lines.append((case.after, AFTER, 1.1))
     lowest = np.inf
@@ -125,7 +130,7 @@ def _draw_spectrum(axes: Axes, case: Case, compared: bool) -> None:
     bandwidth = _bandwidth(case)
     if case.noise_rms_m_s2 > 0:
         level = case.noise_rms_m_s2**2 / bandwidth[1]
-        axes.axhline(level, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
+        axes.axhline(level, **DASHED)
         lowest = 0.2 * level
     top = float(_spectrum(case.measured, case.rate_hz)[1].max())
     axes.set_xscale("log")
@@ -173,7 +178,7 @@ def _draw_bands(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
             frequency = [float(part.name) for part in where.band]
             ratio = [part.ratio for part in where.band]
             axes.plot(frequency, ratio, "o-", ms=3.2, color=colour)
-    axes.axhline(1, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
+    axes.axhline(1, **DASHED)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -193,7 +198,7 @@ def _draw_motions(axes: Axes, before: Breakdown, after: Breakdown | None) -> Non
     axes.plot(start, y, "o", ms=4.5, color=BEFORE)
     if after is not None:
         axes.plot(end, y, "o", ms=4.5, color=AFTER)
-    axes.axvline(1, color=FLOOR, linestyle=(0, (4, 3)), linewidth=1.0)
+    axes.axvline(1, **DASHED)
     axes.set_yticks(y, names)
     axes.tick_params(axis="y", length=0, colors=INK)
     axes.grid(axis="y", visible=False)

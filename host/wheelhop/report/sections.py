@@ -21,7 +21,6 @@ from wheelhop.report.words import (
     listed,
     next_run_words,
     percent,
-    significant,
     track_words,
 )
 

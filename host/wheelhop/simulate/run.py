@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import interpolate, signal
+from scipy import interpolate
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
@@ -205,16 +205,14 @@ class RunSimulator:
             measured = effect.restore(model.theta(effect, self.run.id), measured, channels)
         corner = {c.corner: i for i, c in enumerate(channels) if c.is_axle}
         columns = [corner[i] for i in CORNERS]
-        acceleration = interpolate.CubicSpline(self.run.time_s, measured[:, columns])(
-            np.clip(time_s, self.run.time_s[0], self.run.time_s[-1])
+        inside = np.clip(time_s, self.run.time_s[0], self.run.time_s[-1])
+        acceleration = interpolate.CubicSpline(self.run.time_s, measured[:, columns])
+        velocity, height = (
+            acceleration.antiderivative(1)(inside),
+            acceleration.antiderivative(2)(inside),
         )
-        step_s = float(time_s[1] - time_s[0])
-        # The band's own lower edge stays untouched: the high-pass lies an octave below.
-        high_pass = signal.butter(
-            2, 0.5 * self.campaign.band_hz[0], "highpass", fs=1 / step_s, output="sos"
-        )
-        velocity = _without_drift(acceleration, high_pass, step_s)
-        return _without_drift(velocity, high_pass, step_s), velocity
+        drift = _slow_part(time_s, height, 1.0 / self.campaign.band_hz[0])
+        return height - drift(time_s), velocity - drift(time_s, 1)
 
     def _initial(self, model: Model, system: System) -> Array:
         """State (2 n,) at the first step: rest, or what a run on measured axles leaves free."""
@@ -240,9 +238,14 @@ def _without_sensors(model: Model, run_id: str) -> object:
     return values, own, [e for e in model.effects if e.place != "sensor"]
 
 
-def _without_drift(rate: Array, high_pass: Array, step_s: float) -> Array:
-    integral = np.cumsum(rate, axis=0) * step_s - 0.5 * step_s * (rate + rate[0])
-    return np.asarray(signal.sosfiltfilt(high_pass, integral, axis=0))
+def _slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSpline:
+    """Least-squares cubic spline with knots one period of the band's lower edge apart: it follows
+    what drifts, constants of integration included, and leaves what lies in band. Unlike a filter
+    it has no transient at the ends."""
+    count = max(int((time_s[-1] - time_s[0]) / spacing_s), 1)
+    inner = np.linspace(time_s[0], time_s[-1], count + 1)
+    knots = np.concatenate([[inner[0]] * 3, inner, [inner[-1]] * 3])
+    return interpolate.make_lsq_spline(time_s, height, knots, k=3)
 
 
 def _span(x: Array) -> tuple[float, float]:
