@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Sequence
 from typing import Any
 
-from wheelhop.campaign import read_campaign
+from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import pick, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters
 from wheelhop.compare import print_comparison, to_json
-from wheelhop.diagnose import Step
+from wheelhop.diagnose import Progress, Step, axle_driven
 from wheelhop.diagnose.added import steps_with
-from wheelhop.effects import load_effects
+from wheelhop.effects import Effect, load_effects
 from wheelhop.report import write_comparison_report
-from wheelhop.vehicle import read_vehicle
+from wheelhop.report.words import chain_words
+from wheelhop.vehicle import Vehicle, read_vehicle
 
 
 def run(arguments: Namespace) -> int:
@@ -25,22 +27,38 @@ def run(arguments: Namespace) -> int:
     vehicle = read_vehicle(campaign.vehicle_file)
     with stages() as progress:
         steps = steps_with(campaign, vehicle, effects, progress)
+        axles = _driven_by_axles(campaign, vehicle, effects, progress)
     console = open_console()
     print_comparison(steps[-1].comparison, console)
     if effects:
         console.print()
         print_ladder(steps, console)
         print_parameters(steps[-1], console)
+    if axles is not None:
+        console.print(chain_words(steps[-1], axles), markup=False)
     if arguments.json:
-        write_json(arguments.json, comparison_json(steps))
+        write_json(arguments.json, comparison_json(steps, axles))
     if arguments.report:
-        write_comparison_report(arguments.report, campaign, steps)
+        write_comparison_report(arguments.report, campaign, steps, axles)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
 
 
-def comparison_json(steps: list[Step]) -> dict[str, Any]:
-    """The last model's comparison, and the errors on the way to it."""
+def _driven_by_axles(
+    campaign: Campaign, vehicle: Vehicle, effects: Sequence[Effect], progress: Progress
+) -> Step | None:
+    """The same model with the measured axle motion driving the body; None where that is not
+    possible, or is what was compared already."""
+    driven = axle_driven(campaign)
+    if driven is None or all(run.track.kind == "unknown" for run in campaign.runs):
+        return None
+    acting = [effect for effect in effects if not effect.needs_road]
+    return steps_with(driven, vehicle, acting, lambda text: progress(f"measured axles: {text}"))[-1]
+
+
+def comparison_json(steps: Sequence[Step], axles: Step | None) -> dict[str, Any]:
+    """The last model's comparison, the errors on the way to it, and the comparison of the same
+    model driven by the measured axles."""
     ladder = [
         {
             "added": list(step.added),
@@ -49,4 +67,9 @@ def comparison_json(steps: list[Step]) -> dict[str, Any]:
         }
         for step in steps
     ]
-    return {"format": 1, "ladder": ladder, **to_json(steps[-1].comparison)}
+    return {
+        "format": 1,
+        "ladder": ladder,
+        **to_json(steps[-1].comparison),
+        "axle_driven": None if axles is None else to_json(axles.comparison),
+    }

@@ -63,7 +63,7 @@ def print_ranking(ranking: Sequence[Ranked], console: Console, *, rows: int = 6)
         near = ", ".join(f"{name} ({angle:.0f}°)" for name, angle in item.ambiguous_with)
         table.add_row(
             Text(item.effect),
-            percent(item.screened_error),
+            "–" if item.screened_error is None else percent(item.screened_error),
             "" if item.confirmed_error is None else percent(item.confirmed_error),
             "" if item.validated_error is None else percent(item.validated_error),
             "" if item.evidence is None else signed(item.evidence),

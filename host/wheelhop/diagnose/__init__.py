@@ -1,6 +1,6 @@
 """Diagnosis: which physics a model is missing."""
 
-from wheelhop.diagnose.baseline import Baseline, axle_driven, comparison_of, fit_baseline
+from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, comparison_of, fit_baseline
 from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Diagnosis, NextRun, Ranked, Step, to_json
 from wheelhop.diagnose.ladder import climb, diagnose
@@ -9,6 +9,7 @@ __all__ = [
     "Baseline",
     "Diagnosis",
     "NextRun",
+    "Progress",
     "Ranked",
     "Rung",
     "Step",

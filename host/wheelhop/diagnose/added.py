@@ -9,7 +9,7 @@ from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.screen import screen
-from wheelhop.diagnose.verdict import step_of
+from wheelhop.diagnose.verdict import step_of, why_not
 from wheelhop.effects import Effect
 from wheelhop.vehicle import Vehicle
 
@@ -31,7 +31,7 @@ def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> l
         screened = screen(workshop, last.fit, [effect])
         if not screened:
             where = workshop.campaign.folder / "campaign.toml"
-            reason = why_not(effect, workshop.campaign)
+            reason = why_not(effect, "road" in workshop.drives)
             raise CampaignError(f"{where}: {effect.id} cannot be added: {reason}; leave it out")
         progress(f"simulating {effect.id}")
         rough = confirm(workshop, last, screened[0])
@@ -52,11 +52,3 @@ def steps_with(
     """
     base = fit_baseline(campaign, vehicle, progress=progress)
     return [step_of(base.workshop, rung) for rung in fit_with(base, effects, progress)]
-
-
-def why_not(effect: Effect, campaign: Campaign) -> str:
-    """In a few words, why screening has left out an effect: it does not apply to this campaign."""
-    driven = any(run.track.kind != "unknown" and run.speed_m_s > 0 for run in campaign.runs)
-    if effect.needs_road and not driven:
-        return "it acts upstream of the axle, and no run drives over a known track"
-    return "the vehicle and the channels give it nothing to act on"

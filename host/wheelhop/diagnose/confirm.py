@@ -59,13 +59,20 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
     """Fit the model of `base` with the screened effect added.
 
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
-    ends a little above the minimum; `refit` goes all the way.
+    ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
+    screening expects has gone astray and begins again elsewhere; the best one counts.
     """
-    model = _start(workshop, base, screened)
-    variant = screened.variant
-    shared = [*base.fit.shared, *effect_parameters(workshop.campaign, model, variant.effect)]
-    benches = workshop.of_role("fit")
-    return validate(workshop, fit(workshop, model, shared, benches, base.fit))
+    effect, benches = screened.variant.effect, workshop.of_role("fit")
+    best: Fit | None = None
+    for model in _starts(workshop, base, screened):
+        shared = [*base.fit.shared, *effect_parameters(workshop.campaign, model, effect)]
+        found = fit(workshop, model, shared, benches, base.fit)
+        if best is None or found.rss < best.rss:
+            best = found
+        if best.error < ASTRAY * screened.error:
+            break
+    assert best is not None
+    return validate(workshop, best)
 
 
 def refit(workshop: Workshop, rung: Rung) -> Rung:
@@ -81,23 +88,26 @@ def without(workshop: Workshop, rung: Rung, effect_id: str) -> Rung:
 
 
 SHARES = (1.0, 0.4, 0.1)
-"""A fit begins at the best of these shares of the amplitudes that screening expects: to first
-order strong effects are overrated."""
+"""A fit begins at one of these shares of the amplitudes that screening expects: to first order
+strong effects are overrated."""
+
+ASTRAY = 1.2
 
 SMALLEST_START = 0.05
 """And with at least this fraction of an amplitude's scale: at zero some laws are flat."""
 
 
-def _start(workshop: Workshop, base: Rung, screened: Screened) -> Model:
-    """The model where the fit of an effect begins."""
+def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[Model]:
+    """The models where the fit of an effect may begin, the one that fits best first."""
     variant = screened.variant
     benches = list(workshop.benches.values())
     probe = FitProbe(workshop, base.model, benches)
     starts = workshop.each(lambda b: variant.effect.run_start(probe, b.simulator.setting), benches)
     runs = {bench.run.id: start for bench, start in zip(benches, starts, strict=True)}
     variant = replace(variant, runs=runs)
+    shares = SHARES if any(not p.switch for p in variant.amplitudes) else SHARES[:1]
     models = []
-    for share in SHARES if any(not p.switch for p in variant.amplitudes) else (1.0,):
+    for share in shares:
         amplitudes = {}
         for p in variant.amplitudes:
             away = (screened.amplitudes[p.name] - p.absent) * (1.0 if p.switch else share)
@@ -105,7 +115,7 @@ def _start(workshop: Workshop, base: Rung, screened: Screened) -> Model:
             away = away if abs(away) > least else least
             amplitudes[p.name] = min(max(p.absent + away, p.lower), p.upper)
         models.append(with_variant(base.model, variant, amplitudes))
-    return min(models, key=lambda model: _misfit(workshop, model)) if len(models) > 1 else models[0]
+    return sorted(models, key=lambda model: _misfit(workshop, model))
 
 
 def _misfit(workshop: Workshop, model: Model) -> float:

@@ -18,7 +18,8 @@ FORMAT = 1
 class Ranked:
     """One effect on the first rung.
 
-    ``screened_error`` is E over the fitted runs that first-order screening expects,
+    ``screened_error`` is E over the fitted runs that first-order screening expects (None: the
+    effect does not apply to this campaign),
     ``confirmed_error`` what was reached in full simulation (None: not tried, `reason` says why);
     ``evidence`` is the logarithm of the evidence over the baseline's; ``p_value`` the chance that
     any of the effects tried looks as good on held-out runs without being there.
@@ -26,7 +27,7 @@ class Ranked:
 
     effect: str
     place: str
-    screened_error: float
+    screened_error: float | None
     confirmed_error: float | None
     validated_error: float | None
     evidence: float | None

@@ -75,11 +75,15 @@ def climb(
     steps = [step_of(workshop, rung)]
     look = _look(workshop, rung, effects, progress)
     first = look
-    while look.chosen is not None and len(steps) <= max_effects:
+    for _ in range(2 * max_effects):
+        if look.chosen is None or len(rung.model.effects) >= max_effects:
+            break
         rung = _without_idle(workshop, look.chosen.rung, progress)
-        steps.append(step_of(workshop, rung))
+        step = step_of(workshop, rung)
+        # The same effects in a better fit are no new rung.
+        steps = [*(s for s in steps if s.added != step.added), step]
         look = _look(workshop, rung, effects, progress)
-    return conclude(steps, first, look)
+    return conclude(steps, first, look, list(effects.values()))
 
 
 def _look(
@@ -99,8 +103,14 @@ def _look(
 def _confirm_best(
     workshop: Workshop, rung: Rung, screened: Sequence[Screened], progress: Progress
 ) -> list[Candidate]:
-    """Full simulation of the most promising effects; best evidence first."""
-    promising = [s for s in screened if s.score > 0]
+    """Full simulation of the most promising effects; best evidence first.
+
+    Effects that even by screening could take nothing material out of the residual are left alone.
+    """
+    noise = rung.fit.size * workshop.noise**2
+    promising = [
+        s for s in screened if s.score > 0 and s.gain * rung.fit.sigma**2 > MATERIAL / 4 * noise
+    ]
     reach = REACH * promising[0].gain if promising else np.inf
     chosen = [s for i, s in enumerate(promising) if i < CONFIRMED or s.gain >= reach]
     found = []
@@ -141,8 +151,11 @@ def _judged(
 
 
 def _without_idle(workshop: Workshop, rung: Rung, progress: Progress) -> Rung:
-    """Drop effects accepted earlier whose contribution vanished when the last one joined."""
-    for effect in rung.model.effects[:-1]:
+    """Drop effects whose contribution vanished when the last one joined, the last one included:
+    it may have done no more than help the others' fit out of a side valley."""
+    if len(rung.model.effects) < 2:
+        return rung
+    for effect in rung.model.effects:
         progress(f"is {effect.id} still needed?")
         shorter = without(workshop, rung, effect.id)
         material = relative_to_noise(shorter, rung, workshop.noise) > MATERIAL

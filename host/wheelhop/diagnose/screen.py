@@ -38,29 +38,33 @@ class Variant:
     effect: Effect
     choice: str
     shapes: Mapping[str, float]
-    amplitudes: tuple[Parameter, ...]
+    parameters: tuple[Parameter, ...]
     runs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    @property
+    def amplitudes(self) -> tuple[Parameter, ...]:
+        """The parameters that vanish with the effect."""
+        return tuple(p for p in self.parameters if not p.is_shape)
 
 
 @dataclass(frozen=True)
 class Screened:
     """An effect's best variant: the amplitudes (and per-run values) it would take, the drop of
-    the cost, the number of parameters that bought it, and the error E that would be left."""
+    the cost, the number of parameters that bought it and the price of one, and the error E that
+    would be left. ``signatures`` (size, a) per run are free of what the run itself could absorb."""
 
     variant: Variant
     amplitudes: Mapping[str, float]
     gain: float
     freedom: int
+    price: float
     error: float
     signatures: Mapping[str, Array]
-    """Per run (size, a): the signatures, projected off what the run leaves free."""
 
     @property
     def score(self) -> float:
-        """Gain less the price of its parameters (half the BIC difference)."""
-        return 0.5 * self.gain - 0.5 * self.freedom * self.price
-
-    price: float = 0.0
+        """Half of the gain less the price of its parameters: half the BIC difference."""
+        return 0.5 * (self.gain - self.freedom * self.price)
 
 
 def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
@@ -73,28 +77,23 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
     found: list[Variant] = []
     for choice in effect.choices(channels):
         form = effect.with_choice(choice) if choice else effect
-        parameters = form.parameters_for(base.model.values, channels)
-        amplitudes = tuple(p for p in parameters if not p.is_shape)
+        parameters = tuple(form.parameters_for(base.model.values, channels))
+        amplitudes = any(not p.is_shape for p in parameters)
         if not amplitudes and not any(form.per_run(setting) for setting in settings):
             continue
-        shapes = [p for p in parameters if p.is_shape]
-        starts = [dict(start) for start in suggested] or [
-            dict(zip([p.name for p in shapes], values, strict=True))
-            for values in product(*(p.starts for p in shapes))
-        ]
-        found.extend(Variant(form, choice, start, amplitudes) for start in starts)
+        starts = {p.name: p.starts for p in parameters if p.is_shape}
+        first = {name: values[0] for name, values in starts.items()}
+        grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
+        for shapes in [{**first, **start} for start in suggested] or grid:
+            found.append(Variant(form, choice, shapes, parameters))
     return found
 
 
 def with_variant(model: Model, variant: Variant, amplitudes: Mapping[str, float]) -> Model:
     """The model with the effect added in this variant at the given amplitudes."""
     effect = variant.effect
-    values = {**{p.name: p.absent for p in variant.amplitudes}, **variant.shapes, **amplitudes}
-    model = Model(
-        values={**model.values, **{f"{effect.id}.{k}": v for k, v in values.items()}},
-        effects=(*model.effects, effect),
-        runs=model.runs,
-    )
+    values = {f"{effect.id}.{k}": v for k, v in {**variant.shapes, **amplitudes}.items()}
+    model = model.with_effect(effect, variant.parameters).with_values(values)
     for run_id, own in variant.runs.items():
         model = model.with_run(run_id, {f"{effect.id}.{k}": v for k, v in own.items()})
     return model
@@ -238,12 +237,12 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
         variant,
         amplitudes,
         gain,
-        sum(not p.switch for p in variant.amplitudes)
+        freedom=sum(not p.switch for p in variant.amplitudes)
         + len(variant.shapes)
         + sum(t.freedom for t in tables),
-        float(np.sqrt(rss / energy)),
-        {run.bench.run.id: t.signatures for run, t in zip(base.runs, tables, strict=True)},
-        float(np.log(base.size)),
+        price=float(np.log(base.size)),
+        error=float(np.sqrt(rss / energy)),
+        signatures={r.bench.run.id: t.signatures for r, t in zip(base.runs, tables, strict=True)},
     )
 
 

@@ -82,8 +82,10 @@ def _summary(model: Model, rung: Rung, effect: Effect) -> Mapping[str, float]:
     )
 
 
-def conclude(steps: Sequence[Step], first: Look, last: Look) -> Diagnosis:
-    """The diagnosis from the ladder's steps, the first look and the last one."""
+def conclude(
+    steps: Sequence[Step], first: Look, last: Look, effects: Sequence[Effect]
+) -> Diagnosis:
+    """The diagnosis from the ladder's steps, the first look, the last one, and the library."""
     angles = Angles(first.rung.fit, first.screened)
     accepted = steps[-1].added
     unexplained = _unexplained(steps[-1])
@@ -95,7 +97,7 @@ def conclude(steps: Sequence[Step], first: Look, last: Look) -> Diagnosis:
     return Diagnosis(
         verdict=verdict,
         confidence=_confidence(verdict, steps[-1], first, last),
-        ranking=tuple(_ranking(first, angles)),
+        ranking=(*_ranking(first, angles), *_not_applicable(first, effects, steps[0])),
         ladder=tuple(steps),
         next_run=next_run,
         explanation=tuple(_explanation(verdict, steps)),
@@ -118,8 +120,10 @@ def _confidence(verdict: Sequence[str], last_step: Step, first: Look, last: Look
     """That the verdict's first entry is right.
 
     For an effect: the odds against the best of its rivals, times the chance that it is not
-    mistaken altogether. For "none": how far the likeliest effect is
-    from being accepted. For "unknown": how far the residual is above the floor's own uncertainty.
+    mistaken altogether; with something unexplained left, less by as many times as the error stays
+    above the floor: what explains that may explain the rest too. For "none": how far the likeliest
+    effect is from being accepted. For "unknown": how far the residual is above the floor's own
+    uncertainty.
     """
     if verdict[0] == "unknown":
         excess = _over_floor(last_step) - 1.0
@@ -134,7 +138,8 @@ def _confidence(verdict: Sequence[str], last_step: Step, first: Look, last: Look
     at_floor = "unknown" not in verdict
     odds = min((_odds(c.rung, accepted.rung, at_floor) for c in rivals), default=inf)
     beaten = 1.0 / (1.0 + exp(-min(max(odds, -700.0), 700.0)))
-    return CEILING * beaten * (1.0 - accepted.p)
+    sure = CEILING * beaten * (1.0 - accepted.p)
+    return sure if at_floor else sure / _over_floor(last_step)
 
 
 def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:
@@ -151,6 +156,35 @@ def _ranking(look: Look, angles: Angles) -> list[Ranked]:
     order = [c.screened for c in look.candidates]
     order += [s for s in look.screened if s.variant.effect.id not in confirmed]
     return [_ranked(s, confirmed.get(s.variant.effect.id), look, angles) for s in order]
+
+
+def _not_applicable(look: Look, effects: Sequence[Effect], baseline: Step) -> list[Ranked]:
+    """The effects screening left out, with the reason."""
+    screened = {s.variant.effect.id for s in look.screened}
+    on_road = any(run.bench.simulator.setting.on_road for run in baseline.rung.fit.runs)
+    return [
+        Ranked(
+            effect=effect.id,
+            place=effect.place,
+            screened_error=None,
+            confirmed_error=None,
+            validated_error=None,
+            evidence=None,
+            p_value=None,
+            ambiguous_with=(),
+            parameters={},
+            reason=f"does not apply: {why_not(effect, on_road)}",
+        )
+        for effect in effects
+        if effect.id not in screened
+    ]
+
+
+def why_not(effect: Effect, on_road: bool) -> str:
+    """In a few words, why screening leaves an effect out."""
+    if effect.needs_road and not on_road:
+        return "it acts upstream of the axle, and no run drives over a known track"
+    return "the vehicle, its speed and the channels give it nothing to act on"
 
 
 def _ranked(screened: Screened, candidate: Candidate | None, look: Look, angles: Angles) -> Ranked:
@@ -184,14 +218,14 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
             return "its signature is not in the residual: no gain worth its parameters"
         return "screened: others explain far more"
     before, after = look.rung.error_validate, candidate.rung.error_validate
-    change = f"held-out error {before:.4f} → {after:.4f}"
+    change = f"held-out error {before:.2%} → {after:.2%}"
     if chosen is not None and candidate.id == chosen.id:
         return f"accepted: {change}, p = {candidate.p:.1g}"
     if not candidate.holds:
         return f"not confirmed by held-out runs: {change}, p = {candidate.p:.1g}"
     if chosen is not None:
         best = chosen.rung.error_validate
-        return f"explains part: {change}, but {chosen.id} reaches {best:.4f}"
+        return f"explains part: {change}, but {chosen.id} reaches {best:.2%}"
     return f"{change}, p = {candidate.p:.1g}"
 
 
@@ -204,7 +238,7 @@ def _explanation(verdict: Sequence[str], steps: Sequence[Step]) -> list[str]:
         added = [name for name in after.added if name not in before.added]
         lines.append(
             f"Adding {', '.join(added)} lowers the held-out error from"
-            f" {before.rung.error_validate:.4f} to {after.rung.error_validate:.4f}."
+            f" {before.rung.error_validate:.2%} to {after.rung.error_validate:.2%}."
         )
     if verdict[-1] == "unknown":
         lines.append(

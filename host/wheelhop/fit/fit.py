@@ -20,8 +20,6 @@ from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
 
-STEP = 0.02
-"""Differences are taken over this fraction of a parameter's scale."""
 
 ITERATIONS = 60
 
@@ -215,14 +213,14 @@ class _Problem:
                     matrix[:, i] = old.shared_jacobian[:, self.column[free.name]]
                 else:
                     other, its_systems = moved[free.name]
-                    matrix[:, i] = (bench.modelled(other, its_systems) - base) / STEP
+                    matrix[:, i] = (bench.modelled(other, its_systems) - base) / free.step
             values = model.runs[bench.run.id]
             for i, free in enumerate(own):
                 if old is not None and free.name in held:
                     matrix[:, g + i] = old.own_jacobian[:, held[free.name]]
                 else:
                     other = model.with_run(bench.run.id, _stepped(free, values))
-                    matrix[:, g + i] = (bench.modelled(other, systems) - base) / STEP
+                    matrix[:, g + i] = (bench.modelled(other, systems) - base) / free.step
             residual = bench.measured[:, bench.predicted].ravel() - base
             return RunFit(bench, own, residual, Derivatives(matrix, g))
 
@@ -294,9 +292,13 @@ class _Problem:
             own = _damped(normal.own, 0.0)
             matrix += normal.shared - normal.mixed @ np.linalg.solve(own, normal.mixed.T)
             log_volume += _log_prior_precision(run.own) - np.linalg.slogdet(own)[1]
-        log_volume -= np.linalg.slogdet(_damped(matrix, 0.0))[1]
-        scale = np.array([free.scale for free in self.shared])
-        covariance = np.asarray(np.linalg.pinv(matrix, hermitian=True) * np.outer(scale, scale))
+        matrix = _damped(matrix, 0.0)
+        log_volume -= np.linalg.slogdet(matrix)[1]
+        # Forces scale with masses, a direction only the prior holds: precision needs unit diagonal.
+        unit = np.sqrt(np.diag(matrix))
+        scale = np.array([free.scale for free in self.shared]) / unit
+        inverse = np.linalg.inv(matrix / np.outer(unit, unit))
+        covariance = np.asarray(inverse * np.outer(scale, scale))
         return covariance, 0.5 * float(log_volume)
 
 
@@ -306,9 +308,12 @@ def _log_prior_precision(free: Sequence[Free]) -> float:
 
 
 def _damped(matrix: Array, damping: float) -> Array:
-    """Marquardt's damping; the small constant keeps a parameter nothing depends on where it is."""
-    diagonal = np.diag(matrix)
-    return matrix + np.diag(damping * diagonal + 1e-9 * (1.0 + diagonal))
+    """Marquardt's damping; the small constant keeps a parameter nothing depends on where it is.
+
+    It must stay far below the priors' weight, 1: they alone hold the common scale of all masses
+    and forces.
+    """
+    return matrix + np.diag(damping * np.diag(matrix) + 1e-6)
 
 
 def _prior_normal(free: Sequence[Free], values: Mapping[str, float]) -> tuple[Array, Array]:
@@ -323,7 +328,7 @@ def _distance(free: Sequence[Free], values: Mapping[str, float]) -> float:
 
 
 def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:
-    return {free.name: values.get(free.name, free.mean) + STEP * free.scale}
+    return {free.name: values.get(free.name, free.mean) + free.step * free.scale}
 
 
 def _moved(free: Sequence[Free], values: Mapping[str, float], step: Array) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate import Model
-from wheelhop.simulate.run import INITIAL
+from wheelhop.simulate.run import INITIAL, PATH_KEYS
 from wheelhop.vehicle import Vehicle
 
 SPEED_UNCERTAINTY = 0.06
@@ -28,6 +28,15 @@ class Free:
     scale: float
     lower: float = -np.inf
     upper: float = np.inf
+
+    @property
+    def step(self) -> float:
+        """Fraction of the scale over which differences are taken.
+
+        Small: the common scale of all masses and forces must come out as the direction without
+        any effect that it is. Larger where the tabulated wheel envelope changes with it.
+        """
+        return 0.02 if self.name in PATH_KEYS else 5e-5
 
 
 def initial_model(campaign: Campaign, vehicle: Vehicle) -> Model:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
@@ -29,8 +30,9 @@ def write_page(path: Path, name: str, body: Iterable[str]) -> None:
 
 
 def title(text: str) -> str:
-    """The page's main heading."""
-    return f"<h1>{escape(text)}</h1>"
+    """The page's main heading; names with a hyphen stay on one line."""
+    words = re.sub(r"\w+(-\w+)+", r'<span class="whole">\g<0></span>', escape(text))
+    return f"<h1>{words}</h1>"
 
 
 def section(heading: str, *parts: str) -> str:

@@ -37,7 +37,7 @@ def write_diagnosis_report(
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),
-        sections.ranking(diagnosis, effects, campaign),
+        sections.ranking(diagnosis, effects),
         sections.model(campaign, steps),
         sections.next_run(diagnosis),
         sections.method(campaign, steps),
@@ -45,10 +45,13 @@ def write_diagnosis_report(
     write_page(path, f"{campaign.title}: {', '.join(diagnosis.verdict)}", body)
 
 
-def write_comparison_report(path: Path, campaign: Campaign, steps: Sequence[Step]) -> None:
+def write_comparison_report(
+    path: Path, campaign: Campaign, steps: Sequence[Step], axles: Step | None = None
+) -> None:
     """Write how a model compares with the records, as one self-contained HTML page.
 
-    ``steps`` are the baseline and, if effects were added to it, one step for each of them.
+    ``steps`` are the baseline and, if effects were added to it, one step for each of them;
+    ``axles`` is the last model driven by the measured axle motion.
     """
     body = [
         paragraph(f"wheelhop comparison · {campaign.title}", "kicker"),
@@ -57,6 +60,7 @@ def write_comparison_report(path: Path, campaign: Campaign, steps: Sequence[Step
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),
+        *([sections.axle_driven(steps[-1], axles)] if axles is not None else []),
         sections.model(campaign, steps),
         sections.method(campaign, steps),
     ]

@@ -17,6 +17,7 @@ from wheelhop.report.cases import WINDOW_S, Case, cases
 from wheelhop.report.page import bullets, facts, figure, paragraph, section
 from wheelhop.report.svg import equation, inline
 from wheelhop.report.words import (
+    chain_words,
     form_of,
     listed,
     next_run_words,
@@ -92,7 +93,21 @@ def where(steps: Sequence[Step]) -> str:
     )
 
 
-def ranking(diagnosis: Diagnosis, effects: Mapping[str, Effect], campaign: Campaign) -> str:
+def axle_driven(road: Step, axles: Step) -> str:
+    """The second comparison: measured axle motion against the body."""
+    return section(
+        "With the measured axle motion driving the body",
+        paragraph(chain_words(road, axles)),
+        figure(
+            tables.heat_map([axles]) + tables.heat_legend(),
+            "Residual / noise floor, runs × channels of the body, in band; the axles’ own noise is"
+            " part of the floor. * held out.",
+        ),
+        bullets(describe(axles.comparison.breakdown)),
+    )
+
+
+def ranking(diagnosis: Diagnosis, effects: Mapping[str, Effect]) -> str:
     """Every effect of the library on the first rung."""
     return section(
         "Which effect",
@@ -103,7 +118,7 @@ def ranking(diagnosis: Diagnosis, effects: Mapping[str, Effect], campaign: Campa
             " evidence is relative to the baseline’s, p the chance that any of the effects tried"
             " does as well without being there."
         ),
-        tables.ranking_table(diagnosis.ranking, effects, campaign),
+        tables.ranking_table(diagnosis.ranking, effects),
     )
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Ranked, Step
-from wheelhop.diagnose.added import why_not
 from wheelhop.effects import Effect
 from wheelhop.fit import Free
 from wheelhop.report.page import table
@@ -78,17 +77,9 @@ def heat_legend() -> str:
     return f'<p class="legend">{spans}</p>'
 
 
-def ranking_table(
-    ranking: Sequence[Ranked], effects: Mapping[str, Effect], campaign: Campaign
-) -> str:
+def ranking_table(ranking: Sequence[Ranked], effects: Mapping[str, Effect]) -> str:
     """Every effect of the library on the first rung, best first, those that do not apply last."""
     rows = [_ranking_row(i, item, effects) for i, item in enumerate(ranking, start=1)]
-    ranked = {item.effect for item in ranking}
-    for effect in effects.values():
-        if effect.id not in ranked:
-            about = f"<small>{escape(effect.title)} ({effect.place})</small>"
-            reason = f"does not apply: {why_not(effect, campaign)}"
-            rows.append(["", escape(effect.id) + about, *["–"] * 5, escape(reason)])
     headings = ["", "effect", "screened E", "confirmed E", "held-out E", "log evidence", "p"]
     return table([*headings, "why, or why not"], rows, "rlrrrrrl")
 
@@ -103,7 +94,7 @@ def _ranking_row(number: int, item: Ranked, effects: Mapping[str, Effect]) -> li
     return [
         str(number),
         f"{name}<small>{escape(f'{title}({item.place})')}</small>",
-        percent(item.screened_error),
+        "–" if item.screened_error is None else percent(item.screened_error),
         "–" if item.confirmed_error is None else percent(item.confirmed_error),
         "–" if item.validated_error is None else percent(item.validated_error),
         "–" if item.evidence is None else signed(item.evidence),

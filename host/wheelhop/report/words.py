@@ -56,6 +56,23 @@ def comparison_headline(steps: Sequence[Step]) -> str:
     return f"With {added} the error goes from {percent(first)} to {percent(last)}, {ratio}."
 
 
+def chain_words(road: Step, axles: Step) -> str:
+    """What the two comparisons say together: on which side of the axle the model fails."""
+    ratios = f"{significant(over_floor(axles), 2)} times its floor"
+    start = f"With the measured axle motion driving the body the error is {ratios}"
+    if not fails(road):
+        side = "; with the road driving the wheels nothing fails either"
+        return f"{start}{side if not fails(axles) else ''}."
+    if not fails(axles):
+        return f"{start}: what fails lies upstream of the axle, in tyre, track or speed."
+    return f"{start}: something fails above the axle, in suspension, body or sensors."
+
+
+def fails(step: Step) -> bool:
+    """Whether the error is above the floor by more than the floor's own uncertainty."""
+    return over_floor(step) > 1.0 + 2.0 * step.comparison.floor.tolerance
+
+
 def judged(step: Step) -> tuple[float, float]:
     """Error and noise floor on the runs that judge: held out, or fitted if no run is."""
     floor = step.comparison.floor

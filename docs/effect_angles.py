@@ -1,0 +1,140 @@
+"""Which effects can pass for which on the runs of a campaign: angles between their signatures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from effect_pictures import EFFECT, INK, SOFT, STYLE
+from effect_stage import Array, Stage, strengths, switched_on
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from scipy.linalg import block_diag
+
+from wheelhop.campaign import Channel, read_campaign
+from wheelhop.diagnose import Baseline, fit_baseline
+from wheelhop.effects import Effect
+from wheelhop.simulate import Model
+
+OWN_SHARE = 0.1  # of the scale of what is free in each run: a distance is nonlinear on short waves
+HEAT = LinearSegmentedColormap.from_list("near to far", ["#06263f", EFFECT, "#cfe1ef", "#ffffff"])
+
+
+def angles_picture(effects: Mapping[str, Effect], stage: Stage, folder: Path) -> Figure:
+    """How far each effect is from anything each other can do, on the campaign's fitted runs."""
+    campaign = read_campaign(folder)
+    base = fit_baseline(campaign, stage.vehicle, progress=lambda text: print(text, flush=True))
+    forms = [form for effect in effects.values() for form in _forms(effect, campaign.channels)]
+    absorbed = _baseline_columns(base)
+    signatures, columns = [], []
+    for _, form in forms:
+        print(f"signature of {form.id}", flush=True)
+        signatures.append(_signature(base, form, stage))
+        columns.append(_columns(base, form, stage))
+    alone = [_left_over(s, absorbed, np.zeros((len(s), 0)), base) for s in signatures]
+    table = np.array(
+        [
+            [_left_over(s, absorbed, c, base) / max(rest, 1e-12) for c in columns]
+            for s, rest in zip(signatures, alone, strict=True)
+        ]
+    )
+    return _draw([name for name, _ in forms], np.degrees(np.arcsin(np.clip(table, 0.0, 1.0))))
+
+
+def _forms(effect: Effect, channels: Sequence[Channel]) -> list[tuple[str, Effect]]:
+    """The laws of an effect that has several; a sensor's fault in one channel stands for all."""
+    choices = effect.choices(channels)
+    if effect.place == "sensor":
+        choices = choices[:1]
+    return [
+        (f"{effect.id}{f', {c}' if c else ''}", effect.with_choice(c) if c else effect)
+        for c in choices
+    ]
+
+
+def _baseline_columns(base: Baseline) -> Array:
+    """What the vehicle's numbers and every run's own can absorb, (data, parameters)."""
+    runs = base.rung.fit.runs
+    shared = np.vstack([run.shared_jacobian for run in runs])
+    return np.hstack([shared, block_diag(*(run.own_jacobian for run in runs))])
+
+
+def _prior(base: Baseline, count: int) -> Array:
+    """Precision of all columns, those of an effect last and free."""
+    shared = [(f.scale / f.sigma) ** 2 for f in base.rung.fit.shared]
+    own = [(f.scale / f.sigma) ** 2 for run in base.rung.fit.runs for f in run.own]
+    return base.rung.fit.sigma**2 * np.array([*shared, *own, *[0.0] * count])
+
+
+def _left_over(signature: Array, absorbed: Array, columns: Array, base: Baseline) -> float:
+    """Size of the part of a signature that neither the baseline nor these columns can take."""
+    matrix = np.hstack([absorbed, columns])
+    square = matrix.T @ matrix
+    prior = _prior(base, columns.shape[1]) + 1e-9 * np.diag(square) + 1e-30
+    taken = matrix @ np.linalg.solve(square + np.diag(prior), matrix.T @ signature)
+    return float(np.linalg.norm(signature - taken))
+
+
+def _signature(base: Baseline, form: Effect, stage: Stage) -> Array:
+    """The effect at its visible strength: change of all fitted runs' data, (data,)."""
+    settings = [run.bench.simulator.setting for run in base.rung.fit.runs]
+    model = switched_on(base.rung.model, form, settings, strengths(form, stage), OWN_SHARE)
+    return np.concatenate(_change(base, model))
+
+
+def _columns(base: Baseline, form: Effect, stage: Stage) -> Array:
+    """What each of the effect's numbers does by itself, (data, numbers)."""
+    runs = base.rung.fit.runs
+    settings = [run.bench.simulator.setting for run in runs]
+    at = strengths(form, stage)
+    parameters = form.parameters_for(stage.vehicle.values, stage.campaign.channels)
+    amplitudes = [p for p in parameters if not p.is_shape]
+    absent = at | {p.name: p.absent for p in amplitudes}
+    columns = []
+    for p in amplitudes:
+        values = absent | {p.name: at[p.name]}
+        model = switched_on(base.rung.model, form, settings, values, own_share=0.0)
+        columns.append(np.concatenate(_change(base, model)))
+    nothing = switched_on(base.rung.model, form, settings, absent, own_share=0.0)
+    for i, setting in enumerate(settings):
+        for p in form.per_run(setting):
+            value = p.absent + OWN_SHARE * p.scale
+            model = nothing.with_run(setting.run_id, {f"{form.id}.{p.name}": value})
+            columns.append(np.concatenate(_change(base, model, only=i)))
+    size = sum(len(run.residual) for run in runs)
+    return np.stack(columns, axis=1) if columns else np.zeros((size, 0))
+
+
+def _change(base: Baseline, model: Model, only: int | None = None) -> list[Array]:
+    """Change of the model's in-band data, run by run; zero but for one run if that is given."""
+    systems = base.workshop.systems(model)
+    parts = []
+    for i, run in enumerate(base.rung.fit.runs):
+        part = np.zeros(len(run.residual))
+        if only in (None, i):
+            measured = run.bench.measured[:, run.bench.predicted].ravel()
+            part = run.bench.modelled(model, systems) - (measured - run.residual)
+        parts.append(part)
+    return parts
+
+
+def _draw(names: Sequence[str], table: Array) -> Figure:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 0.42 * len(names) + 2.6), layout="constrained")
+        axes = figure.add_subplot()
+        axes.imshow(table, cmap=HEAT, vmin=0, vmax=90, aspect="auto")
+        for i, row in enumerate(table):
+            for j, angle in enumerate(row):
+                colour = "white" if angle < 45 else INK
+                text = "" if i == j else f"{angle:.0f}"
+                axes.text(j, i, text, ha="center", va="center", color=colour, fontsize=8)
+        axes.set_xticks(range(len(names)), names, rotation=35, ha="left", rotation_mode="anchor")
+        axes.set_yticks(range(len(names)), names)
+        axes.xaxis.tick_top()
+        axes.tick_params(length=0, colors=INK)
+        axes.spines[:].set_visible(False)
+        axes.set_xlabel("could it be this one?", color=SOFT)
+        axes.set_ylabel("this effect is there", color=SOFT)
+    return figure

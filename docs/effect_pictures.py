@@ -1,0 +1,265 @@
+"""An effect in three panels: the law or mechanism itself, the channel that changes most against
+time, and where the change lies by motion (or channel) and frequency."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+from effect_stage import DURATION_S, Array, Change, Stage, extension, most_telling, strengths
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, PowerNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from wheelhop.compare.motion import MOTIONS, motion_matrix
+from wheelhop.compare.thirds import third_octave_of, third_octaves
+from wheelhop.effects import Effect
+from wheelhop.simulate import frequency_response
+from wheelhop.vehicle import corner_position
+
+SHOWN_FROM_S = 3.0
+DAMPER_LAWS = ("asymmetric-damper", "digressive-damper")  # drawn against velocity
+
+INK, SOFT, RULE = "#1b1f24", "#5b6470", "#dfe3e8"
+BASELINE, EFFECT = "#c8540a", "#0b66a8"
+PANELS = [(0.07, 0.25, 0.2, 0.6), (0.335, 0.25, 0.26, 0.6), (0.69, 0.25, 0.235, 0.6)]
+HEAT = LinearSegmentedColormap.from_list("paper to blue", ["#ffffff", "#9cc3e0", EFFECT, "#06263f"])
+STYLE = {
+    "font.size": 8.5,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
+    "axes.titlecolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": SOFT,
+    "axes.labelcolor": SOFT,
+    "xtick.color": SOFT,
+    "ytick.color": SOFT,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "text.color": INK,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+}
+
+
+def picture(effect: Effect, stage: Stage) -> Figure:
+    """The effect's three panels."""
+    change = most_telling(effect, stage)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10.4, 3.0))
+        left, middle, right = (figure.add_axes(place) for place in PANELS)
+        draw_mechanism(left, effect, stage, change)
+        draw_time(middle, stage, change)
+        draw_where(right, effect, stage, change)
+        run = f"{change.run.id}, {change.run.speed_m_s * 3.6:.3g} km/h"
+        words = f"{run}.  {setting_words(effect, stage)}"
+        figure.text(0.012, 0.025, words, fontsize=7.8, color=SOFT)
+    return figure
+
+
+def setting_words(effect: Effect, stage: Stage) -> str:
+    """At which values of its parameters the effect is shown."""
+    words = [f"{name} = {float(f'{v:.3g}'):g}" for name, v in strengths(effect, stage).items()]
+    choice = effect.choices(stage.campaign.channels)[0]
+    if choice:
+        words.insert(0, choice)
+    if effect.per_run(stage.setting(stage.campaign.runs[0])):
+        words.append("what is free in each run at half its scale")
+    return ", ".join(words)
+
+
+def window(change: Change, column: int) -> tuple[float, float]:
+    """Two and a half waves of the road, but no more than 16 periods of the change, s."""
+    half = change.band.coefficients(change.in_band[:, column])
+    power = half[: len(half) // 2] ** 2 + half[len(half) // 2 :] ** 2
+    frequency = change.band.frequency_hz[np.argmax(power)]
+    waves = 2.5 * float(change.run.track.values["pitch_m"]) / change.run.speed_m_s
+    shown = min(max(waves, 0.5), 16 / frequency, DURATION_S - SHOWN_FROM_S)
+    return SHOWN_FROM_S, SHOWN_FROM_S + shown
+
+
+def draw_time(axes: Axes, stage: Stage, change: Change) -> None:
+    """The channel that changes most."""
+    column = int(np.argmax(np.sum(change.in_band**2, axis=0)))
+    time = change.run.time_s
+    start, stop = window(change, column)
+    shown = (time >= start) & (time <= stop)
+    before, after = change.before[shown, column], change.after[shown, column]
+    axes.plot(time[shown], before, color=BASELINE, lw=1.0, zorder=3, label="baseline")
+    axes.plot(time[shown], after, color=EFFECT, label="with the effect")
+    axes.set_title(f"acceleration at {stage.campaign.channels[column].name}", pad=15)
+    axes.set_xlim(start, stop)
+    axes.set_xlabel("time, s")
+    axes.set_ylabel("m/s²")
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.98), ncols=2, borderaxespad=0.0)
+
+
+def draw_where(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
+    """The change's sum of squares, shared out over third-octaves and motions or channels."""
+    names: tuple[str, ...] = tuple(channel.name for channel in stage.campaign.channels)
+    combine = np.eye(len(names))
+    if effect.place != "sensor":
+        names = MOTIONS
+        combine = motion_matrix(stage.campaign.channels, np.ones(len(combine), dtype=bool))
+    coefficients = change.band.coefficients(change.after - change.before) @ combine.T
+    bands = third_octaves(stage.campaign.band_hz)
+    number = np.tile(third_octave_of(change.band.frequency_hz), 2)
+    member = np.array([number == band.x for band in bands], dtype=float)
+    power = (member @ coefficients**2).T
+    share = 100 * power / power.sum()
+    image = axes.imshow(share, aspect="auto", cmap=HEAT, norm=PowerNorm(0.5, 0, share.max()))
+    axes.set_title("where the change lies", pad=15)
+    axes.set_yticks(range(len(names)), names)
+    ticks = range(0, len(bands), 3)
+    axes.set_xticks(ticks, [bands[i].name for i in ticks])
+    axes.tick_params(length=0)
+    axes.set_xlabel("third-octave band, Hz")
+    axes.spines[:].set_visible(False)
+    axes.set_xticks(np.arange(len(bands) + 1) - 0.5, minor=True)
+    axes.set_yticks(np.arange(len(names) + 1) - 0.5, minor=True)
+    axes.grid(which="minor", color=RULE, linewidth=0.5)
+    axes.tick_params(which="minor", length=0)
+    bar = axes.figure.colorbar(image, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)))
+    bar.outline.set_visible(False)
+    bar.ax.tick_params(length=0)
+    bar.locator = MaxNLocator(4)
+    bar.set_label("share of the change, %")
+
+
+def draw_mechanism(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
+    """What the effect is, chosen by what it adds to the vehicle."""
+    channels = stage.campaign.channels
+    system = change.model.system(channels, "road")
+    plain = stage.model.system(channels, "road")
+    added = system.output[:, len(plain.mass) :]
+    if effect.place == "sensor":
+        draw_reading(axes, change)
+    elif system.laws:
+        draw_law(axes, effect, stage, change)
+    elif system.force.shape[1]:
+        draw_force(axes, effect, stage, change)
+    elif added.any():
+        draw_shape(axes, stage, added[:, 0])
+    elif effect.place == "speed":
+        draw_travel(axes, effect, stage, change)
+    else:
+        draw_response(axes, stage, change)
+
+
+def draw_law(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
+    """The force at the first part the law acts on, along the motion of this run."""
+    x, v = extension(stage, change)
+    system = change.model.system(stage.campaign.channels, "road")
+    law, parameters = system.laws[system.port_law[0]], system.law_parameters[0]
+    force, memory = np.zeros(len(x)), 0.0
+    for i in range(1, len(x)):
+        force[i], memory = law(x[i], v[i], x[i] - x[i - 1], memory, parameters)
+    end = stage.vehicle.values
+    if effect.place == "tyre":
+        linear = (
+            end["wheel.front.tyre_stiffness_N_m"] * x + end["wheel.front.tyre_damping_N_s_m"] * v
+        )
+        across, label, what = 1e3 * x, "deflection, mm (positive: lifted)", "tyre"
+    elif effect.id in DAMPER_LAWS:
+        linear = end["suspension.front.damping_N_s_m"] * v
+        across, label, what = v, "rate, m/s (positive: rebound)", "damper"
+    else:
+        linear = end["suspension.front.stiffness_N_m"] * x
+        across, label, what = 1e3 * x, "extension, mm (positive: rebound)", "spring"
+    shown = change.run.time_s > SHOWN_FROM_S
+    axes.plot(across[shown], linear[shown], color=BASELINE)
+    axes.plot(across[shown], (linear + force)[shown], color=EFFECT)
+    axes.set_title(f"front left {what} and effect", pad=15)
+    axes.set_xlabel(label)
+    axes.set_ylabel("force, N")
+
+
+def draw_force(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
+    """An applied force against time."""
+    time = np.linspace(0.0, 0.2, 801)
+    theta = change.model.theta(effect, change.run.id)
+    history = effect.forces(theta, stage.setting(change.run), time)[0]
+    axes.plot(1e3 * time, history, color=EFFECT)
+    axes.axhline(0.0, color=BASELINE)
+    axes.set_title("force on the body", pad=15)
+    axes.set_xlabel("time, ms")
+    axes.set_ylabel("force, N")
+
+
+def draw_travel(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
+    """What a wheel gains over constant speed: a lead of the left wheels, or a changing speed."""
+    theta = change.model.theta(effect, change.run.id)
+    time, speed = change.run.time_s, change.run.speed_m_s
+    extra = effect.travel(theta, stage.setting(change.run), time, speed * time, speed)
+    assert extra is not None
+    distance, rate = extra
+    if np.ptp(distance, axis=1).any():
+        axes.plot(time, 1e3 * (distance[:, 0] - distance[:, 1]), color=EFFECT)
+        axes.axhline(0.0, color=BASELINE)
+        axes.set_title("lead of the left wheels", pad=15)
+        axes.set_ylabel("mm")
+    else:
+        axes.plot(time, 3.6 * (speed + rate[:, 0]), color=EFFECT)
+        axes.axhline(3.6 * speed, color=BASELINE)
+        axes.set_title("forward speed", pad=15)
+        axes.set_ylabel("km/h")
+    axes.set_xlim(0.0, 5.5)  # towards their end splines are stiffer
+    axes.set_xlabel("time, s")
+
+
+def draw_reading(axes: Axes, change: Change) -> None:
+    """What the sensor reads against what is there, for the channel most affected."""
+    column = int(np.argmax(np.sum(change.in_band**2, axis=0)))
+    true, read = change.before[:, column], change.after[:, column]
+    order = np.argsort(true)
+    axes.plot(true[order], true[order], color=BASELINE)
+    axes.plot(true[order], read[order], color=EFFECT)
+    axes.set_title("reading against truth", pad=15)
+    axes.set_xlabel("true acceleration, m/s²")
+    axes.set_ylabel("reading, m/s²")
+
+
+def draw_response(axes: Axes, stage: Stage, change: Change) -> None:
+    """The body's heave over the road's, all wheels raised together."""
+    frequency = np.geomspace(0.5, 30.0, 400)
+    combine = motion_matrix(stage.campaign.channels, np.ones(8, dtype=bool))[0]
+    for model, colour in ((stage.model, BASELINE), (change.model, EFFECT)):
+        system = model.system(stage.campaign.channels, "road")
+        points = frequency_response(system, frequency).sum(axis=2)
+        heave = np.abs(points @ combine) / 2 / (2 * np.pi * frequency) ** 2
+        axes.plot(frequency, heave, color=colour)
+    axes.set_xscale("log")
+    axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
+    axes.set_title("heave, body over road", pad=15)
+    axes.set_xlabel("frequency, Hz")
+    axes.set_ylabel("transmissibility")
+
+
+def draw_shape(axes: Axes, stage: Stage, mode: Array) -> None:
+    """A mode of the body, seen obliquely: the corners before and after."""
+    body = {c.corner: i for i, c in enumerate(stage.campaign.channels) if not c.is_axle}
+    order = (0, 1, 3, 2, 0)
+    corner = np.array([corner_position(stage.vehicle.values, i) for i in order])
+    height = np.array([mode[body[i]] for i in order])
+    across = corner[:, 0] - 0.45 * corner[:, 1]
+    for up, colour in ((np.zeros(5), BASELINE), (0.22 * height, EFFECT)):
+        axes.plot(across, 0.30 * corner[:, 1] + up, "o-", color=colour, ms=3.5)
+    for i in range(4):
+        foot, tip = 0.30 * corner[i, 1], 0.30 * corner[i, 1] + 0.22 * height[i]
+        axes.plot([across[i]] * 2, [foot, tip], color=SOFT, lw=0.7)
+        axes.annotate(
+            f"B{order[i] + 1}",
+            (across[i], tip),
+            xytext=(0, 7 * np.sign(height[i])),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=8,
+        )
+    axes.annotate("front →", (0.42, -0.05), xycoords="axes fraction", ha="center", color=SOFT)
+    axes.margins(0.16)
+    axes.set_axis_off()
+    axes.set_title("shape of the mode", pad=15)

@@ -1,0 +1,83 @@
+"""Campaigns with one hidden effect at clear strength, and what a diagnosis of them should say."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import Diagnosis, diagnose
+from wheelhop.effects import Effect, load_effects
+from wheelhop.vehicle import read_vehicle
+
+LIBRARY = load_effects()
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is hidden, in the simulator's words, and the verdict's parameters it stands for."""
+
+    hidden: Mapping[str, Mapping[str, float | str]]
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
+    seed: int = 101
+
+    @property
+    def verdict(self) -> tuple[str, ...]:
+        return tuple(self.hidden) or ("none",)
+
+
+FRICTION = {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}
+SEAT = {"mass_kg": 68.0, "freq_hz": 3.2, "zeta": 0.28, "x_m": -0.1}
+ENGINE = {"force_N": 60.0, "freq_hz": 22.0, "x_m": -0.45}
+CASES = {
+    "clean": Case({}),
+    "speed-fluctuation": Case({"speed-fluctuation": {"fraction": 0.04}}),
+    "left-right-drift": Case({"left-right-drift": {"rate": 0.004}}, {"relative_rate": 0.004}),
+    "tyre-lift-off": Case({"tyre-lift-off": {}}, {"lifts": 1.0}),
+    "progressive-spring air": Case(
+        {"progressive-spring": {"polytropic_exponent": 1.3}}, {"form": "air"}
+    ),
+    "progressive-spring cubic": Case(
+        {"progressive-spring": {"cubic_front_N_m3": 4e6, "cubic_rear_N_m3": 2.5e6}},
+        {"form": "cubic", "front_N_m3": 4e6, "rear_N_m3": 2.5e6},
+    ),
+    "asymmetric-damper": Case({"asymmetric-damper": {"asymmetry": 0.35}}),
+    "digressive-damper": Case(
+        {"digressive-damper": {"knee_m_s": 0.15, "slope_ratio": 0.4}},
+        {"front_loss": 0.6, "rear_loss": 0.6, "knee_m_s": 0.15},
+    ),
+    "dry-friction": Case({"dry-friction": FRICTION}, {"front_N": 75.0, "rear_N": 55.0}),
+    "driver-seat": Case({"driver-seat": SEAT}, SEAT),
+    "engine-vibration": Case({"engine-vibration": ENGINE}, {"force_N": 60.0, "freq_hz": 22.0}),
+    "frame-twist": Case(
+        {"frame-twist": {"freq_hz": 11.0, "zeta": 0.04}}, {"freq_hz": 11.0, "zeta": 0.04}
+    ),
+    "sensor-gain": Case(
+        {"sensor-gain": {"channel": "B2", "gain_error": 0.08}}, {"form": "B2", "error": 0.08}
+    ),
+    "sensor-polarity": Case({"sensor-polarity": {"channel": "B3"}}, {"form": "B3"}),
+    "sensor-polarity swapped": Case(
+        {"sensor-polarity": {"channel": "A1", "swapped_with": "A2"}}, {"form": "A1/A2"}
+    ),
+}
+
+
+def diagnosed(folder: Path, effects: Mapping[str, Effect] = LIBRARY) -> Diagnosis:
+    """The diagnosis of a campaign folder; one thread, as tests run beside each other."""
+    campaign = read_campaign(folder)
+    return diagnose(campaign, read_vehicle(campaign.vehicle_file), effects, jobs=1)
+
+
+def oracle_of(truth_file: Path) -> float:
+    """Error on the validate runs that the noise alone leaves."""
+    return float(tomllib.loads(truth_file.read_text())["oracle_rel_validate"])
+
+
+def found_in(diagnosis: Diagnosis, effect: str) -> dict[str, float | str]:
+    """The effect's parameters on the last rung, and in which of its forms it was taken."""
+    prefix, last = f"{effect}.", diagnosis.ladder[-1]
+    found = {k[len(prefix) :]: v for k, (v, _) in last.parameters.items() if k.startswith(prefix)}
+    ranked = next(r for r in diagnosis.ranking if r.effect == effect)
+    return {**ranked.parameters, **found}

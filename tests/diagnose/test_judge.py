@@ -1,0 +1,93 @@
+"""The judgement on held-out runs: what chance alone makes of it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wheelhop.compare.band import InBand
+from wheelhop.diagnose.judge import log_odds, p_value, relative_to_noise
+
+SAMPLES, RUNS = 1024, 6
+BAND = InBand(SAMPLES, 100.0, (0.5, 30.0))
+
+
+def rung(signals, own=2):
+    """A validated model whose residuals (n, c) in its runs are these."""
+    runs = []
+    for i, signal in enumerate(signals):
+        residual = BAND.coefficients(signal).ravel()
+        bench = SimpleNamespace(
+            run=SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0),
+            band=BAND,
+            size=residual.size,
+        )
+        runs.append(
+            SimpleNamespace(
+                bench=bench, residual=residual, own=(None,) * own, rss=float(residual @ residual)
+            )
+        )
+    return SimpleNamespace(validation=SimpleNamespace(runs=runs), fit=None)
+
+
+def noise(rng, size=1.0):
+    return [size * rng.normal(size=(SAMPLES, 2)) for _ in range(RUNS)]
+
+
+def blockwise(rng, signals, swing):
+    """Each second of the residuals made larger or smaller, by the toss of a coin."""
+    seconds = [np.exp(rng.choice([-0.25, 0.25], 10) * swing) for _ in signals]
+    grow = [np.repeat(s, -(-SAMPLES // 10))[:SAMPLES, None] for s in seconds]
+    return [signal * g for signal, g in zip(signals, grow, strict=True)]
+
+
+@pytest.mark.parametrize("swing", [0.1, 0.3, 1.0, 3.0])
+def test_equally_good_models_are_rarely_told_apart(swing):
+    """Residuals differ by a factor in every second, up or down by chance: a p-value of 1 in 20 or
+    less turns up in at most one of twenty tries (and a few for the simulation's own chance)."""
+    rng, mistaken, tries = np.random.default_rng(8), 0, 300
+    for _ in range(tries):
+        signals = noise(rng)
+        one, other = (rung(blockwise(rng, signals, swing)) for _ in range(2))
+        mistaken += p_value(log_odds(one, other), 1) <= 0.05
+    assert mistaken <= 0.05 * tries + 3 * np.sqrt(0.05 * tries)
+
+
+def test_a_model_that_halves_the_residual_everywhere_is_better():
+    signals = noise(np.random.default_rng(1))
+    better = rung([0.5 * s for s in signals])
+    odds = log_odds(rung(signals), better)
+    assert odds > 0
+    assert p_value(odds, 12) < 1e-6
+    assert log_odds(better, rung(signals)) == pytest.approx(-odds)
+
+
+def test_one_run_is_enough_to_see_that_wheels_leave_the_ground():
+    """An effect that acts in a single run, and there takes away nearly all of the residual."""
+    rng = np.random.default_rng(2)
+    quiet = noise(rng)
+    loud = [10.0 * quiet[0], *quiet[1:]]
+    assert p_value(log_odds(rung(loud), rung(quiet)), 12) < 0.01
+
+
+def test_the_same_model_has_no_advantage_and_more_freedom_is_charged():
+    signals = noise(np.random.default_rng(3))
+    assert log_odds(rung(signals), rung(signals)) == 0.0
+    assert log_odds(rung(signals), rung(signals, own=30)) < 0.0
+    assert p_value(0.0, 1) == 1.0
+    assert relative_to_noise(rung(signals), rung(signals), 1.0) == 0.0
+
+
+@given(st.floats(-50.0, 200.0), st.integers(1, 40))
+def test_p_value_is_a_chance_and_grows_with_the_number_tried(odds, tried):
+    assert 0.0 <= p_value(odds, tried) <= p_value(odds, tried + 1) <= 1.0
+    assert p_value(odds + 1.0, tried) <= p_value(odds, tried)
+
+
+def test_drop_in_units_of_the_noise():
+    """White noise of standard deviation s has s² per coefficient; twice the residual is 3 more."""
+    signals = noise(np.random.default_rng(4), 0.3)
+    twice = rung([2.0 * s for s in signals], own=0)
+    assert relative_to_noise(twice, rung(signals, own=0), 0.3) == pytest.approx(3.0, rel=0.05)

@@ -1,0 +1,103 @@
+"""The verdict on campaigns made by another simulator, their physics hidden."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import CASES, LIBRARY, diagnosed, found_in, oracle_of
+from wheelhop.diagnose import to_json
+
+ROOT = Path(__file__).parents[2]
+TOLERANCE = 0.15
+OPEN = {
+    "clean": {},
+    "open-dry-friction": {"front_N": 75.0, "rear_N": 55.0},
+    "open-driver-seat": {"mass_kg": 68.0, "freq_hz": 3.2, "zeta": 0.28, "x_m": -0.1},
+    "open-speed-fluctuation": {"peak_fraction": 0.04},
+}
+
+
+def assert_found(diagnosis, effect, expected):
+    found = found_in(diagnosis, effect)
+    for name, value in expected.items():
+        if isinstance(value, str):
+            assert found[name] == value
+        elif name == "x_m":
+            assert found[name] == pytest.approx(value, abs=0.03)
+        else:
+            assert found[name] == pytest.approx(value, rel=TOLERANCE), name
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_one_hidden_effect_is_named(name, tmp_path):
+    """Eight runs, every effect of the library at clear strength, and a campaign without any."""
+    case = CASES[name]
+    folder = truth.make_campaign(tmp_path, seed=case.seed, effects=case.hidden, short=True)
+    diagnosis = diagnosed(folder)
+    assert diagnosis.verdict == case.verdict
+    assert diagnosis.confidence > 0.7
+    assert diagnosis.ladder[-1].rung.error_validate <= 1.15 * oracle_of(folder / "truth.toml")
+    if case.hidden:
+        assert diagnosis.ranking[0].effect == case.verdict[0]
+        assert_found(diagnosis, case.verdict[0], case.parameters)
+
+
+@pytest.mark.parametrize("name", OPEN)
+def test_the_open_campaigns(name):
+    """Eighteen runs each, from a third simulator."""
+    truth_file = ROOT / "tests" / "data" / "open_truth" / f"{name}.toml"
+    diagnosis = diagnosed(ROOT / "examples" / name)
+    effect = name.removeprefix("open-")
+    assert diagnosis.verdict == (("none",) if name == "clean" else (effect,))
+    assert diagnosis.confidence > 0.9
+    assert diagnosis.ladder[-1].rung.error_validate <= 1.15 * oracle_of(truth_file)
+    if name != "clean":
+        assert_found(diagnosis, effect, OPEN[name])
+    assert_json_keeps_its_contract(to_json(diagnosis))
+
+
+def assert_json_keeps_its_contract(document):
+    assert json.loads(json.dumps(document, allow_nan=False)) == document
+    assert document["format"] == 1
+    assert {"verdict", "confidence", "floor", "ranking", "ladder", "where", "next_run"} <= set(
+        document
+    )
+    assert {ranked["effect"] for ranked in document["ranking"]} == set(LIBRARY)
+    for ranked in document["ranking"]:
+        assert {"effect", "place", "screened_error", "confirmed_error", "evidence", "p_value"} <= (
+            set(ranked)
+        )
+        assert {"ambiguous_with", "parameters"} <= set(ranked)
+    assert document["ladder"][0]["added"] == []
+    assert all({"error_fit", "error_validate"} <= set(step) for step in document["ladder"])
+
+
+def test_physics_that_is_not_in_the_library_is_unknown(tmp_path):
+    """Friction is hidden and nobody has heard of it: whatever was accepted on the way, it is said
+    that something is left, and the first entry is not claimed with confidence."""
+    case = CASES["dry-friction"]
+    folder = truth.make_campaign(tmp_path, seed=case.seed, effects=case.hidden, short=True)
+    library = {name: effect for name, effect in LIBRARY.items() if name != "dry-friction"}
+    diagnosis = diagnosed(folder, library)
+    assert diagnosis.verdict[-1] == "unknown"
+    last = diagnosis.ladder[-1]
+    assert last.rung.error_validate > 1.1 * last.comparison.floor.error_validate
+    assert diagnosis.explanation
+    if diagnosis.verdict != ("unknown",):
+        assert diagnosis.confidence < 0.9
+
+
+def test_an_empty_library_says_whether_something_is_left(tmp_path):
+    """Nothing to try: "none" on clean data, "unknown" where friction is hidden."""
+    for name, verdict in (("clean", ("none",)), ("dry-friction", ("unknown",))):
+        case = CASES[name]
+        folder = truth.make_campaign(
+            tmp_path / name, seed=case.seed, effects=case.hidden, short=True
+        )
+        diagnosis = diagnosed(folder, {})
+        assert diagnosis.verdict == verdict
+        assert diagnosis.next_run is None
+        assert np.isfinite(diagnosis.confidence)

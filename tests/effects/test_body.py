@@ -1,0 +1,175 @@
+"""Driver, engine and frame: dynamic stiffness by hand, and the line the engine leaves."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.simulate.setup import ATV, CHANNELS, EFFECTS
+from tests.truth.closed_form import matrices
+from wheelhop.effects import RunSetting
+from wheelhop.simulate import Model, frequency_response
+
+SETTING = RunSetting("run", 4.0, -4.0, 0.0, 5.0, True)
+
+
+def system_with(name, theta, values=ATV):
+    model = Model({**values, **{f"{name}.{k}": v for k, v in theta.items()}}, (EFFECTS[name],))
+    return model.system(CHANNELS, "road")
+
+
+def by_hand(values, frequency, extra_stiffness):
+    """Accelerations (8, 4) per ground height; `extra_stiffness` (7, 7) is added to the car's."""
+    mass, damping, stiffness = matrices(values)
+    omega = 2 * pi * frequency
+    ground = np.zeros((7, 4), dtype=complex)
+    for i, end in enumerate(("front", "front", "rear", "rear")):
+        ground[3 + i, i] = (
+            values[f"wheel.{end}.tyre_stiffness_N_m"]
+            + 1j * omega * values[f"wheel.{end}.tyre_damping_N_s_m"]
+        )
+    dynamic = stiffness + 1j * omega * damping - omega**2 * mass + extra_stiffness
+    q = np.linalg.solve(dynamic, ground)
+    ahead, half = values["geometry.cg_to_front_axle_m"], values["geometry.track_width_m"] / 2
+    behind = values["geometry.wheelbase_m"] - ahead
+    points = np.zeros((8, 7))
+    for i, (x, y) in enumerate([(ahead, half), (ahead, -half), (-behind, half), (-behind, -half)]):
+        points[i, :3], points[4 + i, 3 + i] = [1.0, -x, y], 1.0
+    return -(omega**2) * points @ q
+
+
+seats = st.fixed_dictionaries(
+    {
+        "mass_kg": st.floats(10.0, 120.0),
+        "freq_hz": st.floats(1.0, 12.0),
+        "zeta": st.floats(0.05, 1.0),
+        "x_m": st.floats(-0.5, 0.5),
+    }
+)
+
+
+@given(seats, st.floats(0.5, 30.0))
+def test_driver_seat_is_an_apparent_mass(theta, frequency):
+    """In place of the mass m the body feels m (k + iωc)/(k − ω²m + iωc) at the seat."""
+    m, omega, natural = theta["mass_kg"], 2 * pi * frequency, 2 * pi * theta["freq_hz"]
+    spring = m * natural**2 + 2j * theta["zeta"] * m * natural * omega
+    apparent = m * spring / (spring - omega**2 * m)
+    seat = np.array([1.0, -theta["x_m"], ATV["driver.y_m"], 0, 0, 0, 0])
+    extra = -(omega**2) * (apparent - m) * np.outer(seat, seat)
+    found = frequency_response(system_with("driver-seat", theta), frequency)[0]
+    np.testing.assert_allclose(found, by_hand(ATV, frequency, extra), rtol=1e-6, atol=1e-6)
+
+
+def test_driver_seat_locked_is_the_vehicle_of_the_file():
+    theta = {"mass_kg": 70.0, "freq_hz": 2000.0, "zeta": 0.3, "x_m": -0.1}
+    found = frequency_response(system_with("driver-seat", theta), 8.0)[0]
+    np.testing.assert_allclose(found, by_hand(ATV, 8.0, np.zeros((7, 7))), rtol=1e-3, atol=1e-2)
+
+
+def test_driver_seat_sits_where_the_vehicle_says():
+    values = ATV | {"driver.y_m": 0.3}
+    theta = {"mass_kg": 70.0, "freq_hz": 3.0, "zeta": 0.3, "x_m": 0.0}
+    symmetric = frequency_response(system_with("driver-seat", theta), 3.0)[0]
+    beside = frequency_response(system_with("driver-seat", theta, values), 3.0)[0]
+    together = np.ones(4)
+    np.testing.assert_allclose((symmetric @ together)[0], (symmetric @ together)[1], rtol=1e-9)
+    left, right = (beside @ together)[:2]
+    assert abs(left - right) > 0.05 * abs(left)
+
+
+@given(st.floats(3.0, 40.0), st.floats(0.005, 0.4), st.floats(2e-3, 5e-2))
+def test_frame_twist_alone_has_its_frequency_and_damping(frequency, zeta, participation):
+    """With springs next to nothing the mode is free: its pole is ω (−ζ + i √(1 − ζ²))."""
+    soft = {key: value * (1e-6 if "stiffness" in key or "damping" in key else 1.0)
+            for key, value in ATV.items()}  # fmt: skip
+    theta = {"participation_1_kg": participation, "freq_hz": frequency, "zeta": zeta}
+    poles = system_with("frame-twist", theta, soft).poles()
+    expected = 2 * pi * frequency * complex(-zeta, np.sqrt(1 - zeta**2))
+    assert min(abs(poles - expected)) < 1e-3 * abs(expected)
+
+
+@given(st.floats(3.0, 40.0), st.floats(2e-3, 2e-2), st.floats(1.0, 30.0))
+def test_frame_twist_moves_the_corners_by_plus_and_minus_the_mode(frequency, participation, f):
+    """Eliminating the mode: the four strut forces act on it with + − − +, and so it answers."""
+    theta = {"participation_1_kg": participation, "freq_hz": frequency, "zeta": 0.05}
+    system = system_with("frame-twist", theta)
+    shape = system.output[:4, -1]
+    np.testing.assert_allclose(shape, [1.0, -1.0, -1.0, 1.0])
+    assert not system.output[4:, -1].any()
+    assert system.mass[-1, -1] == pytest.approx(1 / participation)
+    np.testing.assert_allclose(system.mass[-1, :-1], 0.0)
+    struts = sum(2 * ATV[f"suspension.{end}.stiffness_N_m"] for end in ("front", "rear"))
+    own = (2 * pi * frequency) ** 2 / participation
+    assert system.stiffness[-1, -1] == pytest.approx(own + struts)
+
+
+def test_frame_twist_leaves_the_middle_of_the_wheelbase_alone():
+    """A sensor there, whatever its side, moves with the rigid body only."""
+    middle = ATV["geometry.cg_to_front_axle_m"] - ATV["geometry.wheelbase_m"] / 2
+    channels = [type(CHANNELS[0])("dash", "body-xy", middle, 0.4)]
+    model = Model(
+        {
+            **ATV,
+            "frame-twist.participation_1_kg": 0.02,
+            "frame-twist.freq_hz": 9.0,
+            "frame-twist.zeta": 0.05,
+        },
+        (EFFECTS["frame-twist"],),
+    )
+    assert model.system(channels, "road").output[0, -1] == pytest.approx(0.0, abs=1e-12)
+
+
+@given(st.floats(5.0, 40.0), st.floats(-100.0, 100.0), st.floats(-100.0, 100.0))
+def test_engine_vibration_is_a_harmonic_force_locked_to_time(frequency, cosine, sine):
+    effect, time = EFFECTS["engine-vibration"], np.linspace(0.0, 2.0, 400)
+    theta = {"freq_hz": frequency, "cos_N": cosine, "sin_N": sine}
+    (history,) = effect.forces(theta, SETTING, time)
+    amplitude, phase = np.hypot(cosine, sine), np.arctan2(sine, cosine)
+    np.testing.assert_allclose(
+        history, amplitude * np.cos(2 * pi * frequency * time - phase), atol=1e-9
+    )
+    summary = effect.summary([(SETTING, theta), (SETTING, theta)])
+    assert summary == {"force_N": pytest.approx(amplitude)}
+
+
+def test_engine_vibration_pushes_at_the_engine():
+    system = system_with("engine-vibration", {"freq_hz": 20.0})
+    expected = [1.0, -ATV["engine.x_m"], ATV["engine.y_m"], 0, 0, 0, 0]
+    np.testing.assert_allclose(system.force[:, 0], expected)
+
+
+class Records:
+    """Residuals of some runs, as an effect's probe sees them."""
+
+    def __init__(self, residuals, rate_hz=100.0):
+        self._residuals, self._rate = residuals, rate_hz
+
+    @property
+    def settings(self):
+        return [RunSetting(name, 4.0, -4.0, 0.0, 10.0, True) for name in self._residuals]
+
+    def time_s(self, run_id):
+        return np.arange(len(self._residuals[run_id])) / self._rate
+
+    def measured(self, run_id):
+        return self._residuals[run_id]
+
+    def modelled(self, run_id, changes):
+        return np.zeros_like(self._residuals[run_id])
+
+
+@settings(max_examples=20)
+@given(st.floats(3.0, 40.0), st.integers(0, 2**32 - 1))
+def test_engine_vibration_finds_its_line_in_noise(frequency, seed):
+    """Lines of one frequency and any phase, half as strong as the noise, in three runs."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(1024) / 100.0
+    residuals = {
+        f"run {i}": rng.normal(size=(1024, 8))
+        + 0.5 * np.cos(2 * pi * frequency * time + rng.uniform(0, 2 * pi))[:, None]
+        for i in range(3)
+    }
+    starts = EFFECTS["engine-vibration"].shape_starts(Records(residuals))
+    assert starts[0]["freq_hz"] == pytest.approx(frequency, abs=0.05)

@@ -1,0 +1,52 @@
+"""Faults of the instrument: what they do to the channels, and to no other."""
+
+from itertools import combinations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.simulate.setup import ATV, CHANNELS, EFFECTS
+
+NAMES = [c.name for c in CHANNELS]
+RECORD = np.random.default_rng(2).normal(size=(40, 8))
+
+
+@given(st.sampled_from(NAMES), st.floats(-0.9, 4.0))
+def test_sensor_gain_scales_one_channel(name, error):
+    effect, i = EFFECTS["sensor-gain"].with_choice(name), NAMES.index(name)
+    found = effect.sense({"error": error}, RECORD, CHANNELS, 100.0)
+    np.testing.assert_allclose(found[:, i], (1 + error) * RECORD[:, i])
+    np.testing.assert_array_equal(np.delete(found, i, 1), np.delete(RECORD, i, 1))
+
+
+def test_sensor_gain_never_inverts():
+    """An inverted channel is another effect, so the gain stays above zero."""
+    (error,) = EFFECTS["sensor-gain"].with_choice("B1").parameters_for(ATV, CHANNELS)
+    assert error.lower > -1.0
+
+
+@given(st.sampled_from(NAMES))
+def test_sensor_polarity_inverts_one_channel(name):
+    effect, i = EFFECTS["sensor-polarity"].with_choice(name), NAMES.index(name)
+    found = effect.sense({"wrong": 1.0}, RECORD, CHANNELS, 100.0)
+    np.testing.assert_allclose(found[:, i], -RECORD[:, i], atol=1e-14)
+    np.testing.assert_array_equal(np.delete(found, i, 1), np.delete(RECORD, i, 1))
+
+
+@given(st.sampled_from(list(combinations(range(8), 2))))
+def test_sensor_polarity_swaps_two_channels(pair):
+    i, j = pair
+    effect = EFFECTS["sensor-polarity"].with_choice(f"{NAMES[i]}/{NAMES[j]}")
+    found = effect.sense({"wrong": 1.0}, RECORD, CHANNELS, 100.0)
+    expected = RECORD.copy()
+    expected[:, [i, j]] = RECORD[:, [j, i]]
+    np.testing.assert_allclose(found, expected, atol=1e-14)
+
+
+def test_sensor_polarity_tries_every_channel_and_every_pair():
+    choices = EFFECTS["sensor-polarity"].choices(CHANNELS)
+    assert len(set(choices)) == len(choices) == 8 + 28
+    (wrong,) = EFFECTS["sensor-polarity"].with_choice("B1").parameters_for(ATV, CHANNELS)
+    assert wrong.switch  # nothing is fitted: a cable is right or wrong
+    assert EFFECTS["sensor-gain"].choices(CHANNELS) == NAMES

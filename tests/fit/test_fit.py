@@ -1,0 +1,167 @@
+"""The fit: parameters within what it says of their uncertainty, from data of another simulator."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests import truth
+from tests.simulate.setup import ATV, campaign_of, model_of, simulated
+from wheelhop.campaign import read_campaign
+from wheelhop.fit import Workshop, find_start, fit, initial_model, vehicle_parameters
+from wheelhop.vehicle import Vehicle, read_vehicle
+
+NOISE = 0.1
+TRACKS = {
+    "herringbone": ({"amplitude_mm": 20.0, "pitch_mm": 800.0}, 5.1, 33.7),
+    "washboard": ({"amplitude_mm": 25.0, "pitch_mm": 600.0}, 3.4, 36.2),
+    "chassis-twist": ({"amplitude_mm": 150.0, "pitch_mm": 2000.0}, 4.2, 40.3),
+}
+FIXED = ("geometry.cg_height_m", "driver.", "engine.")  # nothing in the baseline depends on them
+
+
+def runs_of(names, samples=400):
+    time = np.arange(samples) / 100.0
+    return {
+        name: truth.Run(truth.Track(name, TRACKS[name][0]), *TRACKS[name][1:], time)
+        for name in names
+    }
+
+
+def uncertainty_of(values):
+    """10 % of everything but what a tape measures: that is 1 %."""
+    taped = ("geometry.", "wheel.front.radius", "wheel.rear.radius")
+    return {k: (0.01 if k.startswith(taped) else 0.1) * abs(v) + 1e-3 for k, v in values.items()}
+
+
+def fitted_to(campaign, vehicle, start=None):
+    model = start or initial_model(campaign, vehicle)
+    workshop = Workshop(campaign, model, jobs=2)
+    if start is None:
+        systems = workshop.systems(model)
+        for run in campaign.runs:
+            found = find_start(campaign, run, model, systems["road"])
+            model = model.with_run(run.id, found)
+    shared = vehicle_parameters(campaign, vehicle)
+    return workshop, fit(workshop, model, shared, workshop.of_role("fit"))
+
+
+def whitened(fitted, true):
+    """Errors of the shared parameters in their joint standard deviations: χ² is their square."""
+    error = np.array([fitted.model.values[f.name] - true[f.name] for f in fitted.shared])
+    return np.linalg.solve(np.linalg.cholesky(fitted.covariance), error)
+
+
+@pytest.fixture(scope="module")
+def mujoco_campaign(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("clean")
+    return truth.make_campaign(folder, seed=17, effects={}, short=True, noise_rms=NOISE)
+
+
+def test_a_campaign_of_another_simulator_gives_back_its_truth(mujoco_campaign):
+    """Vehicle, speeds and starts, from a nominal vehicle 10 % off."""
+    campaign, true = read_campaign(mujoco_campaign), truth.read_truth(mujoco_campaign)
+    workshop, fitted = fitted_to(campaign, read_vehicle(campaign.vehicle_file))
+    off = {
+        f.name: (fitted.model.values[f.name] - true.vehicle[f.name]) / fitted.uncertainty(f.name)
+        for f in fitted.shared
+    }
+    assert max(abs(z) for z in off.values()) < 3.0, off
+    assert fitted.error == pytest.approx(_noise_error(workshop), rel=0.02)
+    # The data say more than was believed: of what carries the body and the wheels, at any rate.
+    for free in fitted.shared:
+        if "stiffness" in free.name or free.name == "body.mass_kg":
+            assert fitted.uncertainty(free.name) < free.sigma
+    for run in fitted.runs:
+        driven, found = true.runs[run.bench.run.id], fitted.model.runs[run.bench.run.id]
+        assert found["speed_m_s"] == pytest.approx(driven.speed_m_s, rel=1e-3)
+        pitch = driven.track.metres("pitch")
+        apart = (found["start_m"] - driven.start_m) / pitch
+        assert abs(apart - round(apart)) < 5e-3
+
+
+def _noise_error(workshop):
+    benches = workshop.of_role("fit")
+    noise = sum(b.band.n * b.measured.shape[1] for b in benches) * NOISE**2
+    return np.sqrt(noise / sum(b.energy for b in benches))
+
+
+@pytest.fixture(scope="module")
+def noise_free():
+    runs = runs_of(TRACKS)
+    campaign = campaign_of(runs)
+    return runs, simulated(campaign, model_of(ATV, runs))
+
+
+def recorded(noise_free, seed, names=tuple(TRACKS)):
+    """White noise whose in-band rms is NOISE; the starts at which these runs were driven."""
+    runs, clean = noise_free
+    rng = np.random.default_rng(seed)
+    share = (30.0 - 0.5) / 50.0
+    noisy = {k: clean[k] + NOISE / np.sqrt(share) * rng.normal(size=clean[k].shape) for k in runs}
+    chosen = {name: runs[name] for name in names}
+    return campaign_of(chosen, {k: noisy[k] for k in names}, noise_rms_m_s2=NOISE)
+
+
+def drawn_vehicle(seed, free_keys):
+    """A nominal vehicle that is off by what its owner says he doesn't know."""
+    rng, sigma = np.random.default_rng(seed), uncertainty_of(ATV)
+    values = {k: v + sigma[k] * rng.normal() if k in free_keys else v for k, v in ATV.items()}
+    return Vehicle("nominal", values, sigma)
+
+
+def test_covariance_is_that_of_repeated_campaigns(noise_free):
+    """Over noise and priors drawn anew, χ² of the parameters' errors is that of their number."""
+    runs, _ = noise_free
+    total, count = 0.0, 0
+    for seed in range(8):
+        campaign = recorded(noise_free, seed)
+        shared = vehicle_parameters(campaign, Vehicle("true", ATV, uncertainty_of(ATV)))
+        vehicle = drawn_vehicle(100 + seed, {f.name for f in shared})
+        start = model_of(vehicle.values, runs)
+        _, fitted = fitted_to(campaign, vehicle, start)
+        total += float(np.sum(whitened(fitted, ATV) ** 2))
+        count += len(fitted.shared)
+    # χ² of n numbers is n ± √(2 n): four of these either way.
+    assert abs(total - count) < 4 * np.sqrt(2 * count)
+
+
+def test_a_quiet_run_does_not_disturb_the_rest(noise_free):
+    """A run that shows nothing but noise, its start and speed anywhere: the vehicle stays."""
+    runs, _ = noise_free
+    campaign = recorded(noise_free, 3, ("herringbone", "washboard"))
+    vehicle = drawn_vehicle(7, set(ATV) - {k for k in ATV if k.startswith(FIXED)})
+    _, without = fitted_to(campaign, vehicle)
+    rng = np.random.default_rng(11)
+    quiet_run = truth.Run(
+        truth.Track("chassis-twist", {"amplitude_mm": 1.0, "pitch_mm": 4000.0}),
+        *(1.4, 35.0, runs["washboard"].time_s),
+    )
+    quiet = campaign_of(
+        {"quiet": quiet_run},
+        {"quiet": 0.13 * rng.normal(size=(len(quiet_run.time_s), 8))},
+        nominal_m_s={"quiet": 1.5},
+        noise_rms_m_s2=NOISE,
+    )
+    _, fitted = fitted_to(replace(campaign, runs=(*campaign.runs, *quiet.runs)), vehicle)
+    for free in fitted.shared:
+        moved = fitted.model.values[free.name] - without.model.values[free.name]
+        assert abs(moved) < 0.3 * without.uncertainty(free.name), free.name
+    assert fitted.model.runs["quiet"]["speed_m_s"] == pytest.approx(1.5, rel=0.25)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_nominal_vehicle_wrong_by_two_sigma_still_converges(noise_free, seed):
+    """Every number 20 % off (a tape's 2 %), up or down: the error still ends at the noise."""
+    campaign = recorded(noise_free, seed)
+    rng, sigma = np.random.default_rng(seed), uncertainty_of(ATV)
+    values = {k: v + 2 * sigma[k] * rng.choice([-1.0, 1.0]) for k, v in ATV.items()}
+    workshop, fitted = fitted_to(campaign, Vehicle("wrong", values, sigma))
+    assert fitted.error < 1.05 * _noise_error(workshop)
+
+
+def test_what_nothing_depends_on_stays_as_believed(noise_free):
+    campaign = recorded(noise_free, 1)
+    vehicle = drawn_vehicle(4, {"body.mass_kg"})
+    names = {f.name for f in vehicle_parameters(campaign, vehicle)}
+    assert names == {key for key in ATV if not key.startswith(FIXED)}

@@ -1,0 +1,96 @@
+"""Speed and start of a run are found from its record, on every kind of track."""
+
+import numpy as np
+import pytest
+
+from tests import truth
+from tests.simulate.setup import ATV, CHANNELS, campaign_of, model_of, simulated
+from wheelhop.campaign import TrackSpec
+from wheelhop.fit import find_start
+
+TIME = np.arange(1024) / 100.0
+NOMINAL = 4.0
+ACTUAL = {"speed_m_s": 3.83, "start_m": 36.87}
+BUMP = {"speed_m_s": 3.83, "start_m": -8.4}  # the bump comes after two seconds
+
+PERIODIC = {
+    "washboard": {"amplitude_mm": 15.0, "pitch_mm": 400.0},
+    "one-sided-washboard": {"amplitude_mm": 25.0, "pitch_mm": 600.0},
+    "herringbone": {"amplitude_mm": 20.0, "pitch_mm": 800.0, "angle_deg": 20.0},
+    "chassis-twist": {"amplitude_mm": 150.0, "pitch_mm": 2000.0, "lateral_offset_mm": 100.0},
+}
+ONCE = {
+    "half-sine-bump": {"amplitude_mm": 60.0, "length_mm": 500.0, "side": "both"},
+    "half-sine-bump left": {"amplitude_mm": 60.0, "length_mm": 500.0, "side": "left"},
+    "step-bump": {"height_mm": 30.0, "width_mm": 400.0, "side": "both"},
+    "sine-sweep": {
+        "amplitude_mm": 12.0,
+        "pitch_start_mm": 2500.0,
+        "pitch_end_mm": 400.0,
+        "length_mm": 30000.0,
+    },
+}
+
+
+def believed(seed):
+    """The vehicle as its owner believes it to be: every number some 10 % off."""
+    rng = np.random.default_rng(seed)
+    return {k: v * (1 + 0.1 * float(np.clip(rng.normal(), -2, 2))) if "geometry" not in k else v
+            for k, v in ATV.items()}  # fmt: skip
+
+
+def noisy(acceleration, seed):
+    return acceleration + np.random.default_rng(seed).normal(0.05, 0.1, acceleration.shape)
+
+
+def found_in(run, recorded, seed):
+    campaign = campaign_of({"run": run}, {"run": recorded}, nominal_m_s={"run": NOMINAL})
+    model = model_of(believed(seed), {})
+    return find_start(campaign, campaign.runs[0], model, model.system(CHANNELS, "road"))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("kind", PERIODIC)
+def test_on_a_periodic_track(kind, seed):
+    """To 1 % of the speed and a tenth of the wavelength, modulo the wavelength."""
+    track = truth.Track(kind, PERIODIC[kind])
+    run = truth.Run(track, ACTUAL["speed_m_s"], ACTUAL["start_m"], TIME)
+    found = found_in(run, noisy(truth.simulate_run(ATV, run)[1], seed), seed)
+    pitch = track.metres("pitch")
+    assert found["speed_m_s"] == pytest.approx(ACTUAL["speed_m_s"], rel=0.01)
+    apart = (found["start_m"] - ACTUAL["start_m"]) / pitch
+    assert abs(apart - round(apart)) < 0.1
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("kind", ONCE)
+def test_on_a_track_that_ends(kind, seed):
+    track = truth.Track(kind.split()[0], ONCE[kind])
+    run = truth.Run(track, BUMP["speed_m_s"], BUMP["start_m"], TIME)
+    found = found_in(run, noisy(truth.simulate_run(ATV, run)[1], seed), seed)
+    assert found["speed_m_s"] == pytest.approx(BUMP["speed_m_s"], rel=0.01)
+    assert found["start_m"] == pytest.approx(BUMP["start_m"], abs=0.05)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_on_a_random_road(seed):
+    """A class B road: there is no wavelength, only the one place where the record fits."""
+    flat = {"run": truth.Run(truth.Track("flat"), ACTUAL["speed_m_s"], ACTUAL["start_m"], TIME)}
+    campaign = campaign_of(flat)
+    road = TrackSpec("iso8608", {"unevenness_m3": 4e-6, "waviness": 2.0, "seed": float(seed)})
+    on_road = type(campaign.runs[0])(**{**vars(campaign.runs[0]), "track": road})
+    campaign = type(campaign)(**{**vars(campaign), "runs": (on_road,)})
+    recorded = noisy(simulated(campaign, model_of(ATV, flat))["run"], seed)
+    measured = type(on_road)(**{**vars(on_road), "acceleration": recorded, "speed_m_s": NOMINAL})
+    campaign = type(campaign)(**{**vars(campaign), "runs": (measured,)})
+    model = model_of(believed(seed), {})
+    found = find_start(campaign, measured, model, model.system(CHANNELS, "road"))
+    assert found["speed_m_s"] == pytest.approx(ACTUAL["speed_m_s"], rel=0.01)
+    assert found["start_m"] == pytest.approx(ACTUAL["start_m"], abs=0.1)
+
+
+def test_a_standing_vehicle_has_no_start():
+    run = truth.Run(truth.Track("flat"), 1.0, 0.0, TIME)
+    campaign = campaign_of({"run": run}, nominal_m_s={"run": 0.0})
+    model = model_of(ATV, {})
+    assert find_start(campaign, campaign.runs[0], model, model.system(CHANNELS, "road")) == {}

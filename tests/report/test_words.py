@@ -1,0 +1,78 @@
+"""Numbers as people read them."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wheelhop.effects import load_effects
+from wheelhop.report.words import (
+    chance,
+    form_of,
+    interval,
+    label_of,
+    percent,
+    signed,
+    significant,
+    unit_of,
+)
+
+
+def number(text: str) -> float:
+    return float(text.replace("\u202f", "").replace("−", "-"))
+
+
+@pytest.mark.parametrize(
+    ("value", "deviation", "text"),
+    [
+        (73.073, 0.07, "73.07 ± 0.14"),
+        (10480.0, 160.0, "10\u202f480 ± 320"),
+        (8425.0, 6299.0, "8\u202f000 ± 13\u202f000"),
+        (-0.0001, 0.05, "0.00 ± 0.10"),
+        (1.419994, 1.15e-5, "1.419994 ± 0.000023"),
+        (0.0417, float("nan"), "0.0417"),
+    ],
+)
+def test_an_interval_shows_two_digits_of_its_width(value, deviation, text):
+    assert interval(value, deviation) == text
+
+
+@given(st.floats(1e-4, 1e8), st.integers(2, 6))
+def test_significant_digits_hold_the_number(value, digits):
+    assert number(significant(value, digits)) == pytest.approx(value, rel=0.51 * 10 ** (1 - digits))
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e5))
+def test_an_interval_is_never_off_by_more_than_a_fraction_of_its_width(value, deviation):
+    centre, half = map(number, interval(value, deviation).split(" ± "))
+    assert abs(centre - value) <= 0.1 * 2 * deviation + 1e-9
+    assert half == pytest.approx(2 * deviation, rel=0.06)
+
+
+def test_what_is_not_known_is_a_dash():
+    assert percent(float("nan")) == significant(float("inf")) == "–"
+    assert percent(0.00551) == "0.551 %"
+    assert signed(132447.2) == "+132\u202f447" and signed(-2.4) == "−2"
+    assert chance(1e-11) == "< 10⁻⁶" and chance(0.0312) == "0.03"
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "unit"),
+    [
+        ("suspension.front.stiffness_N_m", "front suspension stiffness", "N/m"),
+        ("wheel.rear.tyre_damping_N_s_m", "rear tyre damping", "N s/m"),
+        ("wheel.rear.radius_m", "rear wheel radius", "m"),
+        ("body.pitch_inertia_kg_m2", "body pitch inertia", "kg m²"),
+        ("geometry.cg_to_front_axle_m", "cg to front axle", "m"),
+        ("channel.imu.x_m", "channel imu x", "m"),
+    ],
+)
+def test_names_of_the_vehicle_become_words_and_units(name, label, unit):
+    assert (label_of(name), unit_of(name)) == (label, unit)
+
+
+def test_the_form_of_an_effect_is_told(friction):
+    channels, library = friction.campaign.channels, load_effects()
+    for effect in library.values():
+        for choice in effect.choices(channels):
+            chosen = effect.with_choice(choice) if choice else effect
+            assert form_of(chosen, channels) == choice

@@ -1,0 +1,165 @@
+"""Time integration against closed forms: one mass on a spring, with and without force laws."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from wheelhop.effects.dry_friction import elastic_slip
+from wheelhop.effects.progressive_spring import cubic
+from wheelhop.simulate.integrator import integrate
+from wheelhop.vehicle import Assembly, between, ground
+
+MASS, OMEGA, ZETA = 20.0, 2 * pi * 3.0, 0.15
+
+
+def one_mass(zeta=ZETA, law=None, parameters=()):
+    """A mass on a spring and a damper above the ground; free coordinate 3 of 4."""
+    parts = Assembly(prescribed=("ground 1",))
+    mass = parts.add_coordinate("mass")
+    parts.add_mass(((1.0, mass),), MASS)
+    row = between(mass, ground(0))
+    parts.add_spring(row, MASS * OMEGA**2, 2 * zeta * MASS * OMEGA)
+    if law is not None:
+        parts.add_law(row, law, parameters)
+    parts.add_force(((1.0, mass),))
+    parts.add_output(((1.0, mass),))
+    return parts.system((1.0, 1.0, 1.0))
+
+
+def run(system, step_s, duration_s, *, ground_m=None, force=None, at=(0.0, 0.0), window_s=0.0):
+    """Acceleration (n,) at every step from the window's half width on, and those times."""
+    steps = round(duration_s / step_s)
+    time = step_s * np.arange(steps + 1)
+    half = step_s / 2 * np.arange(2 * steps + 1)
+    zero = np.zeros((steps + 1, 1))
+    height, rate = (zero, zero) if ground_m is None else (f(time)[:, None] for f in ground_m)
+    margin = int(window_s / 2 / step_s) + 2
+    initial = np.zeros(8)
+    initial[3], initial[7] = at
+    count = steps - 2 * margin
+    found = integrate(
+        system,
+        height,
+        rate,
+        np.zeros((len(half), 1)) if force is None else force(half)[:, None],
+        initial=initial,
+        step_s=step_s,
+        first=margin,
+        stride=1,
+        window_s=window_s,
+        n_samples=count,
+    )
+    return time[margin : margin + count], found[:, 0]
+
+
+def steady(frequency_hz, amplitude_m=0.01):
+    """Ground A sin ωt, and the mass' steady motion as a complex amplitude on exp(iωt)."""
+    omega = 2 * pi * frequency_hz
+    spring = OMEGA**2 + 2j * ZETA * OMEGA * omega
+    amplitude = -1j * amplitude_m * spring / (spring - omega**2)
+    at = (amplitude.real, (1j * omega * amplitude).real)
+    return (
+        (
+            lambda t: amplitude_m * np.sin(omega * t),
+            lambda t: amplitude_m * omega * np.cos(omega * t),
+        ),
+        at,
+        lambda t: (-(omega**2) * amplitude * np.exp(1j * omega * t)).real,
+    )
+
+
+@given(st.floats(0.0, 0.9), st.floats(-0.05, 0.05), st.floats(-1.0, 1.0))
+def test_free_decay(zeta, x0, v0):
+    time, found = run(one_mass(zeta), 0.0025, 1.0, at=(x0, v0))
+    damped, decay = OMEGA * np.sqrt(1 - zeta**2), zeta * OMEGA
+    sine = (v0 + decay * x0) / damped
+    # x = e^(-decay t) (x0 cos + sine sin), differentiated twice as a complex exponential
+    pole = complex(-decay, damped)
+    expected = (pole**2 * (x0 - 1j * sine) * np.exp(pole * time)).real
+    size = OMEGA**2 * abs(x0) + OMEGA * abs(v0)
+    np.testing.assert_allclose(found, expected, atol=1e-5 * size + 1e-12)
+
+
+def test_applied_force_deflects_and_rings():
+    """A step of force: the mass swings about F/k."""
+    time, found = run(one_mass(zeta=0.0), 0.0025, 1.0, force=lambda t: np.full(t.shape, 50.0))
+    np.testing.assert_allclose(found, 50.0 / MASS * np.cos(OMEGA * time), atol=1e-4)
+
+
+def test_linear_error_falls_with_the_fourth_power_of_the_step():
+    ground_m, at, expected = steady(4.0)
+    errors = []
+    for step in (0.01, 0.005, 0.0025):
+        time, found = run(one_mass(), step, 2.0, ground_m=ground_m, at=at)
+        errors.append(np.abs(found - expected(time)).max())
+    assert 13.0 < errors[0] / errors[1] < 20.0
+    assert 13.0 < errors[1] / errors[2] < 20.0
+
+
+def test_error_with_a_cubic_spring_falls_with_the_fourth_power_of_the_step():
+    """Against an eighth-order adaptive integrator of another library."""
+    k3, (ground_m, at, _) = 5e6, steady(2.5, 0.02)
+
+    def rate(t, y):
+        x, v = y[0] - ground_m[0](t), y[1] - ground_m[1](t)
+        return [y[1], -(OMEGA**2) * x - 2 * ZETA * OMEGA * v - k3 / MASS * x**3]
+
+    exact = solve_ivp(rate, (0.0, 2.0), at, "DOP853", rtol=1e-12, atol=1e-14, dense_output=True)
+    errors = []
+    for step in (0.005, 0.0025, 0.00125):
+        time, found = run(
+            one_mass(law=cubic, parameters=(k3,)), step, 2.0, ground_m=ground_m, at=at
+        )
+        expected = np.array([rate(t, exact.sol(t))[1] for t in time])
+        errors.append(np.abs(found - expected).max())
+    assert 12.0 < errors[0] / errors[1] < 21.0
+    assert 12.0 < errors[1] / errors[2] < 21.0
+    assert errors[1] < 1e-3 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("presliding", [30.0, 300.0], ids=["soft joint", "stiff joint"])
+def test_coulomb_friction_takes_the_same_from_every_swing(presliding):
+    """From turn to turn X − X' = (2 F/k) (1 − 2 F/(k_p (X + X'))): 4 F/k per cycle for k_p → ∞,
+    from ½ k (X² − X'²) = F (X + X' − 2 F/k_p), the joint turning over 2 F/k_p without loss."""
+    k = MASS * OMEGA**2
+    slip, joint = 0.02 * k * 0.1, presliding * k
+    step = 1.25e-4
+    system = one_mass(zeta=0.0, law=elastic_slip, parameters=(slip, joint))
+    _, acceleration = run(system, step, 1.6, at=(0.1, 0.0))
+    # Until the mass turns, friction pulls with the spring: there m |a| = k X + F, the most it gets.
+    swings = np.split(acceleration, np.flatnonzero(np.diff(np.sign(acceleration))) + 1)
+    peaks = np.array([MASS * np.abs(swing).max() - slip for swing in swings[1:9]]) / k
+    total = peaks[:-1] + peaks[1:]
+    expected = 2 * slip / k * (1 - 2 * slip / (joint * total))
+    np.testing.assert_allclose(-np.diff(peaks), expected, rtol=1e-3)
+
+
+@settings(max_examples=25)
+@given(st.floats(0.5, 30.0), st.floats(0.0011, 0.02))
+def test_averaging_multiplies_a_harmonic_by_sinc(frequency, window):
+    ground_m, at, expected = steady(frequency)
+    time, found = run(one_mass(), 0.00125, 0.4, ground_m=ground_m, at=at, window_s=window)
+    size = np.abs(expected(time)).max()
+    np.testing.assert_allclose(
+        found, np.sinc(frequency * window) * expected(time), atol=2e-4 * size + 1e-9
+    )
+
+
+def test_samples_must_lie_inside_the_span():
+    with pytest.raises(ValueError, match="inside the integrated span"):
+        integrate(
+            one_mass(),
+            np.zeros((11, 1)),
+            np.zeros((11, 1)),
+            np.zeros((21, 1)),
+            initial=np.zeros(8),
+            step_s=0.001,
+            first=0,
+            stride=1,
+            window_s=0.0066,
+            n_samples=5,
+        )

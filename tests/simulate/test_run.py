@@ -1,0 +1,108 @@
+"""One run: time domain against the frequency domain, and measured axles that drive the body."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests import truth
+from tests.simulate.setup import ATV, CHANNELS, TIME, campaign_of, model_of, relative, simulated
+from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.fit import Workshop, fit
+from wheelhop.simulate import linear_response
+from wheelhop.track import make_track, wheel_envelope
+from wheelhop.vehicle import CORNERS
+
+HERRINGBONE = truth.Track("herringbone", {"amplitude_mm": 20.0, "pitch_mm": 800.0})
+WASHBOARD = truth.Track("washboard", {"amplitude_mm": 15.0, "pitch_mm": 400.0})
+
+
+@pytest.mark.parametrize("track", [HERRINGBONE, WASHBOARD], ids=["smooth", "with kinks"])
+def test_steady_state_is_that_of_the_fourier_series(track):
+    """Over one wavelength the road repeats: its envelope's discrete Fourier transform times the
+    frequency response is the steady state. Averaging is multiplication by sinc."""
+    pitch, samples, window = track.metres("pitch"), 4000, 0.0066
+    run = truth.Run(track, pitch / 0.16, 20.0, TIME, averaging_s=window)  # 16 samples per wave
+    campaign = campaign_of({"run": run})
+    model = model_of(ATV, {"run": run})
+    found = simulated(campaign, model, run_up_s=6.0)["run"]
+
+    spec = make_track(campaign.runs[0].track)
+    x = run.start_m + run.speed_m_s * 0.16 * np.arange(samples) / samples
+    height = np.empty((samples, 4))
+    for i in CORNERS:
+        behind = 0.0 if i < 2 else ATV["geometry.wheelbase_m"]
+        side = ATV["geometry.track_width_m"] / 2 * (1 if i % 2 == 0 else -1)
+        envelope = wheel_envelope(spec, side, 0.279, (x - behind).min(), (x - behind).max())
+        height[:, i] = envelope.height(x - behind)
+    exact = linear_response(model.system(CHANNELS, "road"), height, 0.16 / samples)
+    spectrum = np.fft.rfft(exact, axis=0)
+    spectrum *= np.sinc(np.fft.rfftfreq(samples, 0.16 / samples) * window)[:, None]
+    wave = np.fft.irfft(spectrum, samples, axis=0)[:: samples // 16]
+    expected = np.tile(wave, (len(TIME) // 16, 1))
+    assert relative(found, expected) < 1e-3
+
+
+def test_a_longer_run_up_changes_nothing():
+    run = {"run": truth.Run(WASHBOARD, 2.5, 20.0, TIME)}
+    campaign, model = campaign_of(run), model_of(ATV, run)
+    short, long = (simulated(campaign, model, run_up_s=s)["run"] for s in (4.0, 8.0))
+    assert relative(short, long) < 1e-4
+
+
+@settings(max_examples=10)
+@given(st.floats(1.0, 6.0), st.floats(10.0, 50.0), st.integers(1, 20))
+def test_starting_later_is_starting_further_on(speed, start, later):
+    """Shifting the start by the way of some samples shifts the record by these samples."""
+    here = {"run": truth.Run(HERRINGBONE, speed, start, TIME[:200])}
+    there = {"run": truth.Run(HERRINGBONE, speed, start + speed * later / 100.0, TIME[:200])}
+    one, other = (
+        simulated(campaign_of(r), model_of(ATV, r), run_up_s=6.0)["run"] for r in (here, there)
+    )
+    size = np.abs(one).max()
+    np.testing.assert_allclose(other[:-later], one[later:], atol=1e-4 * size)
+
+
+def test_any_channels_in_any_order():
+    run = {"run": truth.Run(HERRINGBONE, 4.0, 30.0, TIME)}
+    model = model_of(ATV, run)
+    full = simulated(campaign_of(run), model)["run"]
+    chosen = (
+        Channel("rear", "A4"),
+        Channel("dash", "body-xy", 0.3, 0.1),
+        Channel("left", "B1"),
+    )
+    found = simulated(campaign_of(run, channels=chosen), model)["run"]
+    np.testing.assert_allclose(found[:, [0, 2]], full[:, [7, 0]], rtol=1e-9, atol=1e-9)
+    # A rigid body: the dash lies on the plane through the corners.
+    ahead, width = ATV["geometry.cg_to_front_axle_m"], ATV["geometry.track_width_m"]
+    along = (full[:, 0] - full[:, 2]) / ATV["geometry.wheelbase_m"]
+    across = (full[:, 0] - full[:, 1]) / width
+    expected = full[:, 0] + along * (0.3 - ahead) + across * (0.1 - width / 2)
+    np.testing.assert_allclose(found[:, 1], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("track", "reached"), [(HERRINGBONE, 0.002), (WASHBOARD, 0.04)], ids=["smooth", "with kinks"]
+)
+def test_measured_axles_move_the_body_as_the_road_did(track, reached):
+    """Axle accelerations of MuJoCo's car, twice integrated and imposed, give its body channels.
+
+    Where the wheel rests on two points the axle is jerked; what lies beyond half the sample rate
+    is folded into the band, and 3 % is as well as measured axles know the road.
+    """
+    run = truth.Run(track, 3.9, 33.0, np.arange(1024) / 100.0)
+    _, recorded = truth.simulate_run(ATV, run)
+    campaign = campaign_of({"run": run}, {"run": recorded}, noise_rms_m_s2=0.02)
+    unknown = type(campaign.runs[0])(
+        **{**vars(campaign.runs[0]), "track": TrackSpec("unknown", {})}
+    )
+    campaign = type(campaign)(**{**vars(campaign), "runs": (unknown,)})
+    model = model_of(ATV, {})
+    workshop = Workshop(campaign, model, jobs=1)
+    # How the body moved when the record began is all that is free.
+    fitted = fit(workshop, model, (), workshop.of_role("fit"))
+    (response,) = workshop.responses(fitted.model)
+    assert response.position_m is None
+    assert np.isnan(response.acceleration[:, 4:]).all()
+    assert relative(response.acceleration[:, :4], recorded[:, :4]) < reached
