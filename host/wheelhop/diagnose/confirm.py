@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.screen import Screened, with_variant
-from wheelhop.fit import Fit, Workshop, effect_parameters, fit
+from wheelhop.fit import Fit, Workshop, effect_parameters, fit, seek_again
 from wheelhop.simulate import Model
 
 
@@ -76,8 +76,22 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
 
 
 def refit(workshop: Workshop, rung: Rung) -> Rung:
-    """Fit all parameters of a rung again, with all derivatives following the model."""
-    return validate(workshop, fit(workshop, rung.model, rung.fit.shared, workshop.of_role("fit")))
+    """Fit all parameters of a rung again, with all derivatives following the model; runs that stay
+    far above the others are placed on their track anew."""
+    model = _placed_anew(workshop, rung)
+    return validate(workshop, fit(workshop, model, rung.fit.shared, workshop.of_role("fit")))
+
+
+def _placed_anew(workshop: Workshop, rung: Rung) -> Model:
+    model = rung.model
+    systems = workshop.systems(model)
+    fits = [*rung.fit.runs, *(rung.validation.runs if rung.validation is not None else ())]
+    level = min(run.rss / run.bench.size for run in fits)
+    lost = [run.bench for run in fits if run.rss / run.bench.size > MISPLACED * level]
+    found = workshop.each(lambda bench: seek_again(bench, model, systems), lost)
+    for bench, start in zip(lost, found, strict=True):
+        model = model.with_run(bench.run.id, start)
+    return model
 
 
 def without(workshop: Workshop, rung: Rung, effect_id: str) -> Rung:
@@ -91,10 +105,14 @@ SHARES = (1.0, 0.4, 0.1)
 """A fit begins at one of these shares of the amplitudes that screening expects: to first order
 strong effects are overrated."""
 
-ASTRAY = 1.2
-
 SMALLEST_START = 0.05
 """And with at least this fraction of an amplitude's scale: at zero some laws are flat."""
+
+ASTRAY = 1.2
+"""A fit that ends this many times above the error that screening expects has gone astray."""
+
+MISPLACED = 2.0
+"""A run this many times above the quietest one, in mean square, may be misplaced on its track."""
 
 
 def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[Model]:

@@ -8,7 +8,7 @@ from wheelhop.fit.parameters import (
     run_parameters,
     vehicle_parameters,
 )
-from wheelhop.fit.start import find_start
+from wheelhop.fit.start import find_start, seek_again
 from wheelhop.fit.workshop import Bench, Workshop
 
 __all__ = [
@@ -22,5 +22,6 @@ __all__ = [
     "fit",
     "initial_model",
     "run_parameters",
+    "seek_again",
     "vehicle_parameters",
 ]

@@ -8,15 +8,18 @@ from scipy import fft
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
+from wheelhop.fit.workshop import Bench
 from wheelhop.simulate import Model, frequency_response, linear_response
 from wheelhop.track import Track, make_track, wheel_envelope
-from wheelhop.vehicle import CORNERS, System, axle_name, corner_position
+from wheelhop.vehicle import CORNERS, Drive, System, axle_name, corner_position
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 REACH = 0.12
 """Speeds are sought within this fraction of the nominal one."""
+
+FEW_SPEEDS = 24
 
 
 def find_start(campaign: Campaign, run: Run, model: Model, system: System) -> dict[str, float]:
@@ -30,6 +33,34 @@ def find_start(campaign: Campaign, run: Run, model: Model, system: System) -> di
     if track.period_m is not None:
         return _match_harmonics(campaign, run, model, system, track, track.period_m)
     return _match_shape(campaign, run, model, system, track)
+
+
+def seek_again(bench: Bench, model: Model, systems: dict[Drive, System]) -> dict[str, float]:
+    """Speed and start that fit a run best when the whole model is simulated on a grid of them.
+
+    For a run that a linear model could not place, but an effect found since can: a slow drive over
+    long waves is all friction. Empty where the track does not repeat.
+    """
+    own = model.runs[bench.run.id]
+    period = bench.simulator.period_m
+    if period is None or "start_m" not in own:
+        return {}
+    speeds = _speeds(bench.run, period)
+    if len(speeds) > FEW_SPEEDS:  # many waves: the speed at least is known well
+        speeds = np.array([own["speed_m_s"]])
+    best = (_misfit(bench, model, systems), dict[str, float]())
+    for speed in speeds:
+        for phase in np.arange(12) / 12:
+            trial = {"speed_m_s": float(speed), "start_m": own["start_m"] + phase * period}
+            misfit = _misfit(bench, model.with_run(bench.run.id, trial), systems)
+            if misfit < best[0]:
+                best = (misfit, trial)
+    return best[1]
+
+
+def _misfit(bench: Bench, model: Model, systems: dict[Drive, System]) -> float:
+    residual = bench.residual(model, systems)
+    return float(residual @ residual)
 
 
 def _speeds(run: Run, wavelength_m: float) -> Array:

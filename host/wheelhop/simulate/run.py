@@ -96,6 +96,11 @@ class RunSimulator:
         index = np.arange(steps + 1) / (stride * per_step) - self._lead
         return np.asarray(self.run.time_s[0] + index * period)
 
+    @property
+    def period_m(self) -> float | None:
+        """Length after which the run's track repeats; None if it does not, or is not known."""
+        return None if self._track is None else self._track.period_m
+
     def acts(self, effect: Effect) -> bool:
         """Whether the effect can act in this run: upstream of measured axles nothing does."""
         return self.drive == "road" or not effect.needs_road
