@@ -27,7 +27,7 @@ class LeftRightDrift(Effect):
         r"x_\mathrm{left} - x_\mathrm{right} = \sum_j c_j B_j(t),"
         r"\quad B_j \text{ cubic B-splines, 1 s apart}"
     )
-    source = "thesis 4.3.1: the vehicle has no differential and the tracks are not exactly straight"
+    source = "thesis 4.4, points 4 and 5: no differential, tracks that are not straight"
     needs_road = True
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:

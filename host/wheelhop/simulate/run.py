@@ -82,7 +82,7 @@ class RunSimulator:
         )
         self._track = make_track(run.track) if self.drive == "road" else None
         self._last: tuple[object, Array] | None = None
-        self._motions: dict[tuple[float, ...], tuple[Array, Array]] = {}
+        self._motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
 
     def _stride(self, model: Model) -> int:
         """Integration steps per sample."""
@@ -157,8 +157,8 @@ class RunSimulator:
             [
                 float(stride),
                 *(model.values[k] for k in PATH_KEYS),
-                *model.runs.get(self.run.id, {}).values(),
-                *(v for e in upstream for v in model.theta(e).values()),
+                *model.runs.get(self.run.id, {}).items(),
+                *((e.id, k, v) for e in upstream for k, v in model.theta(e).items()),
             ]
         )
         if key not in self._motions:
