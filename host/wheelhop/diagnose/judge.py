@@ -14,18 +14,26 @@ BLOCK_S = 1.0
 """Residuals are not white: what one second of a run says of a model is counted as one oscillation
 with an amplitude and a phase, two degrees of freedom, however many samples it holds."""
 
+WHITE = 1.1
+"""A residual whose mean square is within this factor of the noise's is taken for noise."""
 
-def log_odds(base: Rung, rival: Rung) -> float:
+
+def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     """Logarithm of the likelihood ratio of `rival` over `base` on the runs that judge.
 
+    While something unexplained is left in the rival's residual,
     Λ = Σ ½ · 2 · ln(S_base / S_rival) over blocks of one second: Gaussian residuals of unknown
     size with two degrees of freedom a block; S is the block's sum of squares, charged for the
     numbers free in its run. Each block counts by how many times smaller its residual became, so
-    that loud and quiet runs are heard alike. Negative if the rival is worse.
+    that loud and quiet runs are heard alike. Once the rival is down at the sensors' white noise,
+    of which `noise` is the standard deviation of one in-band coefficient (0: not known), every
+    coefficient counts: Λ = Σ (S_base − S_rival) / 2 noise². Negative if the rival is worse.
 
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
     before, after = judging(base), judging(rival)
+    if _charged(rival) < WHITE * noise**2 * after.size:
+        return 0.5 * (_charged(base) - _charged(rival)) / noise**2
     return sum(float(np.sum(_gains(a, b))) for a, b in zip(before.runs, after.runs, strict=True))
 
 

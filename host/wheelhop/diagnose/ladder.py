@@ -144,7 +144,7 @@ def _refit_leaders(
 def _judged(
     workshop: Workshop, rung: Rung, screened: Screened, rival: Rung, tried: int
 ) -> Candidate:
-    odds = log_odds(rung, rival)
+    odds = log_odds(rung, rival, workshop.noise)
     material = relative_to_noise(rung, rival, workshop.noise) > MATERIAL
     holds = material and p_value(odds, tried) < SIGNIFICANT
     return Candidate(screened, rival, odds, tried, holds)
@@ -159,6 +159,6 @@ def _without_idle(workshop: Workshop, rung: Rung, progress: Progress) -> Rung:
         progress(f"is {effect.id} still needed?")
         shorter = without(workshop, rung, effect.id)
         material = relative_to_noise(shorter, rung, workshop.noise) > MATERIAL
-        if not material or p_value(log_odds(shorter, rung), 1) >= SIGNIFICANT:
+        if not material or p_value(log_odds(shorter, rung, workshop.noise), 1) >= SIGNIFICANT:
             rung = shorter
     return rung
