@@ -122,8 +122,14 @@ def test_what_is_left_unexplained_is_said(friction):
 
 def test_an_effect_that_took_no_part_has_its_reason(friction, tmp_path):
     effects = {**friction.library, "tyre-lift-off": load_effects()["tyre-lift-off"]}
+    reason = "does not apply: no run drives over a known track"
+    idle = replace(friction.diagnosis.ranking[-1], effect="tyre-lift-off", reason=reason)
+    idle = replace(idle, screened_error=None, confirmed_error=None, evidence=None, p_value=None)
+    ranking = (*friction.diagnosis.ranking, idle)
     file = tmp_path / "page.html"
-    write_diagnosis_report(file, friction.campaign, friction.diagnosis, effects)
+    write_diagnosis_report(
+        file, friction.campaign, replace(friction.diagnosis, ranking=ranking), effects
+    )
     _, page = page_of(file)
     assert "tyre-lift-off" in page.text and "does not apply: " in page.text
 

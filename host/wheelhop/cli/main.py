@@ -20,6 +20,8 @@ BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit status is 0, 2 for bad input, 130 when interrupted."""
+    # Every run is worked on by one thread; linear algebra's own threads would be in the way.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     parser = _parser()
     arguments = parser.parse_args(argv)
     if arguments.command is None:

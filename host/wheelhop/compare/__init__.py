@@ -8,8 +8,8 @@ from wheelhop.compare.floor import Floor, estimate_noise, noise_floor
 from wheelhop.compare.locking import Line, Locking
 from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
-from wheelhop.compare.screen import print_comparison
 from wheelhop.compare.slices import Grid, Slice
+from wheelhop.compare.terminal import print_comparison
 from wheelhop.compare.where import Breakdown, breakdown
 
 __all__ = [

@@ -88,7 +88,7 @@ def _placed_anew(workshop: Workshop, rung: Rung) -> Model:
     fits = [*rung.fit.runs, *(rung.validation.runs if rung.validation is not None else ())]
     level = min(run.rss / run.bench.size for run in fits)
     lost = [run.bench for run in fits if run.rss / run.bench.size > MISPLACED * level]
-    found = workshop.each(lambda bench: seek_again(bench, model, systems), lost)
+    found = workshop.each(lambda bench: seek_again(workshop.campaign, bench, model, systems), lost)
     for bench, start in zip(lost, found, strict=True):
         model = model.with_run(bench.run.id, start)
     return model

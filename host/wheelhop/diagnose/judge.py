@@ -32,7 +32,8 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
     before, after = judging(base), judging(rival)
-    if _charged(rival) < WHITE * noise**2 * after.size:
+    size = sum(run.bench.size for run in after.runs)
+    if _charged(rival) < WHITE * noise**2 * size:
         return 0.5 * (_charged(base) - _charged(rival)) / noise**2
     return sum(float(np.sum(_gains(a, b))) for a, b in zip(before.runs, after.runs, strict=True))
 
@@ -43,6 +44,8 @@ def p_value(odds: float, tried: int) -> float:
     A likelihood ratio on data that the models were not fitted to exceeds 1/p with a probability
     of at most p if the simpler model is true (L. Wasserman, A. Ramdas, S. Balakrishnan, Universal
     inference, PNAS 117 (2020) 16880, theorem 1); Bonferroni's correction for the effects tried.
+    Where both models are wrong in ways that come and go by large factors from second to second, p
+    is too small.
     """
     return min(1.0, tried * float(np.exp(-max(odds, 0.0))))
 

@@ -6,10 +6,11 @@ import importlib.util
 from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
+from typing import get_args
 
 from wheelhop.campaign import CampaignError
 from wheelhop.effects.asymmetric_damper import AsymmetricDamper
-from wheelhop.effects.base import Effect
+from wheelhop.effects.base import Effect, Place
 from wheelhop.effects.digressive_damper import DigressiveDamper
 from wheelhop.effects.driver_seat import DriverSeat
 from wheelhop.effects.dry_friction import DryFriction
@@ -47,14 +48,36 @@ def load_effects(user_file: str | Path | None = None) -> Mapping[str, Effect]:
     Raises
     ------
     CampaignError
-        The user's file is missing, does not run, or holds no effect.
+        The user's file is missing, does not run, or holds no effect, or an effect that does not
+        state what every effect states.
     """
-    classes = list(BUILT_IN)
+    effects: dict[str, Effect] = {cls.id: cls() for cls in BUILT_IN}
     for point in entry_points(group=ENTRY_POINT):
-        classes.append(point.load())
+        effect = _made(point.load(), f"package {point.value}")
+        effects[effect.id] = effect
     if user_file is not None:
-        classes.extend(_from_file(Path(user_file)))
-    return {cls.id: cls() for cls in classes}
+        for cls in _from_file(Path(user_file)):
+            effect = _made(cls, str(user_file))
+            effects[effect.id] = effect
+    return effects
+
+
+def _made(cls: type[Effect], where: str) -> Effect:
+    """An effect somebody else wrote, checked for what every effect states."""
+    for name in ("id", "place", "title", "equation", "source"):
+        if not isinstance(getattr(cls, name, None), str):
+            raise CampaignError(f'{where}: {cls.__name__} has no {name}; add {name} = "…" to it')
+    if cls.place not in get_args(Place):
+        places = ", ".join(get_args(Place))
+        raise CampaignError(
+            f'{where}: {cls.__name__} has place = "{cls.place}"; it is one of {places}'
+        )
+    try:
+        return cls()
+    except TypeError as error:
+        raise CampaignError(
+            f"{where}: {cls.__name__} cannot be made without arguments: {error}; give them defaults"
+        ) from error
 
 
 def _from_file(path: Path) -> list[type[Effect]]:
@@ -66,7 +89,7 @@ def _from_file(path: Path) -> list[type[Effect]]:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         kind = type(error).__name__
         raise CampaignError(f"{path}: does not run: {kind}: {error}; mend the file") from error
     found = [

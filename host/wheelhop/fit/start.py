@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
@@ -30,32 +32,47 @@ def find_start(campaign: Campaign, run: Run, model: Model, system: System) -> di
     if run.speed_m_s <= 0:
         return {}
     track = make_track(run.track)
-    if track.period_m is not None:
-        return _match_harmonics(campaign, run, model, system, track, track.period_m)
+    period = _wavelength(run, track.period_m)
+    if period is not None:
+        return _match_harmonics(campaign, run, model, system, track, period)
     return _match_shape(campaign, run, model, system, track)
 
 
-def seek_again(bench: Bench, model: Model, systems: dict[Drive, System]) -> dict[str, float]:
-    """Speed and start that fit a run best when the whole model is simulated on a grid of them.
+def seek_again(
+    campaign: Campaign, bench: Bench, model: Model, systems: dict[Drive, System]
+) -> dict[str, float]:
+    """A better speed and start for a run that the baseline could not place, but an effect found
+    since can; empty if there is none.
 
-    For a run that a linear model could not place, but an effect found since can: a slow drive over
-    long waves is all friction. Empty where the track does not repeat.
+    Two ways: as at first, in the record as it is without the faults of the sensors found; and by
+    simulating the whole model on a grid, because a slow drive over long waves is all friction.
     """
-    own = model.runs[bench.run.id]
-    period = bench.simulator.period_m
-    if period is None or "start_m" not in own:
+    own, run = model.runs[bench.run.id], bench.run
+    if "start_m" not in own:
         return {}
-    speeds = _speeds(bench.run, period)
-    if len(speeds) > FEW_SPEEDS:  # many waves: the speed at least is known well
-        speeds = np.array([own["speed_m_s"]])
-    best = (_misfit(bench, model, systems), dict[str, float]())
-    for speed in speeds:
-        for phase in np.arange(12) / 12:
-            trial = {"speed_m_s": float(speed), "start_m": own["start_m"] + phase * period}
-            misfit = _misfit(bench, model.with_run(bench.run.id, trial), systems)
-            if misfit < best[0]:
-                best = (misfit, trial)
-    return best[1]
+    record = run.acceleration
+    for effect in model.effects:
+        record = effect.restore(model.theta(effect, run.id), record, campaign.channels)
+    restored = replace(run, acceleration=record)
+    trials = [find_start(campaign, restored, model, systems[bench.drive])]
+    period = _wavelength(run, bench.simulator.period_m)
+    if period is not None:
+        speeds = _speeds(run, period)
+        if len(speeds) > FEW_SPEEDS:  # many waves: the speed at least is known well
+            speeds = np.array([own["speed_m_s"]])
+        for speed in speeds:
+            for phase in np.arange(12) / 12:
+                start = own["start_m"] + phase * period
+                trials.append({"speed_m_s": float(speed), "start_m": start})
+    misfits = [_misfit(bench, model.with_run(run.id, trial), systems) for trial in ({}, *trials)]
+    best = int(np.argmin(misfits))
+    return trials[best - 1] if best > 0 else {}
+
+
+def _wavelength(run: Run, period_m: float | None) -> float | None:
+    """The track's period if the run is several of them long; else its shape is what counts."""
+    distance = run.speed_m_s * (run.time_s[-1] - run.time_s[0])
+    return period_m if period_m is not None and 2 * period_m < distance else None
 
 
 def _misfit(bench: Bench, model: Model, systems: dict[Drive, System]) -> float:
