@@ -54,14 +54,15 @@ def build(values: Values, strut: Strut, integrator: mujoco.mjtIntegrator) -> muj
     if strut.joint_N_m or not any(strut.slip_N):
         disabled |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     spec.option.disableflags = disabled
-    inertia = [values[f"body.{k}"] for k in ("mass_kg", "pitch_inertia_kg_m2", "roll_inertia_kg_m2")]
+    body = ("mass_kg", "pitch_inertia_kg_m2", "roll_inertia_kg_m2")
+    masses = [values[f"body.{key}"] for key in body]
+    masses += [values[f"wheel.{end}.unsprung_mass_kg"] for end in ENDS]
     names = ["heave", "pitch", "roll", "A1", "A2", "A3", "A4"]
-    for name, mass in zip(names, inertia + [values[f"wheel.{e}.unsprung_mass_kg"] for e in ENDS],
-                          strict=True):  # fmt: skip
-        body = spec.worldbody.add_body(
+    for name, mass in zip(names, masses, strict=True):
+        part = spec.worldbody.add_body(
             name=name, mass=mass, inertia=[1.0] * 3, ipos=[0.0] * 3, explicitinertial=True
         )
-        joint = body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
+        joint = part.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
         if name.startswith("A"):
             end = ENDS[int(name[1]) - 1]
             joint.stiffness = [values[f"wheel.{end}.tyre_stiffness_N_m"], 0.0, 0.0]
@@ -101,23 +102,30 @@ def road_force(values: Values, height: Array, rate: Array) -> Array:
     return force
 
 
-def roll_out(model: mujoco.MjModel, forces: Array, threads: int) -> Array:
-    """Velocities (runs, T, 7) of all runs under precomputed forces (runs, T, 7), in C++ threads."""
-    full = mujoco.mjtState.mjSTATE_FULLPHYSICS
-    data = [mujoco.MjData(model) for _ in range(threads)]
-    start = np.zeros((1, mujoco.mj_stateSize(model, full)))
-    states, _ = rollout.rollout(
-        model,
-        data,
-        start,
-        forces,
-        control_spec=mujoco.mjtState.mjSTATE_QFRC_APPLIED,
-        skip_checks=False,
-        persistent_pool=True,
-        chunk_size=1,
-    )
-    first = 1 + model.nq  # time, positions, velocities
-    return np.asarray(states[:, :, first : first + model.nv])
+class Rollout:
+    """All runs under precomputed forces (runs, T, 7), in C++ threads; memory is set up once."""
+
+    def __init__(self, model: mujoco.MjModel, forces: Array, threads: int) -> None:
+        self._model, self._forces = model, forces
+        self._data = [mujoco.MjData(model) for _ in range(threads)]
+        size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        self._start = np.zeros((1, size))
+        self._states = np.zeros((*forces.shape[:2], size))
+
+    def __call__(self) -> Array:
+        """Velocities (runs, T, 7) after each step."""
+        rollout.rollout(
+            self._model,
+            self._data,
+            self._start,
+            self._forces,
+            control_spec=mujoco.mjtState.mjSTATE_QFRC_APPLIED,
+            state=self._states,
+            chunk_size=1,
+            persistent_pool=True,
+        )
+        first = 1 + self._model.nq  # time, positions, velocities
+        return self._states[:, :, first : first + self._model.nv]
 
 
 def step_in_python(model: mujoco.MjModel, force: Array, rows: Array, law: Law) -> Array:
