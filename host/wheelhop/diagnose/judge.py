@@ -32,8 +32,7 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
     before, after = judging(base), judging(rival)
-    size = sum(run.bench.size for run in after.runs)
-    if _charged(rival) < WHITE * noise**2 * size:
+    if at_noise(rival, noise):
         return 0.5 * (_charged(base) - _charged(rival)) / noise**2
     return sum(float(np.sum(_gains(a, b))) for a, b in zip(before.runs, after.runs, strict=True))
 
@@ -57,6 +56,13 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
     """
     size = sum(run.bench.size for run in judging(base).runs)
     return (_charged(base) - _charged(rival)) / (size * noise**2) if noise > 0 else np.inf
+
+
+def at_noise(rung: Rung, noise: float) -> bool:
+    """Whether the residual of the runs that judge is no larger than noise, `noise` being the
+    standard deviation of one in-band coefficient."""
+    size = sum(run.bench.size for run in judging(rung).runs)
+    return _charged(rung) < WHITE * noise**2 * size
 
 
 def judging(rung: Rung) -> Fit:

@@ -10,7 +10,7 @@ from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
-from wheelhop.diagnose.judge import log_odds, p_value, relative_to_noise
+from wheelhop.diagnose.judge import at_noise, log_odds, p_value, relative_to_noise
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.verdict import Candidate, Look, conclude, step_of
 from wheelhop.effects import Effect
@@ -113,6 +113,10 @@ def _confirm_best(
     ]
     reach = REACH * promising[0].gain if promising else np.inf
     chosen = [s for i, s in enumerate(promising) if i < CONFIRMED or s.gain >= reach]
+    if not at_noise(rung, workshop.noise):
+        # What has no number to fit may show in held-out runs alone: only there the wheels leave
+        # the ground.
+        chosen += [s for s in screened if s.freedom == 0 and s not in chosen]
     found = []
     for i, item in enumerate(chosen):
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")

@@ -198,7 +198,14 @@ def _columns(run: RunFit, item: _Prepared) -> tuple[Array, Array, Sequence[Param
     size, run_id = len(run.residual), bench.run.id
     if not bench.simulator.acts(effect):
         return np.zeros((size, len(item.models))), np.zeros((size, 0)), ()
-    base = bench.measured[:, bench.predicted].ravel() - run.residual
+    measured = bench.measured[:, bench.predicted].ravel()
+    base = measured - run.residual
+    if effect.place == "sensor" and all(p.switch for p in item.variant.parameters):
+        # A record set right keeps the model's derivatives, a model set wrong does not.
+        theta = {p.name: p.scale for p in item.variant.parameters}
+        channels = bench.simulator.campaign.channels
+        right = bench.band.coefficients(effect.restore(theta, bench.run.acceleration, channels))
+        return (measured - right[:, bench.predicted].ravel())[:, None], np.zeros((size, 0)), ()
     columns = [
         (bench.modelled(model, systems) - base) / step
         for step, model, systems in zip(item.steps, item.models, item.systems, strict=True)

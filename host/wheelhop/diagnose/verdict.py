@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import exp, inf
@@ -62,17 +62,18 @@ def step_of(workshop: Workshop, rung: Rung) -> Step:
 
 
 def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:
-    """Every fitted number and its standard deviation; numbers that stand for what is free in each
-    run have none (NaN)."""
-    found = {f.name: (rung.model.values[f.name], rung.fit.uncertainty(f.name))
-             for f in rung.fit.shared}  # fmt: skip
+    """Every fitted number and its standard deviation; switches, and numbers that stand for what is
+    free in each run, have none (NaN)."""
+    values, fitted = rung.model.values, rung.fit
+    found = {f.name: (values[f.name], fitted.uncertainty(f.name)) for f in fitted.shared}
     for effect in rung.model.effects:
-        for name, value in _summary(rung.model, rung, effect).items():
-            found[f"{effect.id}.{name}"] = (value, float("nan"))
+        fixed = rung.model.theta(effect) | _summary(rung.model, rung, effect)
+        for name, value in fixed.items():
+            found.setdefault(f"{effect.id}.{name}", (value, float("nan")))
     return found
 
 
-def _summary(model: Model, rung: Rung, effect: Effect) -> Mapping[str, float]:
+def _summary(model: Model, rung: Rung, effect: Effect) -> dict[str, float]:
     return effect.summary(
         [
             (run.bench.simulator.setting, model.theta(effect, run.bench.run.id))

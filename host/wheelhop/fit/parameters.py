@@ -74,9 +74,11 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
 
 
 def effect_parameters(campaign: Campaign, model: Model, effect: Effect) -> list[Free]:
-    """An effect's parameters; nothing is believed of an amplitude beforehand."""
+    """An effect's free parameters; nothing is believed of an amplitude beforehand."""
     free = []
     for p in effect.parameters_for(model.values, campaign.channels):
+        if p.switch:
+            continue
         name = f"{effect.id}.{p.name}"
         start = model.values.get(name, p.absent)
         sigma = p.scale if p.is_shape else np.inf
