@@ -261,3 +261,13 @@ def test_any_shape_of_x_is_kept() -> None:
     envelope = wheel_envelope(washboard(0.015, 0.6), LEFT, RADIUS, 0.0, 10.0)
     assert envelope.height(np.zeros((3, 4, 2))).shape == (3, 4, 2)
     assert np.shape(envelope.slope(0.3)) == ()
+
+
+def test_both_at_once_are_what_each_is_alone():
+    """On the washboard with a kink in every trough."""
+    track = make_track(TrackSpec("washboard", {"amplitude_m": 0.015, "pitch_m": 0.4}))
+    envelope = wheel_envelope(track, 0.0, 0.279, 0.0, 10.0)
+    x = np.linspace(-3.0, 3.0, 4001)
+    height, slope = envelope.height_and_slope(x)
+    np.testing.assert_allclose(height, envelope.height(x), atol=1e-12)
+    np.testing.assert_allclose(slope, envelope.slope(x), atol=1e-9)

@@ -196,8 +196,8 @@ class RunSimulator:
                 model.values[f"wheel.{axle_name(i)}.radius_m"],
                 *_span(x[:, i]),
             )
-            height[:, i] = envelope.height(x[:, i])
-            rate[:, i] = envelope.slope(x[:, i]) * speed[:, i]
+            height[:, i], slope = envelope.height_and_slope(x[:, i])
+            rate[:, i] = slope * speed[:, i]
         ramp = np.clip((time_s - time_s[0]) / FADE_S, 0.0, 1.0)[:, None]
         fade, fade_rate = ramp**2 * (3 - 2 * ramp), 6 * ramp * (1 - ramp) / FADE_S
         return height * fade, rate * fade + height * fade_rate

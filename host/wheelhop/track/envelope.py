@@ -63,6 +63,14 @@ class Envelope:
         c = self._slope.take(row, axis=0)
         return (c[..., 2] * t + c[..., 1]) * t + c[..., 0]
 
+    def height_and_slope(self, x: ArrayLike) -> tuple[Array, Array]:
+        """Both at once, for the price of little more than one."""
+        row, t = self._locate(x)
+        c = self._height.take(row, axis=0)
+        c1, c2, c3 = c[..., 1], c[..., 2], c[..., 3]
+        height = ((c3 * t + c2) * t + c1) * t + c[..., 0]
+        return height, ((3.0 * c3 * t + 2.0 * c2) * t + c1) / self._step_m
+
     def _locate(self, x: ArrayLike) -> tuple[NDArray[np.intp], Array]:
         """Row of the polynomial that holds at x, and the place in its cell, 0 to 1."""
         x = np.asarray(x, dtype=np.float64)
