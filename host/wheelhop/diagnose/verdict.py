@@ -219,15 +219,19 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
             return "its signature is not in the residual: no gain worth its parameters"
         return "screened: others explain far more"
     before, after = look.rung.error_validate, candidate.rung.error_validate
-    change = f"held-out error {before:.2%} → {after:.2%}"
+    change = f"held-out error {_percent(before)} → {_percent(after)}"
     if chosen is not None and candidate.id == chosen.id:
         return f"accepted: {change}, p = {candidate.p:.1g}"
     if not candidate.holds:
         return f"not confirmed by held-out runs: {change}, p = {candidate.p:.1g}"
     if chosen is not None:
         best = chosen.rung.error_validate
-        return f"explains part: {change}, but {chosen.id} reaches {best:.2%}"
+        return f"explains part: {change}, but {chosen.id} reaches {_percent(best)}"
     return f"{change}, p = {candidate.p:.1g}"
+
+
+def _percent(error: float) -> str:
+    return f"{100 * error:.2f} %"
 
 
 def _explanation(verdict: Sequence[str], steps: Sequence[Step]) -> list[str]:
@@ -239,7 +243,7 @@ def _explanation(verdict: Sequence[str], steps: Sequence[Step]) -> list[str]:
         added = [name for name in after.added if name not in before.added]
         lines.append(
             f"Adding {', '.join(added)} lowers the held-out error from"
-            f" {before.rung.error_validate:.2%} to {after.rung.error_validate:.2%}."
+            f" {_percent(before.rung.error_validate)} to {_percent(after.rung.error_validate)}."
         )
     if verdict[-1] == "unknown":
         lines.append(
