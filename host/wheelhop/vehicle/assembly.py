@@ -122,11 +122,6 @@ class Assembly:
         """The next output: the displacement `row`, or None for one that is not predicted."""
         self._outputs.append(row)
 
-    @property
-    def has(self) -> frozenset[str]:
-        """The names of all coordinates: an effect asks whether, say, "ground 1" is there."""
-        return frozenset(self._free) | frozenset(self.prescribed)
-
     def _vector(self, row: Row) -> Array:
         index = {name: i for i, name in enumerate((*self._free, *self.prescribed))}
         vector = np.zeros(len(index))
