@@ -24,7 +24,7 @@ from wheelhop.vehicle import CORNERS, suspension
 
 
 @law
-def quadratic(x, v, dx, z, p):
+def quadratic(x, v, dx, dt, z, p):
     return p[0] * v * abs(v), z
 
 

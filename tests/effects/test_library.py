@@ -141,7 +141,7 @@ from wheelhop.effects import Effect, Parameter, law
 from wheelhop.vehicle import CORNERS, suspension
 
 @law
-def quintic(x, v, dx, z, p):
+def quintic(x, v, dx, dt, z, p):
     return p[0] * x**5, z
 
 class QuinticSpring(Effect):

@@ -19,7 +19,7 @@ from wheelhop.vehicle.full_car import body_inertia
 
 def force(law, x, v, *parameters):
     """Force of a law without memory."""
-    value, memory = law(float(x), float(v), 0.0, 7.0, np.array([*parameters, 0.0, 0.0]))
+    value, memory = law(float(x), float(v), 0.0, 0.0, 7.0, np.array([*parameters, 0.0, 0.0]))
     assert memory == 7.0
     return value
 
@@ -28,7 +28,7 @@ def along(path, slip, joint):
     """Forces of the friction element along a path of extensions, starting at rest."""
     forces, memory = [], 0.0
     for before, now in pairwise(path):
-        value, memory = elastic_slip(now, 0.0, now - before, memory, np.array([slip, joint]))
+        value, memory = elastic_slip(now, 0.0, now - before, 0.0, memory, np.array([slip, joint]))
         forces.append(value)
     return np.array(forces)
 

@@ -10,7 +10,9 @@ from wheelhop.vehicle import CORNERS, Assembly, axle_name, suspension
 
 
 @law
-def one_sided_difference(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+def one_sided_difference(
+    x: float, v: float, dx: float, dt: float, z: float, p: Array
+) -> tuple[float, float]:
     """Adds p[0] to the damping in rebound (v > 0), takes it away in compression."""
     return p[0] * abs(v), z
 

@@ -21,12 +21,12 @@ Place = Literal["track", "speed", "wheel", "tyre", "axle", "suspension", "body",
 def law(function: Callable[..., tuple[float, float]]) -> Law:
     """Compile a force law (decorator).
 
-    The function takes the part's extension x (m), its rate v (m/s), the change of x since the
-    beginning of the time step, the law's memory z (0 at the start, what it returned at the end of
-    the last step) and its parameters p (an array); it returns the force opposing x, N, and z.
-    A law without memory returns z unchanged.
+    The function takes the part's extension x (m), its rate v (m/s), the change dx of x and the
+    time dt (s) since the beginning of the time step, the law's memory z (0 at the start, what it
+    returned at the end of the last step) and its parameters p (an array); it returns the force
+    opposing x, N, and the new z. A law without memory returns z unchanged.
     """
-    signature = "UniTuple(float64, 2)(float64, float64, float64, float64, float64[::1])"
+    signature = "UniTuple(float64, 2)(float64, float64, float64, float64, float64, float64[::1])"
     compiled: Law = numba.njit(signature, cache=True, nogil=True, error_model="numpy")(function)
     return compiled
 

@@ -10,7 +10,7 @@ from wheelhop.vehicle import CORNERS, Assembly, axle_name, suspension
 
 
 @law
-def blow_off(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+def blow_off(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     """Takes away p[0] of the slope beyond the knee velocity p[1]."""
     beyond = max(abs(v) - p[1], 0.0)
     return (-p[0] * beyond if v > 0.0 else p[0] * beyond), z

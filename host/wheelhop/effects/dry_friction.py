@@ -10,7 +10,9 @@ from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_load, suspensi
 
 
 @law
-def elastic_slip(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+def elastic_slip(
+    x: float, v: float, dx: float, dt: float, z: float, p: Array
+) -> tuple[float, float]:
     """Jenkins element: a spring of stiffness p[1] that slips at the force p[0]; z is its force.
     Exact for any step as long as the motion does not turn within it."""
     force = min(max(z + p[1] * dx, -p[0]), p[0])

@@ -13,13 +13,13 @@ POLYTROPIC_EXPONENT = 1.3
 
 
 @law
-def cubic(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+def cubic(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     """p[0] x³."""
     return p[0] * x * x * x, z
 
 
 @law
-def gas(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+def gas(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     """What a polytropic gas spring of static load p[0], inverse column length p[1] and exponent
     p[2] adds to its own tangent. In compression the column cannot become shorter than a tenth."""
     stretch = p[1] * x

@@ -10,7 +10,7 @@ from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_tyre_load, tyr
 
 
 @law
-def no_pull(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+def no_pull(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     """Takes away what pull is in the tyre's linear force p[0] x + p[1] v beyond the load p[2]."""
     return -p[3] * max(p[0] * x + p[1] * v - p[2], 0.0), z
 

@@ -29,7 +29,7 @@ integrator without any law."""
 
 
 @law
-def _no_force(x: float, v: float, dx: float, z: float, p: Array) -> tuple[float, float]:
+def _no_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     return 0.0, z
 
 
@@ -68,6 +68,7 @@ def _integrate(  # type: ignore[no-untyped-def]
                 for j in range(2 * n):
                     s += a[i, j] * trial[j]
                 acc[i] = s
+            elapsed = 0.5 * dt * ((stage + 1) // 2)
             if laws is not None:
                 for port in range(ports):
                     x, v = 0.0, 0.0
@@ -78,7 +79,7 @@ def _integrate(  # type: ignore[no-untyped-def]
                         x += r[port, j] * drive[j]
                         v += r[port, j] * drive[m + j]
                     force[port], memory_new[port] = laws[port_law[port]](
-                        x, v, x - start[port], memory[port], law_par[port]
+                        x, v, x - start[port], elapsed, memory[port], law_par[port]
                     )
                 for i in range(n):
                     s = 0.0
@@ -108,13 +109,15 @@ def _integrate(  # type: ignore[no-untyped-def]
             trial[i] = q[i]
         if laws is not None:
             for port in range(ports):
-                x = 0.0
+                x, v = 0.0, 0.0
                 for j in range(n):
                     x += p[port, j] * q[j]
+                    v += p[port, j] * q[n + j]
                 for j in range(m):
                     x += r[port, j] * u[t + 1, j]
+                    v += r[port, j] * du[t + 1, j]
                 _, memory[port] = laws[port_law[port]](
-                    x, 0.0, x - start[port], memory[port], law_par[port]
+                    x, v, x - start[port], dt, memory[port], law_par[port]
                 )
                 start[port] = x
     return y

@@ -15,6 +15,7 @@ from wheelhop.vehicle.full_car import (
     suspension,
     tyre,
 )
+from wheelhop.vehicle.struts import Strut, ends, struts
 from wheelhop.vehicle.vehicle import Vehicle, read_vehicle
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "Coordinate",
     "Drive",
     "Law",
+    "Strut",
     "System",
     "Vehicle",
     "axle",
@@ -32,10 +34,12 @@ __all__ = [
     "between",
     "body_corner",
     "corner_position",
+    "ends",
     "ground",
     "read_vehicle",
     "static_load",
     "static_tyre_load",
+    "struts",
     "suspension",
     "tyre",
 ]

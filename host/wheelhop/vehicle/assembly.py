@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Law = Callable[[float, float, float, float, Array], tuple[float, float]]
+Law = Callable[[float, float, float, float, float, Array], tuple[float, float]]
 """A force law, compiled with :func:`wheelhop.effects.law`: see there."""
 
 LAW_PARAMETERS = 6
