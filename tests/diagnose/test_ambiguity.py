@@ -55,16 +55,3 @@ def test_angles_are_symmetric_and_the_twin_cannot_be_told_apart(screened):
     assert near == sorted(near) and all(angle < AMBIGUOUS_DEG for angle in near)
     assert angles.between("dry-friction", "driver-seat") > AMBIGUOUS_DEG
     assert angles.between("dry-friction", "nobody") == 90.0
-
-
-def test_the_next_run_is_one_of_the_campaigns(screened):
-    fitted, found = screened
-    angles = Angles(fitted, found)
-    advice = angles.next_run("dry-friction", "digressive-damper")
-    runs = {run.bench.run.id: run.bench.run for run in fitted.runs}
-    run = runs[advice.run_like]
-    assert (advice.track, advice.speed_kmph) == (run.track.kind, run.speed_m_s * 3.6)
-    assert advice.separates == ("dry-friction", "digressive-damper")
-    assert 0.0 <= advice.angle_deg <= 90.0
-    assert advice.present_angle_deg == angles.between("dry-friction", "digressive-damper")
-    assert angles.next_run("dry-friction", "nobody") is None

@@ -44,11 +44,10 @@ def blockwise(rng, signals, swing):
     return [signal * g for signal, g in zip(signals, grow, strict=True)]
 
 
-@pytest.mark.parametrize("swing", [0.1, 0.3])
+@pytest.mark.parametrize("swing", [0.1, 0.3, 1.0, 3.0])
 def test_equally_good_models_are_rarely_told_apart(swing):
     """Residuals differ by a factor in every second, up or down by chance: a p-value of 1 in 20 or
-    less turns up in at most one of twenty tries (and a few for the simulation's own chance). Models
-    that differ by much larger factors, now up, now down, are beyond what the likelihood assumes."""
+    less turns up in at most one of twenty tries (and a few for the simulation's own chance)."""
     rng, mistaken, tries = np.random.default_rng(8), 0, 300
     for _ in range(tries):
         signals = noise(rng)

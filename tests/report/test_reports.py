@@ -137,13 +137,13 @@ def test_an_effect_that_took_no_part_has_its_reason(friction, tmp_path):
 def test_doubts_and_the_run_that_settles_them_are_on_the_page(friction, tmp_path):
     best, *others = friction.diagnosis.ranking
     best = replace(best, ambiguous_with=(("bump-stop", 11.6),))
-    run = NextRun("slow", "herringbone", 9.0, ("dry-friction", "bump-stop"), 47.2, 11.6)
+    run = NextRun("slow", "herringbone", 9.0, ("dry-friction", "bump-stop"), 47.2, 11.6, 4.0)
     diagnosis = replace(friction.diagnosis, ranking=(best, *others), next_run=run)
     file = tmp_path / "page.html"
     write_diagnosis_report(file, friction.campaign, diagnosis, friction.library)
     _, page = page_of(file)
     assert "hard to tell from bump-stop (12°)" in page.text
-    assert "Repeat a run like slow (herringbone, 9 km/h)" in page.text
+    assert "Drive herringbone as in slow at 9 km/h" in page.text
     assert "47° apart on it, 12° on the runs at hand" in page.text
 
 

@@ -17,7 +17,7 @@ from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters, print_ranking, print_verdict
 from wheelhop.compare import describe
 from wheelhop.diagnose import Step, climb, fit_baseline
-from wheelhop.diagnose.verdict import step_of
+from wheelhop.diagnose.look import step_of
 from wheelhop.effects import load_effects
 from wheelhop.report import write_diagnosis_report
 from wheelhop.report.model_file import write_model

@@ -2,8 +2,9 @@
 
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, comparison_of, fit_baseline
 from wheelhop.diagnose.confirm import Rung
-from wheelhop.diagnose.diagnosis import Diagnosis, NextRun, Ranked, Step, to_json
+from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step, to_json
 from wheelhop.diagnose.ladder import climb, diagnose
+from wheelhop.diagnose.next_run import NextRun
 
 __all__ = [
     "Baseline",

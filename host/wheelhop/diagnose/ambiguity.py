@@ -1,4 +1,4 @@
-"""Which effects these runs cannot tell apart, and which run would."""
+"""Which effects these runs cannot tell apart."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.diagnosis import NextRun
+from wheelhop.diagnose.next_run import angle_deg
 from wheelhop.diagnose.screen import Screened
 from wheelhop.fit import Fit
 
@@ -22,7 +22,6 @@ class Angles:
     absorb has been taken out of them."""
 
     def __init__(self, base: Fit, screened: Sequence[Screened]) -> None:
-        self._base = base
         weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
         stack = np.vstack([run.shared_jacobian for run in base.runs])
         inner = np.linalg.pinv(stack.T @ stack + np.diag(weight), hermitian=True)
@@ -42,36 +41,9 @@ class Angles:
         """Angle on all runs, degrees, 0 to 90; 90 where one of them was not screened."""
         if first not in self._parts or second not in self._parts:
             return 90.0
-        return _angle(np.concatenate(self._parts[first]), np.concatenate(self._parts[second]))
+        return angle_deg(np.concatenate(self._parts[first]), np.concatenate(self._parts[second]))
 
     def near(self, effect: str) -> tuple[tuple[str, float], ...]:
         """The effects whose signature nearly coincides with this one's, nearest first."""
         angles = [(other, self.between(effect, other)) for other in self._parts if other != effect]
         return tuple(sorted((a for a in angles if a[1] < AMBIGUOUS_DEG), key=lambda a: a[1]))
-
-    def next_run(self, first: str, second: str) -> NextRun | None:
-        """The run that keeps the two farthest apart for its share of signal: repeat its like."""
-        if first not in self._parts or second not in self._parts:
-            return None
-        gains = []
-        for i in range(len(self._base.runs)):
-            a, b = self._parts[first][i], self._parts[second][i]
-            apart = np.sin(np.radians(_angle(a, b))) * min(np.linalg.norm(a), np.linalg.norm(b))
-            gains.append((float(apart), i))
-        _, best = max(gains)
-        run = self._base.runs[best].bench.run
-        return NextRun(
-            run_like=run.id,
-            track=run.track.kind,
-            speed_kmph=run.speed_m_s * 3.6,
-            separates=(first, second),
-            angle_deg=_angle(self._parts[first][best], self._parts[second][best]),
-            present_angle_deg=self.between(first, second),
-        )
-
-
-def _angle(a: Array, b: Array) -> float:
-    norm = float(np.linalg.norm(a) * np.linalg.norm(b))
-    if norm == 0.0:
-        return 90.0
-    return float(np.degrees(np.arccos(min(1.0, abs(float(a @ b)) / norm))))

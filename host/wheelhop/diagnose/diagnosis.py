@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from wheelhop.compare import Comparison, where_to_json
 from wheelhop.diagnose.confirm import Rung
+from wheelhop.diagnose.next_run import NextRun
 
 FORMAT = 1
 
@@ -47,18 +48,29 @@ class Step:
     parameters: Mapping[str, tuple[float, float]]
     comparison: Comparison
 
+    @property
+    def over_floor(self) -> float:
+        """Error on held-out runs (on fitted ones, if there are no others) over the floor."""
+        floor = self.comparison.floor
+        if self.rung.validation is None:
+            return self.rung.error_fit / floor.error_fit
+        return self.rung.error_validate / floor.error_validate
+
 
 @dataclass(frozen=True)
-class NextRun:
-    """A run that would settle a doubt: which effects it separates and the angle between their
-    signatures on it, degrees, against the angle on the runs at hand."""
+class Grounds:
+    """What the verdict's first entry stands on.
 
-    run_like: str
-    track: str
-    speed_kmph: float
-    separates: tuple[str, str]
-    angle_deg: float
-    present_angle_deg: float
+    ``log_odds`` over its best rival; ``stability``, the share of what speaks for it against that
+    rival that is left when the run that speaks loudest is left out; ``p_value`` on held-out runs;
+    errors of the last rung and of the baseline over the floor.
+    """
+
+    log_odds: float
+    stability: float
+    p_value: float
+    over_floor: float
+    baseline_over_floor: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +79,7 @@ class Diagnosis:
 
     verdict: tuple[str, ...]
     confidence: float
+    grounds: Grounds
     ranking: tuple[Ranked, ...]
     ladder: tuple[Step, ...]
     next_run: NextRun | None
@@ -81,6 +94,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "format": FORMAT,
         "verdict": list(diagnosis.verdict),
         "confidence": round(diagnosis.confidence, 4),
+        "grounds": {k: _number(v) for k, v in asdict(diagnosis.grounds).items()},
         "explanation": list(diagnosis.explanation),
         "floor": {
             "error": _number(floor.error),
@@ -129,12 +143,13 @@ def _next_run(run: NextRun | None) -> dict[str, Any] | None:
     if run is None:
         return None
     return {
-        "like": run.run_like,
+        "like": run.like,
         "track": run.track,
         "speed_kmph": round(run.speed_kmph, 2),
         "separates": list(run.separates),
         "angle_deg": round(run.angle_deg, 1),
         "present_angle_deg": round(run.present_angle_deg, 1),
+        "expected_log_odds": round(run.expected_log_odds, 1),
     }
 
 

@@ -10,9 +10,9 @@ from wheelhop.fit import Fit, RunFit
 
 Array = NDArray[np.float64]
 
-BLOCK_S = 1.0
-"""Residuals are not white: what one second of a run says of a model is counted as one oscillation
-with an amplitude and a phase, two degrees of freedom, however many samples it holds."""
+BLOCK_S = 0.5
+"""Residuals are not white: what half a second of a run says of a model is counted as one degree of
+freedom, however many samples it holds (a second: one oscillation with amplitude and phase)."""
 
 WHITE = 1.1
 """A residual whose mean square is within this factor of the noise's is taken for noise."""
@@ -21,20 +21,26 @@ WHITE = 1.1
 def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     """Logarithm of the likelihood ratio of `rival` over `base` on the runs that judge.
 
-    While something unexplained is left in the rival's residual,
-    Λ = Σ ½ · 2 · ln(S_base / S_rival) over blocks of one second: Gaussian residuals of unknown
-    size with two degrees of freedom a block; S is the block's sum of squares, charged for the
-    numbers free in its run. Each block counts by how many times smaller its residual became, so
-    that loud and quiet runs are heard alike. Once the rival is down at the sensors' white noise,
-    of which `noise` is the standard deviation of one in-band coefficient (0: not known), every
-    coefficient counts: Λ = Σ (S_base − S_rival) / 2 noise². Negative if the rival is worse.
+    While something unexplained is left in the rival's residual, Λ = Σ g, g = ½ ln(S_base / S_rival)
+    over blocks of half a second: Gaussian residuals of unknown size with one degree of freedom a
+    block; S is the block's sum of squares, charged for the numbers free in its run. Each block
+    counts by how many times smaller its residual became, so that loud and quiet runs are heard
+    alike. Two models that are both wrong may differ by large factors, now up, now down: Λ is no
+    more than the toss of a coin in every block allows, Λ² / 2 Σ g² (W. Hoeffding, Probability
+    inequalities for sums of bounded random variables, J. Am. Stat. Assoc. 58 (1963) 13, eq. 2.6,
+    for signs ±g). Once the rival is down at the sensors' white noise, of which `noise` is the
+    standard deviation of one in-band coefficient (0: not known), every coefficient counts:
+    Λ = Σ (S_base − S_rival) / 2 noise². Negative if the rival is worse.
 
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
     before, after = judging(base), judging(rival)
     if at_noise(rival, noise):
         return 0.5 * (_charged(base) - _charged(rival)) / noise**2
-    return sum(float(np.sum(_gains(a, b))) for a, b in zip(before.runs, after.runs, strict=True))
+    gains = np.concatenate([_gains(a, b) for a, b in zip(before.runs, after.runs, strict=True)])
+    total, squares = float(gains.sum()), float(gains @ gains)
+    by_chance = total * abs(total) / (2.0 * squares) if squares > 0.0 else 0.0
+    return min(total, by_chance, key=abs)
 
 
 def p_value(odds: float, tried: int) -> float:
@@ -43,8 +49,6 @@ def p_value(odds: float, tried: int) -> float:
     A likelihood ratio on data that the models were not fitted to exceeds 1/p with a probability
     of at most p if the simpler model is true (L. Wasserman, A. Ramdas, S. Balakrishnan, Universal
     inference, PNAS 117 (2020) 16880, theorem 1); Bonferroni's correction for the effects tried.
-    Where both models are wrong in ways that come and go by large factors from second to second, p
-    is too small.
     """
     return min(1.0, tried * float(np.exp(-max(odds, 0.0))))
 
@@ -83,7 +87,7 @@ def _gains(base: RunFit, rival: RunFit) -> Array:
     time = base.bench.run.time_s
     count = max(1, round(float(time[-1] - time[0]) / BLOCK_S))
     ratio = _block_squares(base, count) / _block_squares(rival, count)
-    return np.asarray(np.log(ratio * _freedom(rival) / _freedom(base)))
+    return np.asarray(0.5 * np.log(ratio * _freedom(rival) / _freedom(base)))
 
 
 def _block_squares(run: RunFit, count: int) -> Array:

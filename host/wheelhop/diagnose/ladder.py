@@ -10,9 +10,11 @@ from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
+from wheelhop.diagnose.exchange import exchange
 from wheelhop.diagnose.judge import at_noise, log_odds, p_value, relative_to_noise
+from wheelhop.diagnose.look import Candidate, Look, step_of
 from wheelhop.diagnose.screen import Screened, screen
-from wheelhop.diagnose.verdict import Candidate, Look, conclude, step_of
+from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 from wheelhop.vehicle import Vehicle
@@ -75,15 +77,25 @@ def climb(
     steps = [step_of(workshop, rung)]
     look = _look(workshop, rung, effects, progress)
     first = look
+    shorter: Mapping[str, Rung] = {}
+    margins: Mapping[str, float] = {}
     for _ in range(2 * max_effects):
-        if look.chosen is None or len(rung.model.effects) >= max_effects:
+        if look.chosen is not None and len(rung.model.effects) < max_effects:
+            better = look.chosen.rung
+        elif len(rung.model.effects) > 1:
+            exchanged = exchange(workshop, rung, shorter, effects, progress)
+            margins = exchanged.margins
+            if exchanged.rung is None:
+                break
+            better = exchanged.rung
+        else:
             break
-        rung = _without_idle(workshop, look.chosen.rung, progress)
+        rung, shorter = _without_idle(workshop, better, progress)
         step = step_of(workshop, rung)
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
         look = _look(workshop, rung, effects, progress)
-    return conclude(steps, first, look, list(effects.values()))
+    return conclude(workshop, steps, first, look, margins, list(effects.values()))
 
 
 def _look(
@@ -154,15 +166,23 @@ def _judged(
     return Candidate(screened, rival, odds, tried, holds)
 
 
-def _without_idle(workshop: Workshop, rung: Rung, progress: Progress) -> Rung:
+def _without_idle(
+    workshop: Workshop, rung: Rung, progress: Progress
+) -> tuple[Rung, Mapping[str, Rung]]:
     """Drop effects whose contribution vanished when the last one joined, the last one included:
-    it may have done no more than help the others' fit out of a side valley."""
+    it may have done no more than help the others' fit out of a side valley.
+
+    Returns the models without one of the effects that stayed, too.
+    """
+    shorter: dict[str, Rung] = {}
     if len(rung.model.effects) < 2:
-        return rung
+        return rung, shorter
     for effect in rung.model.effects:
         progress(f"is {effect.id} still needed?")
-        shorter = without(workshop, rung, effect.id)
-        material = relative_to_noise(shorter, rung, workshop.noise) > MATERIAL
-        if not material or p_value(log_odds(shorter, rung, workshop.noise), 1) >= SIGNIFICANT:
-            rung = shorter
-    return rung
+        without_it = without(workshop, rung, effect.id)
+        material = relative_to_noise(without_it, rung, workshop.noise) > MATERIAL
+        if material and p_value(log_odds(without_it, rung, workshop.noise), 1) < SIGNIFICANT:
+            shorter[effect.id] = without_it
+        else:
+            rung, shorter = without_it, {}
+    return rung, shorter

@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.compare.band import InBand
 from wheelhop.effects import RunSetting
 from wheelhop.fit import Bench, Workshop
 from wheelhop.simulate import Model
+from wheelhop.vehicle import CORNERS, axle_name
 
 Array = NDArray[np.float64]
 
@@ -43,3 +45,32 @@ class FitProbe:
         moved = self._model.with_run(run_id, {k: values[k] + d for k, d in changes.items()})
         response = bench.response(moved, self._systems)
         return bench.band.signal(np.where(bench.predicted, response.acceleration, 0.0))
+
+    def way_m(self, run_id: str) -> Array:
+        """The way (n, 4), m, each wheel has come along the track."""
+        return self._benches[run_id].simulator.way(self._model)
+
+    def travel(self, run_id: str) -> Mapping[str, Array]:
+        """Extensions in band of the struts of each end (n, struts), m, where both ends of a strut
+        have a sensor: what the model says, or on measured axles the record, integrated twice."""
+        bench = self._benches[run_id]
+        channels = bench.simulator.campaign.channels
+        response = bench.response(self._model, self._systems).acceleration
+        acceleration = np.where(bench.predicted, response, bench.run.acceleration)
+        place = {(c.corner, c.is_axle): i for i, c in enumerate(channels) if c.corner is not None}
+        found: dict[str, list[Array]] = {}
+        for corner in CORNERS:
+            if (corner, False) in place and (corner, True) in place:
+                upper, lower = place[corner, False], place[corner, True]
+                relative = acceleration[:, upper] - acceleration[:, lower]
+                found.setdefault(axle_name(corner), []).append(
+                    _integrated_twice(bench.band, relative)
+                )
+        return {end: np.stack(extensions, axis=1) for end, extensions in found.items()}
+
+
+def _integrated_twice(band: InBand, acceleration: Array) -> Array:
+    """Displacement (n,) in band, m, of an acceleration."""
+    coefficients = band.coefficients(acceleration)
+    omega = 2 * np.pi * np.tile(band.frequency_hz, 2)
+    return band.from_coefficients(-coefficients / omega**2)

@@ -77,8 +77,8 @@ class Workshop:
             "axles" if run.track.kind == "unknown" else "road" for run in campaign.runs
         }
         self.drives = tuple(sorted(drives))
-        run_up = _run_up(self.systems(model))
-        self.benches = {run.id: self._bench(run, run_up) for run in campaign.runs}
+        self._run_up_s = _run_up(self.systems(model))
+        self.benches = {run.id: self.bench(run) for run in campaign.runs}
         self.set_noise(campaign.noise_rms_m_s2 if noise_rms_m_s2 is None else noise_rms_m_s2)
 
     def set_noise(self, rms_m_s2: float | None) -> None:
@@ -108,8 +108,9 @@ class Workshop:
         systems = self.systems(model)
         return self.each(lambda b: b.response(model, systems), self.benches.values())
 
-    def _bench(self, run: Run, run_up: float) -> Bench:
-        simulator = RunSimulator(self.campaign, run, run_up)
+    def bench(self, run: Run) -> Bench:
+        """A run of this campaign, or one that could be driven, on its bench."""
+        simulator = RunSimulator(self.campaign, run, self._run_up_s)
         band = InBand(len(run.time_s), self.campaign.sample_rate_hz, self.campaign.band_hz)
         predicted = np.array(
             [simulator.drive == "road" or not c.is_axle for c in self.campaign.channels]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import floor, isfinite, log10, nan
+from math import exp, floor, isfinite, log, log10, nan
 
 from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.diagnose import Diagnosis, NextRun, Step
@@ -115,10 +115,15 @@ def next_run_words(run: NextRun) -> str:
     """What to record next, and which doubt it settles."""
     first, second = run.separates
     return (
-        f"Repeat a run like {run.run_like} ({run.track}, {run.speed_kmph:.3g} km/h): it tells"
-        f" {first} from {second}. Their signatures are {run.angle_deg:.0f}° apart on it,"
-        f" {run.present_angle_deg:.0f}° on the runs at hand."
+        f"Drive {run.track} as in {run.like} at {run.speed_kmph:.3g} km/h: it tells {first} from"
+        f" {second}. Their signatures are {run.angle_deg:.0f}° apart on it,"
+        f" {run.present_angle_deg:.0f}° on the runs at hand; expected to change the odds by a"
+        f" factor of {_factor(run.expected_log_odds)}."
     )
+
+
+def _factor(log_odds: float) -> str:
+    return f"{exp(log_odds):.0f}" if log_odds < log(1e3) else f"10^{log_odds / log(10):.0f}"
 
 
 def percent(share: float, digits: int = 3) -> str:

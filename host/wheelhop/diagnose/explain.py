@@ -1,0 +1,65 @@
+"""The verdict in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from wheelhop.compare import describe
+from wheelhop.diagnose.diagnosis import Step
+from wheelhop.diagnose.look import Look
+from wheelhop.diagnose.ranking import percent
+
+IDEAS = 3
+"""So many physical ideas are named whose signature comes nearest to what nothing explains."""
+
+LEAST_LIKENESS = 0.03
+"""An effect that could explain less than this share of the rest is no idea."""
+
+
+def explanation(verdict: Sequence[str], steps: Sequence[Step], last: Look) -> tuple[str, ...]:
+    """What was found and, where something is left, what it looks like."""
+    lines = []
+    if tuple(verdict) == ("none",):
+        lines.append("The baseline explains the records down to the noise.")
+    for before, after in pairwise(steps):
+        lines.append(_change(before, after))
+    if verdict[-1] == "unknown":
+        lines.append(
+            f"The residual stays at {steps[-1].over_floor:.2f} times the floor and no effect of the"
+            " library explains it:"
+        )
+        lines.extend(describe(steps[-1].comparison.breakdown))
+        lines.extend(_nearest(last))
+    elif len(steps) > 1:
+        lines.append("Where the baseline failed:")
+        lines.extend(describe(steps[0].comparison.breakdown))
+    return tuple(lines)
+
+
+def _change(before: Step, after: Step) -> str:
+    added = [name for name in after.added if name not in before.added]
+    taken = [name for name in before.added if name not in after.added]
+    change = (
+        f"the held-out error from {percent(before.rung.error_validate)}"
+        f" to {percent(after.rung.error_validate)}."
+    )
+    if added and taken:
+        return f"Putting {', '.join(added)} in place of {', '.join(taken)} changes {change}"
+    return f"Adding {', '.join(added)} lowers {change}" if added else f"{', '.join(taken)} is idle."
+
+
+def _nearest(last: Look) -> list[str]:
+    """The ideas whose first-order signature takes most out of the residual, none of them enough."""
+    left = last.rung.fit.rss / last.rung.fit.sigma**2
+    shares = [(s.gain / left, s.variant.effect) for s in last.screened if s.score > 0 and left > 0]
+    ideas = [
+        f"{effect.id} ({effect.title}; {100 * min(share, 1.0):.0f} %)"
+        for share, effect in sorted(shares, key=lambda item: -item[0])[:IDEAS]
+        if share > LEAST_LIKENESS
+    ]
+    if not ideas:
+        return ["No effect's signature resembles it."]
+    return [
+        f"To first order it resembles most, with the share of it explained: {'; '.join(ideas)}."
+    ]

@@ -1,0 +1,75 @@
+"""What a look at a residual found, and the rungs of the ladder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wheelhop.diagnose.baseline import comparison_of
+from wheelhop.diagnose.confirm import Rung
+from wheelhop.diagnose.diagnosis import Step
+from wheelhop.diagnose.judge import p_value
+from wheelhop.diagnose.screen import Screened
+from wheelhop.effects import Effect
+from wheelhop.fit import Workshop
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect simulated in full: its log-odds over the rung's model on held-out runs, of how many
+    effects tried it is one, and whether that is significant and material."""
+
+    screened: Screened
+    rung: Rung
+    log_odds: float
+    tried: int
+    holds: bool
+
+    @property
+    def id(self) -> str:
+        """The effect's id."""
+        return self.screened.variant.effect.id
+
+    @property
+    def p(self) -> float:
+        """Chance that any of the effects tried does so well without being there."""
+        return p_value(self.log_odds, self.tried)
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What one look at a rung's residual found: all effects screened, those simulated in full
+    (the chosen one first), and the one to accept, or none."""
+
+    rung: Rung
+    screened: tuple[Screened, ...]
+    candidates: tuple[Candidate, ...]
+    chosen: Candidate | None
+
+
+def step_of(workshop: Workshop, rung: Rung) -> Step:
+    """A rung with its parameters and its comparison with the records."""
+    names = tuple(effect.id for effect in rung.model.effects)
+    return Step(names, rung, parameters_of(rung), comparison_of(workshop, rung))
+
+
+def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:
+    """Every fitted number and its standard deviation; switches, and numbers that stand for what is
+    free in each run, have none (NaN)."""
+    values, fitted = rung.model.values, rung.fit
+    found = {f.name: (values[f.name], fitted.uncertainty(f.name)) for f in fitted.shared}
+    for effect in rung.model.effects:
+        fixed = rung.model.theta(effect) | summary_of(rung, effect)
+        for name, value in fixed.items():
+            found.setdefault(f"{effect.id}.{name}", (value, float("nan")))
+    return found
+
+
+def summary_of(rung: Rung, effect: Effect) -> dict[str, float]:
+    """Numbers that stand for what an effect leaves free per run."""
+    return effect.summary(
+        [
+            (run.bench.simulator.setting, rung.model.theta(effect, run.bench.run.id))
+            for run in rung.fit.runs
+            if run.bench.simulator.acts(effect)
+        ]
+    )

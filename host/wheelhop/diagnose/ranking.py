@@ -1,0 +1,98 @@
+"""The first rung's ranking: what became of every effect, each with its reason in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wheelhop.diagnose.ambiguity import Angles
+from wheelhop.diagnose.diagnosis import Ranked, Step
+from wheelhop.diagnose.look import Candidate, Look, summary_of
+from wheelhop.diagnose.screen import Screened
+from wheelhop.effects import Effect
+
+
+def ranking(
+    look: Look, angles: Angles, effects: Sequence[Effect], baseline: Step
+) -> tuple[Ranked, ...]:
+    """Every effect of the library on the first rung, best first; last those that do not apply."""
+    confirmed = {c.id: c for c in look.candidates}
+    order = [c.screened for c in look.candidates]
+    order += [s for s in look.screened if s.variant.effect.id not in confirmed]
+    ranked = [_ranked(s, confirmed.get(s.variant.effect.id), look, angles) for s in order]
+    return (*ranked, *_not_applicable(look, effects, baseline))
+
+
+def _not_applicable(look: Look, effects: Sequence[Effect], baseline: Step) -> list[Ranked]:
+    """The effects screening left out, with the reason."""
+    screened = {s.variant.effect.id for s in look.screened}
+    on_road = any(run.bench.simulator.setting.on_road for run in baseline.rung.fit.runs)
+    return [
+        Ranked(
+            effect=effect.id,
+            place=effect.place,
+            screened_error=None,
+            confirmed_error=None,
+            validated_error=None,
+            evidence=None,
+            p_value=None,
+            ambiguous_with=(),
+            parameters={},
+            reason=f"does not apply: {why_not(effect, on_road)}",
+        )
+        for effect in effects
+        if effect.id not in screened
+    ]
+
+
+def why_not(effect: Effect, on_road: bool) -> str:
+    """In a few words, why screening leaves an effect out."""
+    if effect.needs_road and not on_road:
+        return "it acts upstream of the axle, and no run drives over a known track"
+    return "the vehicle, its speed and the channels give it nothing to act on"
+
+
+def _ranked(screened: Screened, candidate: Candidate | None, look: Look, angles: Angles) -> Ranked:
+    effect = screened.variant.effect
+    parameters: dict[str, float | str] = {}
+    if screened.variant.choice:
+        parameters["form"] = screened.variant.choice
+    if candidate is None:
+        parameters |= {**screened.variant.shapes, **screened.amplitudes}
+    else:
+        parameters |= candidate.rung.model.theta(effect)
+        parameters |= summary_of(candidate.rung, effect)
+    return Ranked(
+        effect=effect.id,
+        place=effect.place,
+        screened_error=screened.error,
+        confirmed_error=candidate.rung.error_fit if candidate else None,
+        validated_error=candidate.rung.error_validate if candidate else None,
+        evidence=candidate.rung.evidence - look.rung.evidence if candidate else None,
+        p_value=candidate.p if candidate else None,
+        ambiguous_with=angles.near(effect.id) if screened.score > 0 else (),
+        parameters=parameters,
+        reason=_reason(screened, candidate, look),
+    )
+
+
+def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
+    chosen = look.chosen
+    if candidate is None:
+        if screened.score <= 0:
+            return "its signature is not in the residual: no gain worth its parameters"
+        return "screened: others explain far more"
+    before, after = look.rung.error_validate, candidate.rung.error_validate
+    change = f"held-out error {percent(before)} → {percent(after)}"
+    if chosen is not None and candidate.id == chosen.id:
+        return f"accepted: {change}, p = {candidate.p:.1g}"
+    if not candidate.holds:
+        return f"not confirmed by held-out runs: {change}, p = {candidate.p:.1g}"
+    if chosen is not None:
+        best = chosen.rung.error_validate
+        return f"explains part: {change}, but {chosen.id} reaches {percent(best)}"
+    return f"{change}, p = {candidate.p:.1g}"
+
+
+def percent(error: float) -> str:
+    """An error as people read it."""
+    return f"{100 * error:.2f} %"
