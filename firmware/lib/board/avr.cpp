@@ -1,0 +1,210 @@
+#ifdef __AVR__
+#include "avr.h"
+
+#include <Arduino.h>
+#include <avr/eeprom.h>
+#include <avr/interrupt.h>
+#include <avr/sleep.h>
+#include <avr/wdt.h>
+
+#include "crc16.h"
+
+// Registers are named as in the ATmega328P's data sheet; the 2560 has the same ones. Sampling:
+// Timer1 counts 2500 clocks again and again (CTC), each compare match B starts a conversion in
+// hardware, and the interrupt at its end chooses the next input. The software's delays do not move
+// the sampling instants.
+
+namespace {
+
+const uint8_t kButtonPin = 2;
+const uint8_t kLedPin = 9;
+const uint16_t kConversionClocks = 2500;     // 156.25 µs
+const uint16_t kEarliestEnd = 1600;          // a conversion ends 13.5 × 128 clocks after its start
+const uint8_t kConverterOn = _BV(ADEN) | 7;  // its clock: F_CPU/128
+
+#ifdef __AVR_ATmega2560__
+#define USART_UDRE_vect USART0_UDRE_vect
+#define USART_RX_vect USART0_RX_vect
+const uint8_t kBandgap = 0x1E;
+#else
+const uint8_t kBandgap = 0x0E;
+#endif
+const uint16_t kBandgapMv = 1100;
+
+uint8_t reset_flags __attribute__((section(".noinit")));
+uint8_t handed_on __attribute__((section(".noinit")));
+
+uint16_t convert() {
+    ADCSRA |= _BV(ADSC);
+    while (ADCSRA & _BV(ADSC)) {
+    }
+    return ADC;
+}
+
+// Before anything else: what has reset us, and no watchdog while variables are set up. A boot
+// loader may have cleared the flags; Optiboot hands them on in r2.
+extern "C" void save_reset_flags() __attribute__((naked, used, section(".init3")));
+void save_reset_flags() {
+    asm volatile("sts %0, r2" : : "i"(&handed_on));
+    reset_flags = MCUSR;
+    MCUSR = 0;
+    wdt_disable();
+}
+
+}  // namespace
+
+namespace board {
+
+Sampler sampler;
+Link serial;
+
+void begin() {
+    pinMode(kButtonPin, INPUT_PULLUP);
+    pinMode(kLedPin, OUTPUT);
+    pinMode(SS, OUTPUT);
+    pinMode(MOSI, OUTPUT);
+    pinMode(SCK, OUTPUT);
+    pinMode(MISO, INPUT_PULLUP);  // an empty socket reads as 0xFF
+    card_select(false);
+
+    UBRR0 = F_CPU / 16 / 500000 - 1;
+    UCSR0A = 0;
+    UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
+    UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
+
+    DIDR0 = 0x3F;
+    ADMUX = 0;  // reference: the AREF pin, to which the sensors' 3.3 V are tied
+    sample(0);
+    set_sleep_mode(SLEEP_MODE_IDLE);
+    wdt_enable(WDTO_2S);
+}
+
+uint32_t milliseconds() { return ::millis(); }
+
+uint16_t dice() {
+    return static_cast<uint16_t>(::micros() / 4) ^ static_cast<uint16_t>(::micros() << 5);
+}
+
+void feed_watchdog() { wdt_reset(); }
+
+const FlashChar* reset_cause() {
+    const uint8_t flags = reset_flags ? reset_flags : handed_on;
+    if (flags & _BV(WDRF)) return FLASH("watchdog");
+    if (flags & _BV(PORF)) return FLASH("power");
+    if (flags & _BV(BORF)) return FLASH("brown-out");
+    if (flags & _BV(EXTRF)) return FLASH("external");
+    return FLASH("unknown");
+}
+
+void card_select(bool selected) { digitalWrite(SS, selected ? LOW : HIGH); }
+
+void spi_fast(bool fast) {
+    SPCR = fast ? _BV(SPE) | _BV(MSTR) : _BV(SPE) | _BV(MSTR) | _BV(SPR1);
+    SPSR = 0;  // F_CPU/4, or F_CPU/64
+}
+
+uint8_t spi_exchange(uint8_t sent) {
+    SPDR = sent;
+    while (!(SPSR & _BV(SPIF))) {
+    }
+    return SPDR;
+}
+
+// The CRC is computed while the byte is on its way.
+uint16_t spi_send(const uint8_t* data, uint16_t size) {
+    uint16_t crc = 0;
+    while (size--) {
+        const uint8_t byte = *data++;
+        SPDR = byte;
+        crc = crc16_update(crc, byte);
+        while (!(SPSR & _BV(SPIF))) {
+        }
+    }
+    return crc;
+}
+
+uint16_t spi_receive(uint8_t* data, uint16_t size) {
+    uint16_t crc = 0;
+    uint8_t byte = spi_exchange(0xFF);
+    while (--size) {
+        SPDR = 0xFF;
+        crc = crc16_update(crc, byte);
+        *data++ = byte;
+        while (!(SPSR & _BV(SPIF))) {
+        }
+        byte = SPDR;
+    }
+    *data = byte;
+    return crc16_update(crc, byte);
+}
+
+void eeprom_read(uint8_t address, void* data, uint8_t size) {
+    eeprom_read_block(data, reinterpret_cast<const void*>(address), size);
+}
+
+void eeprom_write(uint8_t address, const void* data, uint8_t size) {
+    eeprom_update_block(data, reinterpret_cast<void*>(address), size);
+}
+
+void sample(uint8_t conversions) {
+    TCCR1B = 0;  // no more triggers
+    ADCSRA = 0;
+    if (!conversions) return;
+    sampler.start(conversions);
+    ADMUX = Sampler::input(0);
+    ADCSRA = kConverterOn;
+    convert();  // the first one after switching on takes longer than the timer's round
+    ADCSRB = _BV(ADTS2) | _BV(ADTS0);  // trigger: Timer1 compare match B
+    TCCR1A = 0;
+    TCNT1 = 0;
+    OCR1A = OCR1B = kConversionClocks - 1;
+    TIFR1 = _BV(OCF1B);
+    ADCSRA = kConverterOn | _BV(ADATE) | _BV(ADIE) | _BV(ADIF);
+    TCCR1B = _BV(WGM12) | _BV(CS10);
+}
+
+uint16_t supply_mv() {
+    ADCSRA = kConverterOn;
+    ADMUX = kBandgap;
+    uint16_t code = 0;
+    for (uint8_t k = 0; k < 8; ++k)
+        code = convert();  // the reference needs a millisecond to settle
+    ADCSRA = 0;
+    const uint32_t mv = code ? 1023ul * kBandgapMv / code : 0;
+    return mv < 10000 ? static_cast<uint16_t>(mv) : 0;
+}
+
+void start_transmitter() { UCSR0B |= _BV(UDRIE0); }
+
+bool button_down() { return digitalRead(kButtonPin) == LOW; }
+
+void set_led(bool lit) { digitalWrite(kLedPin, lit ? HIGH : LOW); }
+
+void sleep() { sleep_mode(); }
+
+}  // namespace board
+
+ISR(ADC_vect) {
+    // The next trigger needs this flag clear when the timer comes round. If the timer has come
+    // round already and no conversion runs, that trigger has passed by. The order matters: a
+    // trigger between the first two lines does start its conversion.
+    TIFR1 = _BV(OCF1B);
+    const uint16_t clocks = TCNT1;
+    if (clocks < kEarliestEnd && !(ADCSRA & _BV(ADSC))) board::sampler.note_late_trigger();
+    ADMUX = board::sampler.collect(ADC);
+}
+
+ISR(USART_UDRE_vect) {
+    uint8_t byte;
+    if (board::serial.transmit(byte)) {
+        UDR0 = byte;
+    } else {
+        UCSR0B &= static_cast<uint8_t>(~_BV(UDRIE0));
+    }
+}
+
+ISR(USART_RX_vect) {
+    const bool damaged = UCSR0A & (_BV(FE0) | _BV(DOR0));
+    board::serial.receive(UDR0, damaged);
+}
+#endif

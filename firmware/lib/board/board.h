@@ -1,0 +1,34 @@
+#pragma once
+#include <stdint.h>
+
+#include "flash.h"
+
+// What the hardware-independent parts need of the board. board_avr.cpp implements it for the
+// ATmega328P and 2560; the tests on a PC bring an implementation of their own.
+namespace board {
+
+// Time and life
+uint32_t milliseconds();
+uint16_t dice();  // two bytes that differ from start to start
+void feed_watchdog();
+const FlashChar* reset_cause();
+
+// SD card
+void card_select(bool selected);
+void spi_fast(bool fast);  // 4 MHz instead of the 250 kHz that a card needs to wake up
+uint8_t spi_exchange(uint8_t sent);
+uint16_t spi_send(const uint8_t* data, uint16_t size);  // both return the data's CRC
+uint16_t spi_receive(uint8_t* data, uint16_t size);
+
+// EEPROM
+void eeprom_read(uint8_t address, void* data, uint8_t size);
+void eeprom_write(uint8_t address, const void* data, uint8_t size);
+
+// Converter
+void sample(uint8_t conversions);  // of each input in a scan; 0 stops
+uint16_t supply_mv();              // only while nothing is sampled
+
+// Serial line: fetch bytes from Link::transmit() until there are none
+void start_transmitter();
+
+}  // namespace board

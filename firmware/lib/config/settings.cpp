@@ -1,0 +1,118 @@
+#include "settings.h"
+
+#include <string.h>
+
+namespace {
+
+char* trimmed(char* text) {
+    while (*text == ' ') ++text;
+    char* end = text + strlen(text);
+    while (end > text && end[-1] == ' ') --end;
+    *end = 0;
+    return text;
+}
+
+bool is_name_character(char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
+}
+
+bool parse_channels(const char* text, char channels[8][Settings::kChannelSize]) {
+    const uint8_t size = Settings::kChannelSize;
+    bool any = false;
+    memset(channels, 0, 8 * size);
+    for (uint8_t k = 0; k < 8; ++k) {
+        while (*text == ' ') ++text;
+        uint8_t length = 0;
+        for (; *text && *text != ' '; ++text, ++length) {
+            if (length == size) return false;
+            channels[k][length] = *text;
+        }
+        if (!length) return false;
+        if (channels[k][0] == '-' && length == 1) {
+            channels[k][0] = 0;
+            continue;
+        }
+        for (uint8_t at = 0; at < length; ++at) {
+            if (!is_name_character(channels[k][at])) return false;
+        }
+        for (uint8_t other = 0; other < k; ++other) {
+            if (memcmp(channels[k], channels[other], size) == 0) return false;
+        }
+        any = true;
+    }
+    while (*text == ' ') ++text;
+    return any && !*text;
+}
+
+// `first` → false, `second` → true
+bool parse_choice(const char* text, const FlashChar* first, const FlashChar* second, bool& choice) {
+    const bool is_second = same(text, second);
+    if (!is_second && !same(text, first)) return false;
+    choice = is_second;
+    return true;
+}
+
+}  // namespace
+
+const FlashChar* split(char* line, char*& key, char*& value) {
+    char* equals = strchr(line, '=');
+    if (!equals) return FLASH("write KEY = VALUE");
+    *equals = 0;
+    key = trimmed(line);
+    value = trimmed(equals + 1);
+    return nullptr;
+}
+
+const FlashChar* Settings::apply(const char* key, const char* value) {
+    uint32_t number;
+    if (same(key, FLASH("rate"))) {
+        const bool is_number = read_number(value, 400, number);
+        if (!is_number || (number != 100 && number != 200 && number != 400)) {
+            return FLASH("rate must be 100, 200 or 400");
+        }
+        conversions = static_cast<uint8_t>(800 / number);
+    } else if (same(key, FLASH("channels"))) {
+        char parsed[8][kChannelSize];
+        if (!parse_channels(value, parsed)) return FLASH("channels: 8 names or -");
+        memcpy(channels, parsed, sizeof channels);
+    } else if (same(key, FLASH("name"))) {
+        if (strlen(value) >= kNameSize) return FLASH("name: at most 15 characters");
+        strcpy(name, value);
+    } else if (same(key, FLASH("start"))) {
+        if (!parse_choice(value, FLASH("button"), FLASH("power"), start_at_power)) {
+            return FLASH("start: button or power");
+        }
+    } else if (same(key, FLASH("stream"))) {
+        if (!parse_choice(value, FLASH("off"), FLASH("on"), stream)) {
+            return FLASH("stream: on or off");
+        }
+    } else if (same(key, FLASH("size_mb"))) {
+        if (!read_number(value, 4095, number) || !number) return FLASH("size_mb must be 1 to 4095");
+        size_mb = static_cast<uint16_t>(number);
+    } else {
+        return FLASH("unknown key");
+    }
+    return nullptr;
+}
+
+uint8_t Settings::mask() const {
+    uint8_t bits = 0;
+    for (uint8_t k = 0; k < 8; ++k) {
+        if (channels[k][0]) bits |= static_cast<uint8_t>(1 << k);
+    }
+    return bits;
+}
+
+uint8_t Settings::recorded() const {
+    uint8_t count = 0;
+    for (uint8_t bits = mask(); bits; bits >>= 1) count += bits & 1;
+    return count;
+}
+
+void Settings::put_channels(Text& text) const {
+    for (uint8_t k = 0; k < 8; ++k) {
+        if (k) text.put(' ');
+        if (!channels[k][0]) text.put('-');
+        for (uint8_t at = 0; at < kChannelSize && channels[k][at]; ++at) text.put(channels[k][at]);
+    }
+}

@@ -1,0 +1,170 @@
+#include "console.h"
+
+#include <string.h>
+
+#include "board.h"
+#include "identity.h"
+#include "report.h"
+#include "text.h"
+
+namespace {
+
+// A decimal number that may be negative.
+bool read_signed(const char* text, int16_t most, int16_t& value) {
+    const bool negative = *text == '-';
+    uint32_t size;
+    if (!read_number(text + negative, static_cast<uint32_t>(most), size)) return false;
+    value = static_cast<int16_t>(negative ? -static_cast<int16_t>(size) : size);
+    return true;
+}
+
+bool status_line(const Session& session, uint8_t index, Text& text) {
+    if (index > 1) return report::summary_line(session, index - 2, text);
+    text.put(index ? FLASH("card=") : FLASH("state="));
+    if (index) {
+        text.put(report::trouble_text(session.trouble()));
+    } else {
+        text.put(session.running() ? FLASH("recording") : FLASH("ready"));
+    }
+    return true;
+}
+
+}  // namespace
+
+void Console::poll() {
+    const FlashChar* problem;
+    char* line = link_.command(problem);
+    if (!line) return;
+    const bool reset = !problem && same(line, FLASH("reset"));
+    if (!problem && !reset) problem = carry_out(line);
+    Text text = compose();
+    if (problem) {
+        text.put(problem);
+    } else if (session_.running()) {
+        logfile::put_name(static_cast<uint16_t>(session_.id() >> 16), text);
+    }
+    link_.send(problem ? 'E' : 'K', static_cast<uint8_t>(text.length()));
+    while (reset) {  // until the watchdog bites
+    }
+    link_.next_command();
+}
+
+Trouble Console::start() {
+    const Trouble trouble = session_.start();
+    if (trouble) {
+        sample_for_stream();
+        return trouble;
+    }
+    say_session();
+    say_lines('H', report::header_line);
+    return kNoTrouble;
+}
+
+Trouble Console::stop(End end) {
+    board::sample(0);
+    meanwhile_();  // fetches the last scan
+    const Trouble trouble = session_.stop(end);
+    say_lines('S', report::summary_line);
+    sample_for_stream();
+    return trouble;
+}
+
+void Console::say(char type, const FlashChar* line) {
+    Text text = compose();
+    text.put(line);
+    link_.send(type, static_cast<uint8_t>(text.length()));
+}
+
+void Console::say_config_problem(uint16_t line_number, const FlashChar* problem) {
+    Text text = compose();
+    text.put(FLASH("HOP.CFG line "));
+    text.number(line_number);
+    text.put(FLASH(": "));
+    text.put(problem);
+    link_.send('M', static_cast<uint8_t>(text.length()));
+}
+
+// Wait for the frame before to leave; the text written is the payload of the next one.
+Text Console::compose() {
+    while (link_.sending()) meanwhile_();
+    return Text(link_.payload(), Link::kPayload);
+}
+
+void Console::say_lines(char type, LineWriter line) {
+    for (uint8_t index = 0;; ++index) {
+        Text text = compose();
+        if (!line(session_, index, text)) return;
+        link_.send(type, static_cast<uint8_t>(text.length()));
+    }
+}
+
+void Console::say_session() {
+    Text text = compose();
+    text.put(FLASH("session="));
+    text.hex(session_.id(), 8);
+    link_.send('H', static_cast<uint8_t>(text.length()));
+}
+
+const FlashChar* Console::carry_out(char* line) {
+    Trouble trouble = kNoTrouble;
+    if (same(line, FLASH("start"))) {
+        if (!session_.running()) trouble = start();
+    } else if (same(line, FLASH("stop"))) {
+        if (session_.running()) trouble = stop(End::Command);
+    } else if (same(line, FLASH("status"))) {
+        say_lines('L', status_line);
+    } else if (same(line, FLASH("info"))) {
+        say_lines('L', report::header_line);
+    } else if (same(line, FLASH("stream on")) || same(line, FLASH("stream off"))) {
+        session_.settings.stream = line[8] == 'n';
+        if (!session_.running()) sample_for_stream();
+    } else if (begins_with(line, FLASH("set "))) {
+        return set(line + 4);
+    } else if (begins_with(line, FLASH("time "))) {
+        return set_time(line + 5);
+    } else {
+        return FLASH("unknown command");
+    }
+    return trouble ? report::trouble_text(trouble) : nullptr;
+}
+
+const FlashChar* Console::set(char* line) {
+    char* key;
+    char* value;
+    const FlashChar* problem = split(line, key, value);
+    if (problem) return problem;
+    if (same(key, FLASH("clock_ppm"))) {
+        int16_t ppm;
+        if (!read_signed(value, identity::kLargestPpm, ppm)) {
+            return FLASH("clock_ppm must be -20000 to 20000");
+        }
+        session_.set_clock_ppm(ppm);
+        return nullptr;
+    }
+    if (session_.running()) return FLASH("not during a session");
+    if (same(key, FLASH("device"))) {
+        uint32_t number;
+        if (!read_number(value, 65534, number)) return FLASH("device must be 0 to 65534");
+        identity::set_device(static_cast<uint16_t>(number));
+    } else if (same(key, FLASH("calibration"))) {
+        if (strlen(value) >= identity::kCalibrationSize) {
+            return FLASH("calibration: at most 15 characters");
+        }
+        identity::set_calibration(value);
+    } else {
+        problem = session_.settings.apply(key, value);
+        sample_for_stream();
+    }
+    return problem;
+}
+
+const FlashChar* Console::set_time(const char* text) {
+    uint32_t now_s;
+    if (!read_number(text, 0xFFFFFFFF, now_s)) return FLASH("time: seconds since 1970");
+    session_.epoch_s = now_s - board::milliseconds() / 1000;
+    return nullptr;
+}
+
+void Console::sample_for_stream() {
+    board::sample(session_.settings.stream ? session_.settings.conversions : 0);
+}

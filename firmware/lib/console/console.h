@@ -1,0 +1,36 @@
+#pragma once
+#include "link.h"
+#include "session.h"
+
+// Commands from the host, and what the host is told (SPEC.md, "Serial line").
+class Console {
+  public:
+    // `meanwhile` is called again and again while a frame waits for the one before to leave:
+    // sampling and card go on.
+    Console(Link& link, Session& session, void (*meanwhile)())
+        : link_(link), session_(session), meanwhile_(meanwhile) {}
+
+    void poll();  // carry out a command, if there is one
+
+    // Start or end a session and tell so; these return the trouble that was met.
+    Trouble start();
+    Trouble stop(End end);
+
+    void sample_for_stream();  // without a session, sampling follows the setting
+
+    void say(char type, const FlashChar* text);
+    void say_config_problem(uint16_t line_number, const FlashChar* problem);
+
+  private:
+    using LineWriter = bool (*)(const Session& session, uint8_t index, Text& text);
+
+    Text compose();
+    void say_lines(char type, LineWriter line);
+    void say_session();
+    const FlashChar* carry_out(char* line);
+    const FlashChar* set(char* line);
+    const FlashChar* set_time(const char* text);
+    Link& link_;
+    Session& session_;
+    void (*meanwhile_)();
+};

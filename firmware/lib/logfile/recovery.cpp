@@ -1,0 +1,77 @@
+// A session that a reset has ended: where does it end, and how is it closed?
+#include "files.h"
+#include "logfile.h"
+
+namespace {
+
+// A damaged block must not be taken for the end: the session goes on if one of this many blocks is
+// good.
+const uint8_t kPatience = 4;
+
+bool read_block(FIL& file, uint32_t position, Block& block) {
+    UINT count;
+    return f_lseek(&file, position << 9) == FR_OK &&
+           f_read(&file, &block, sizeof block, &count) == FR_OK && count == sizeof block;
+}
+
+bool is_good(FIL& file, uint32_t session, uint32_t position, Block& block) {
+    return read_block(file, position, block) && block.good(session, position);
+}
+
+// The last good block, found by halving: good blocks come first, whatever is behind them is not
+// good.
+uint32_t last_good(FIL& file, uint32_t session, uint32_t blocks, Block& block) {
+    uint32_t good = 0;
+    uint32_t end = blocks;  // no block from here on is good
+    while (end - good > 1) {
+        const uint32_t middle = good + (end - good) / 2;
+        uint32_t probe = middle + kPatience < end ? middle + kPatience : end;
+        while (probe > middle && !is_good(file, session, probe - 1, block)) --probe;
+        if (probe > middle) {
+            good = probe - 1;
+        } else {
+            end = middle;
+        }
+    }
+    return good;
+}
+
+// Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
+__attribute__((noinline)) bool close(FIL file, Block& block, uint16_t number,
+                                     logfile::Describe describe) {
+    const uint32_t blocks = static_cast<uint32_t>(f_size(&file) >> 9);
+    if (!blocks || !read_block(file, 0, block)) return false;
+    const uint32_t session = block.session;
+    if (!block.good(session, 0) || block.kind != 'H' || session >> 16 != number) return false;
+    if (is_good(file, session, blocks - 1, block) && block.kind == 'S') return false;
+
+    uint32_t end = last_good(file, session, blocks, block) + 1;
+    if (!is_good(file, session, end - 1, block)) return false;
+    if (block.kind != 'S' && end < blocks) {
+        const uint32_t due = block.first_scan + block.count;
+        const uint32_t lost = block.lost;
+        const uint16_t late = block.late;
+        block.clear('S');
+        block.first_scan = due;
+        block.lost = lost;
+        block.late = late;
+        describe(block, due - lost);
+        block.seal(session, end);
+        UINT count;
+        if (f_lseek(&file, end << 9) != FR_OK) return false;
+        if (f_write(&file, &block, sizeof block, &count) != FR_OK) return false;
+        ++end;
+    }
+    return logfile::cut_file(file, end << 9) == FR_OK;
+}
+
+}  // namespace
+
+namespace logfile {
+
+bool recover(Work& work, Block& block, uint16_t number, Describe describe) {
+    if (open_session(work.file, work.name, number, FA_READ | FA_WRITE) != FR_OK) return false;
+    return close(work.file, block, number, describe);
+}
+
+}  // namespace logfile

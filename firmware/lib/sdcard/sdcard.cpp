@@ -1,0 +1,197 @@
+#include "sdcard.h"
+
+#include "board.h"
+#include "crc16.h"
+
+// Numbers of commands, tokens and bits: SD Specifications, Part 1, Physical Layer Simplified
+// Specification, chapter 7, "SPI Mode".
+
+namespace {
+
+const uint16_t kStartLimitMs = 1200;  // the standard allows 1 s
+const uint16_t kBusyLimitMs = 2000;   // the standard allows 250 ms, SDXC 500 ms
+const uint16_t kReadLimitMs = 100;
+
+const uint8_t kIdle = 0x01;
+const uint8_t kNoAnswer = 0xFF;
+const uint16_t kNoStatus = 0xFFFF;
+const uint8_t kDataToken = 0xFE;
+const uint8_t kAccepted = 0x05;
+const uint8_t kStatusProtected = 0x20;  // second byte of the status: write protect violation
+
+uint8_t receive_byte() { return board::spi_exchange(0xFF); }
+
+uint8_t crc7_update(uint8_t crc, uint8_t byte) {
+    for (uint8_t bit = 0; bit < 8; ++bit, byte <<= 1) {
+        crc <<= 1;
+        if ((byte ^ crc) & 0x80) crc ^= 0x09;
+    }
+    return crc;
+}
+
+}  // namespace
+
+SdCard card;
+
+void SdCard::begin() {
+    board::spi_fast(false);
+    board::card_select(false);
+    for (uint8_t k = 0; k < 10; ++k) receive_byte();  // at least 74 clocks
+    state_ = Starting;
+    awake_ = checks_ = protected_ = false;
+    since_ms_ = static_cast<uint16_t>(board::milliseconds());
+}
+
+void SdCard::poll() {
+    if (state_ == Starting) {
+        start();
+        if (state_ == Starting && elapsed() > kStartLimitMs) fall();
+    } else if (state_ == Busy) {
+        board::card_select(true);
+        const bool done = receive_byte() == 0xFF;
+        const uint16_t busy_ms = elapsed();
+        if (busy_ms > longest_busy_ms) longest_busy_ms = busy_ms;
+        if (done) {
+            check_write();
+        } else if (busy_ms > kBusyLimitMs) {
+            fall();
+        }
+        deselect();
+    }
+}
+
+bool SdCard::write(uint32_t sector, const void* data) {
+    accepted_ = written_ = false;
+    board::card_select(true);
+    if (command(24, address(sector)) == 0) {
+        receive_byte();
+        board::spi_exchange(kDataToken);
+        const uint16_t crc = board::spi_send(static_cast<const uint8_t*>(data), 512);
+        board::spi_exchange(static_cast<uint8_t>(crc >> 8));
+        board::spi_exchange(static_cast<uint8_t>(crc));
+        accepted_ = (receive_byte() & 0x1F) == kAccepted;
+    }
+    deselect();
+    state_ = Busy;
+    since_ms_ = static_cast<uint16_t>(board::milliseconds());
+    return accepted_;
+}
+
+bool SdCard::read(uint32_t sector, void* data) {
+    board::card_select(true);
+    const bool answered = command(17, address(sector)) == 0;
+    const bool received = answered && receive(data, 512);
+    deselect();
+    return received;
+}
+
+bool SdCard::settle() {
+    while (state_ == Starting || state_ == Busy) {
+        poll();
+        board::feed_watchdog();
+    }
+    return state_ == Ready;
+}
+
+bool SdCard::present() {
+    if (!settle()) return false;
+    board::card_select(true);
+    if (status() == kNoStatus) fall();
+    deselect();
+    return state_ == Ready;
+}
+
+uint8_t SdCard::command(uint8_t index, uint32_t argument) {
+    receive_byte();
+    uint8_t crc = 0;
+    for (int8_t shift = 32; shift >= 0; shift -= 8) {
+        const uint8_t byte = shift == 32 ? 0x40 | index : static_cast<uint8_t>(argument >> shift);
+        board::spi_exchange(byte);
+        crc = crc7_update(crc, byte);
+    }
+    board::spi_exchange(static_cast<uint8_t>(crc << 1 | 1));
+    for (uint8_t k = 0; k < 10; ++k) {
+        const uint8_t answer = receive_byte();
+        if (!(answer & 0x80)) return answer;
+    }
+    return kNoAnswer;
+}
+
+uint8_t SdCard::application_command(uint8_t index, uint32_t argument) {
+    command(55, 0);
+    return command(index, argument);
+}
+
+// Both bytes of the card's status, 0: all is well. A card that lost its power since it was woken is
+// idle: for us that is no answer.
+uint16_t SdCard::status() {
+    const uint8_t first = command(13, 0);
+    const uint8_t second = receive_byte();
+    if (first & (0x80 | kIdle)) return kNoStatus;
+    return static_cast<uint16_t>(first << 8 | second);
+}
+
+bool SdCard::wait_for(uint8_t token) {
+    const uint32_t start_ms = board::milliseconds();
+    uint8_t byte;
+    do {
+        byte = receive_byte();
+    } while (byte == 0xFF && board::milliseconds() - start_ms < kReadLimitMs);
+    return byte == token;
+}
+
+bool SdCard::receive(void* data, uint16_t size) {
+    if (!wait_for(kDataToken)) return false;
+    const uint16_t crc = board::spi_receive(static_cast<uint8_t*>(data), size);
+    uint16_t told = static_cast<uint16_t>(receive_byte() << 8);
+    told |= receive_byte();
+    return !checks_ || crc == told;
+}
+
+void SdCard::start() {
+    board::card_select(true);
+    if (!awake_) {
+        if (command(0, 0) == kIdle) {
+            awake_ = true;
+            version_2_ = command(8, 0x1AA) == kIdle;
+            for (uint8_t k = 0; k < 4; ++k) receive_byte();
+        }
+    } else if (application_command(41, version_2_ ? 0x40000000 : 0) == 0) {
+        identify();
+    }
+    deselect();
+}
+
+void SdCard::identify() {
+    by_sector_ = version_2_ && command(58, 0) == 0 && (receive_byte() & 0x40);
+    if (version_2_) {
+        for (uint8_t k = 0; k < 3; ++k) receive_byte();
+    }
+    checks_ = command(59, 1) == 0;
+    if (!by_sector_) command(16, 512);
+    board::spi_fast(true);
+    uint8_t sheet[16];
+    if (command(9, 0) != 0 || !receive(sheet, sizeof sheet)) return fall();
+    protected_ = sheet[14] & 0x30;  // permanently or for the time being
+    if (command(10, 0) != 0 || !receive(sheet, sizeof sheet)) return fall();
+    id_ = crc16(sheet, sizeof sheet);
+    state_ = Ready;
+}
+
+// The card is not busy any more, or not there: its status tells.
+void SdCard::check_write() {
+    const uint16_t answer = status();
+    if (answer == kNoStatus) return fall();
+    written_ = accepted_ && answer == 0;
+    if (answer & kStatusProtected) protected_ = true;
+    state_ = Ready;
+}
+
+void SdCard::deselect() {
+    board::card_select(false);
+    receive_byte();  // the card lets go of its output with the next clocks
+}
+
+uint16_t SdCard::elapsed() const {
+    return static_cast<uint16_t>(board::milliseconds() - since_ms_);
+}

@@ -1,0 +1,98 @@
+#pragma once
+#include <stdint.h>
+
+#include "flash.h"
+#include "logfile.h"
+#include "panel.h"
+#include "ring.h"
+#include "sampler.h"
+#include "settings.h"
+
+struct Scan {
+    uint32_t number;
+    uint16_t late;
+    uint8_t size;
+    uint8_t packed[13];
+};
+
+enum class End : uint8_t { Command, Button, Full };
+
+// One recording: from scans to blocks on the card, and what there is to tell about it.
+class Session {
+  public:
+    // How a session went so far, with due(), lost() and deepest(); kept after its end.
+    struct Tally {
+        uint32_t blocks;   // safe on the card, header included
+        uint32_t written;  // scans in them
+        uint32_t unsent;   // scans that were not streamed
+        uint16_t late;
+        uint16_t stall_ms;
+        uint16_t card_errors;
+    };
+
+    // `config_problem` is told every line of HOP.CFG that was not understood.
+    using ConfigProblem = void (*)(uint16_t line_number, const FlashChar* problem);
+    Session(Sampler& sampler, ConfigProblem config_problem);
+
+    void begin();
+
+    // Mount the card. A card not met before: close what a reset left open, read HOP.CFG.
+    Trouble meet();
+
+    Trouble start();        // sampling too
+    Trouble stop(End end);  // after sampling was stopped and its last scan taken
+    bool running() const { return running_; }
+    bool full() const { return running_ && tally.blocks + 4 > place_.blocks; }
+
+    // Fetch a finished scan from the sampler; while a session runs it is kept for the card.
+    bool take(Scan& scan);
+
+    // Bring the card one step further. Returns true when a block has become safe. Never waits.
+    bool poll();
+
+    Trouble trouble() const { return trouble_; }
+    uint32_t id() const { return id_; }
+    End end() const { return end_; }
+    uint32_t due() const { return ring_.due(); }
+    uint32_t lost() const { return ring_.lost(); }
+    uint8_t deepest() const { return ring_.deepest(); }
+    uint8_t room() const { return ring_.room(); }
+    uint32_t unix_s() const;
+
+    static const int16_t kUnknownPpm = INT16_MIN;
+    int16_t clock_ppm() const { return clock_ppm_; }
+    void set_clock_ppm(int16_t ppm);
+
+    Settings settings;
+    Tally tally = {};
+    uint32_t epoch_s = 0;  // when the logger was switched on, since 1970; 0: no host has told
+    uint16_t config_errors = 0;
+    uint16_t supply_mv = 0;
+
+  private:
+    bool write_header() __attribute__((noinline));  // saves memory on the stack
+    bool write_now();
+    bool flush();
+    Trouble close_file();
+    bool settle_block();
+    void wake_card();
+    void store_clock();
+    static void take_config_line(void* session, uint16_t number, Line::State state, char* text);
+
+    Sampler& sampler_;
+    ConfigProblem config_problem_;
+    Ring ring_;
+    logfile::Place place_ = {};
+    uint32_t id_ = 0;  // of the running or the last session
+    int16_t clock_ppm_ = kUnknownPpm;
+    uint16_t woken_ms_ = 0;
+    uint16_t card_id_ = 0;
+    uint8_t scans_in_flight_ = 0;
+    uint8_t refusals_ = 0;
+    Trouble trouble_ = kNoTrouble;
+    End end_ = End::Command;
+    bool running_ = false;
+    bool known_card_ = false;
+    bool in_flight_ = false;  // the card is busy with a block of ours
+    bool sealed_ = false;     // the waiting block has its CRC
+};

@@ -1,0 +1,85 @@
+// wheelhop's data logger: eight accelerometers, one SD card, one serial line, one button, one
+// light.
+//
+// An interrupt (board/avr.cpp) sums conversions to scans (sampler). The main loop packs each scan
+// into a block (ring), brings full blocks to a file on the card without ever waiting for it
+// (session, sdcard), sends scans to the host (stream) and does what the host asks for (console).
+// What is written and sent: SPEC.md; why so: DESIGN.md.
+#include <Arduino.h>
+
+#include "avr.h"
+#include "console.h"
+#include "panel.h"
+#include "report.h"
+#include "scan_stream.h"
+#include "session.h"
+
+namespace {
+
+void pump();
+void tell_config_problem(uint16_t line_number, const FlashChar* problem);
+
+Session session(board::sampler, tell_config_problem);
+ScanStream stream(board::serial);
+Console console(board::serial, session, pump);
+Button button;
+Trouble shown = kNoTrouble;  // what the light shows
+
+// What must not wait: it also runs while the console waits for the serial line.
+void pump() {
+    Scan scan;
+    if (session.take(scan) && session.settings.stream) {
+        const uint32_t id = session.running() ? session.id() : 0;
+        if (!stream.offer(id, scan) && session.running()) ++session.tally.unsent;
+    }
+    if (session.poll()) stream.acknowledge();
+    stream.poll(session);
+}
+
+void tell_config_problem(uint16_t line_number, const FlashChar* problem) {
+    console.say_config_problem(line_number, problem);
+}
+
+void tell_trouble() {
+    const Trouble trouble = session.trouble();
+    if (trouble != shown) console.say('M', report::trouble_text(trouble));
+    shown = trouble;
+}
+
+void show_light() {
+    const bool losing = session.lost() || session.trouble();
+    const Light light = !session.running() ? Light::Ready
+                        : losing           ? Light::Losing
+                                           : Light::Recording;
+    const Trouble trouble = session.trouble()       ? session.trouble()
+                            : session.config_errors ? kConfigError
+                                                    : kNoTrouble;
+    board::set_led(led_lit(light, trouble, board::milliseconds()));
+}
+
+}  // namespace
+
+void setup() {
+    board::begin();
+    session.begin();
+    console.say('M', FLASH("ready"));
+    session.meet();
+    if (session.settings.start_at_power) {
+        console.start();
+    } else {
+        console.sample_for_stream();
+    }
+}
+
+void loop() {
+    board::feed_watchdog();
+    pump();
+    console.poll();
+    if (session.full()) console.stop(End::Full);
+    if (button.pressed(board::button_down(), board::milliseconds())) {
+        session.running() ? console.stop(End::Button) : console.start();
+    }
+    tell_trouble();
+    show_light();
+    board::sleep();
+}

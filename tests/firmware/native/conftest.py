@@ -1,0 +1,1 @@
+collect_ignore = ["test_custom_runner.py"]  # PlatformIO's, not pytest's

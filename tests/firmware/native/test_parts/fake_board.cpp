@@ -1,0 +1,200 @@
+#include "fake_board.h"
+
+#include <cstdio>
+#include <cstring>
+
+#include "board.h"
+#include "crc16.h"
+#include "sdcard.h"
+
+namespace fake {
+
+const char* image_path = nullptr;
+uint32_t now_us = 0;
+std::vector<uint8_t> eeprom;
+uint8_t sampling = 0;
+Sampler sampler;
+Card card;
+
+void power_on() {
+    now_us = 0;
+    eeprom.assign(64, 0xFF);
+    sampling = 0;
+    card = Card();
+    card.content.assign(64 * 512, 0);
+    ::card = SdCard();
+}
+
+std::string sent(Link& link) {
+    std::string bytes;
+    for (uint8_t byte; link.transmit(byte);) bytes.push_back(static_cast<char>(byte));
+    return bytes;
+}
+
+void Card::select(bool selected) {
+    selected_ = selected;
+    if (!selected) in_.clear(), out_.clear(), receiving_ = false;
+}
+
+void Card::lose_power() {
+    idle_ = true;
+    checks_ = false;
+    busy_until_us_ = 0;
+}
+
+uint8_t Card::exchange(uint8_t sent) {
+    now_us += 2;
+    if (!inserted || !selected_) return 0xFF;
+    uint8_t reply = 0xFF;
+    if (!out_.empty()) {
+        reply = out_.front();
+        out_.erase(out_.begin());
+    } else if (static_cast<int32_t>(busy_until_us_ - now_us) > 0) {
+        reply = 0;
+    }
+    if (receiving_) {
+        if (!in_.empty() || sent == 0xFE) in_.push_back(sent);
+        if (in_.size() == 1 + 512 + 2) store();
+    } else if (!in_.empty() || (sent & 0xC0) == 0x40) {
+        in_.push_back(sent);
+        if (in_.size() == 6) command();
+    }
+    return reply;
+}
+
+void Card::answer_block(const uint8_t* data, size_t size) {
+    answer(0xFF);
+    answer(0xFE);
+    for (size_t k = 0; k < size; ++k) answer(data[k]);
+    const uint16_t crc = crc16(data, size);
+    answer(static_cast<uint8_t>(crc >> 8));
+    answer(static_cast<uint8_t>(crc));
+}
+
+void Card::command() {
+    const uint8_t index = in_[0] & 63;
+    const uint32_t argument =
+        static_cast<uint32_t>(in_[1]) << 24 | in_[2] << 16 | in_[3] << 8 | in_[4];
+    const bool application = application_;
+    application_ = false;
+    in_.clear();
+    const uint8_t ready = idle_ ? 1 : 0;
+    sector_ = by_sector ? argument : argument / 512;
+    const bool inside = sector_ < content.size() / 512;
+    uint8_t sheet[16] = {};
+    answer(0xFF);
+    switch (index) {
+        case 0:
+            lose_power();
+            answer(1);
+            break;
+        case 8:
+            for (uint8_t byte : {ready, uint8_t(0), uint8_t(0), uint8_t(1), uint8_t(0xAA)})
+                answer(byte);
+            break;
+        case 9:
+            answer(ready);
+            sheet[14] = write_protected ? 0x10 : 0;
+            answer_block(sheet, sizeof sheet);
+            break;
+        case 10:
+            answer(ready);
+            sheet[9] = serial_number;
+            answer_block(sheet, sizeof sheet);
+            break;
+        case 13:
+            answer(ready);
+            answer(status_);
+            status_ = 0;
+            break;
+        case 17:
+            answer(idle_ ? 5 : inside ? 0 : 0x40);
+            if (!idle_ && inside) answer_block(&content[sector_ * 512], 512);
+            break;
+        case 24:
+            answer(idle_ ? 5 : inside ? 0 : 0x40);
+            receiving_ = !idle_ && inside;
+            break;
+        case 41:
+            if (application) idle_ = false;
+            answer(application ? 0 : 5);
+            break;
+        case 55:
+            application_ = true;
+            answer(ready);
+            break;
+        case 58:
+            answer(ready);
+            answer(by_sector ? 0xC0 : 0x80);
+            for (int k = 0; k < 3; ++k) answer(0);
+            break;
+        case 59:
+            checks_ = argument & 1;
+            answer(ready);
+            break;
+        default:
+            answer(index == 16 ? ready : 4 | ready);
+    }
+}
+
+void Card::store() {
+    const uint16_t crc = static_cast<uint16_t>(in_[513] << 8 | in_[514]);
+    const bool right = !checks_ || crc == crc16(&in_[1], 512);
+    receiving_ = false;
+    busy_until_us_ = now_us + busy_us;
+    ++writes;
+    if (refuse || write_protected || !right) {
+        if (refuse) --refuse;
+        if (write_protected) status_ = 0x20;
+        answer(right ? 0xED : 0xEB);
+    } else if (fail_later) {
+        --fail_later;
+        status_ = 0x04;
+        answer(0xE5);
+    } else {
+        memcpy(&content[sector_ * 512], &in_[1], 512);
+        answer(0xE5);
+    }
+    in_.clear();
+}
+
+}  // namespace fake
+
+namespace board {
+
+uint32_t milliseconds() { return fake::now_us / 1000; }
+uint16_t dice() { return 0x1234; }
+void feed_watchdog() {}
+const FlashChar* reset_cause() { return FLASH("watchdog"); }
+
+void card_select(bool selected) { fake::card.select(selected); }
+void spi_fast(bool) {}
+uint8_t spi_exchange(uint8_t sent) { return fake::card.exchange(sent); }
+
+uint16_t spi_send(const uint8_t* data, uint16_t size) {
+    for (uint16_t k = 0; k < size; ++k) spi_exchange(data[k]);
+    return crc16(data, size);
+}
+
+uint16_t spi_receive(uint8_t* data, uint16_t size) {
+    for (uint16_t k = 0; k < size; ++k) data[k] = spi_exchange(0xFF);
+    return crc16(data, size);
+}
+
+void eeprom_read(uint8_t address, void* data, uint8_t size) {
+    memcpy(data, &fake::eeprom.at(address), size);
+}
+
+void eeprom_write(uint8_t address, const void* data, uint8_t size) {
+    memcpy(&fake::eeprom.at(address), data, size);
+}
+
+void sample(uint8_t conversions) {
+    fake::sampling = conversions;
+    if (conversions) fake::sampler.start(conversions);
+}
+
+uint16_t supply_mv() { return 3300; }
+void start_transmitter() {}
+
+}  // namespace board

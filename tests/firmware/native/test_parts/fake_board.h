@@ -1,0 +1,51 @@
+#pragma once
+// The board on a PC: time that passes with every SPI byte, an EEPROM, an SD card in memory.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "link.h"
+#include "sampler.h"
+
+namespace fake {
+
+extern const char* image_path;  // of an empty FAT file system, or nullptr
+extern uint32_t now_us;
+extern std::vector<uint8_t> eeprom;
+extern uint8_t sampling;  // what board::sample() was told last
+extern Sampler sampler;
+
+void power_on();               // everything as new
+std::string sent(Link& link);  // what the serial interrupt would send
+
+struct Card {
+    std::vector<uint8_t> content;  // as many sectors as it has
+    bool inserted = true;
+    bool by_sector = true;  // SDHC
+    bool write_protected = false;
+    uint8_t serial_number = 1;
+    uint32_t busy_us = 300;  // after every write
+    int refuse = 0;          // so many of the next writes
+    int fail_later = 0;      // accept them, and fail afterwards
+    int writes = 0;
+
+    void select(bool selected);
+    uint8_t exchange(uint8_t sent);
+    void lose_power();
+
+  private:
+    void answer(uint8_t byte) { out_.push_back(byte); }
+    void answer_block(const uint8_t* data, size_t size);
+    void command();
+    void store();
+
+    std::vector<uint8_t> in_, out_;
+    bool selected_ = false, idle_ = true, receiving_ = false, application_ = false;
+    bool checks_ = false;
+    uint8_t status_ = 0;
+    size_t sector_ = 0;
+    uint32_t busy_until_us_ = 0;
+};
+extern Card card;
+
+}  // namespace fake

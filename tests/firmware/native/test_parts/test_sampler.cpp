@@ -1,0 +1,104 @@
+#include <initializer_list>
+
+#include "block.h"
+#include "check.h"
+#include "crc16.h"
+#include "sampler.h"
+
+TEST(every_input_has_the_same_mean_instant) {
+    for (int length : {16, 32, 64}) {
+        int instants[8] = {};
+        for (int position = 0; position < length; ++position) {
+            instants[Sampler::input(static_cast<uint8_t>(position))] += position;
+        }
+        for (int input = 0; input < 8; ++input)
+            CHECK(instants[input] * 8 == length * (length - 1) / 2);
+    }
+}
+
+// Converts scans of a ramp: conversion number n gives n.
+static void convert(Sampler& sampler, int conversions, uint16_t& code) {
+    for (int k = 0; k < conversions; ++k) sampler.collect(code++ & 1023);
+}
+
+TEST(sums_of_a_ramp_are_equal) {
+    Sampler sampler;
+    uint16_t sums[8], late, code = 0;
+    uint32_t number;
+    for (uint8_t conversions : {8, 4, 2}) {
+        sampler.start(conversions);
+        CHECK(!sampler.take(sums, number, late));
+        code = 0;
+        convert(sampler, 8 * conversions, code);
+        CHECK(sampler.take(sums, number, late) && number == 0);
+        for (uint16_t sum : sums) CHECK(sum * 8 == 8 * conversions * (8 * conversions - 1) / 2);
+        CHECK(!sampler.take(sums, number, late));
+    }
+}
+
+TEST(collect_tells_the_input_of_the_next_conversion) {
+    Sampler sampler;
+    sampler.start(8);
+    for (int position = 1; position < 200; ++position) {
+        CHECK(sampler.collect(0) == Sampler::input(static_cast<uint8_t>(position % 64)));
+    }
+}
+
+TEST(a_scan_not_fetched_in_time_is_missing_from_the_numbers) {
+    Sampler sampler;
+    uint16_t sums[8], late, code = 0;
+    uint32_t number;
+    sampler.start(2);
+    convert(sampler, 3 * 16, code);
+    CHECK(sampler.take(sums, number, late) && number == 0);
+    CHECK(!sampler.take(sums, number, late));
+    convert(sampler, 16, code);
+    CHECK(sampler.take(sums, number, late) && number == 3);
+    for (uint16_t sum : sums) CHECK(sum == 48 + 63);  // nothing of scans 1 and 2 is left in it
+    CHECK(sampler.due() == 4);
+}
+
+TEST(late_triggers_are_counted_and_stay_at_their_largest) {
+    Sampler sampler;
+    uint16_t sums[8], late, code = 0;
+    uint32_t number;
+    sampler.start(2);
+    for (int k = 0; k < 70000; ++k) sampler.note_late_trigger();
+    convert(sampler, 16, code);
+    CHECK(sampler.take(sums, number, late) && late == 65535);
+}
+
+TEST(packed_scans_are_thirteen_bits_lowest_first) {
+    const uint16_t sums[8] = {8184, 0, 1, 4096, 8191, 5, 6, 7};
+    for (int mask = 1; mask < 256; ++mask) {
+        uint8_t packed[13] = {};
+        int channels = 0;
+        for (int k = 0; k < 8; ++k) channels += mask >> k & 1;
+        CHECK(pack_scan(sums, static_cast<uint8_t>(mask), packed) ==
+              scan_size(static_cast<uint8_t>(channels)));
+        int bit = 0;
+        for (int k = 0; k < 8; ++k) {
+            if (!(mask >> k & 1)) continue;
+            int sum = 0;
+            for (int at = 0; at < 13; ++at, ++bit) sum |= (packed[bit / 8] >> bit % 8 & 1) << at;
+            CHECK(sum == sums[k]);
+        }
+    }
+}
+
+TEST(crc_is_xmodem) { CHECK(crc16("123456789", 9) == 0x31C3); }
+
+TEST(a_block_is_good_only_where_it_belongs_and_whole) {
+    Block block;
+    block.clear('D');
+    block.seal(0x00010002, 7);
+    CHECK(block.good(0x00010002, 7));
+    CHECK(!block.good(0x00010002, 8));
+    CHECK(!block.good(0x00010003, 7));
+    uint8_t* bytes = reinterpret_cast<uint8_t*>(&block);
+    for (int bit = 0; bit < 512 * 8; ++bit) {
+        bytes[bit / 8] ^= static_cast<uint8_t>(1 << bit % 8);
+        CHECK(!block.good(0x00010002, 7));
+        bytes[bit / 8] ^= static_cast<uint8_t>(1 << bit % 8);
+    }
+}

@@ -1,0 +1,258 @@
+// Whole sessions on a FAT image, and what a reader finds in the file.
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "board.h"
+#include "check.h"
+#include "fake_board.h"
+#include "identity.h"
+#include "sdcard.h"
+#include "session.h"
+
+namespace {
+
+int config_problems = 0;
+
+struct Rig {
+    Session session{fake::sampler, [](uint16_t, const FlashChar*) { ++config_problems; }};
+    uint32_t code = 0;
+
+    Rig() {
+        config_problems = 0;
+        session.begin();
+        session.settings.size_mb = 1;
+    }
+
+    // So many scans of time pass; the main loop does what main.cpp's pump() does.
+    void run(int scans) {
+        Scan scan;
+        for (; scans; --scans) {
+            for (int k = 0; k < 8 * fake::sampling; ++k) fake::sampler.collect(code++ / 64 & 1023);
+            session.take(scan);
+            const uint32_t until_us = fake::now_us + 10000;
+            while (fake::now_us < until_us) {
+                session.poll();
+                fake::now_us += 156;
+            }
+        }
+    }
+
+    Trouble stop() {
+        board::sample(0);
+        return session.stop(End::Command);
+    }
+};
+
+// Every test begins with the empty file system. False where there is none.
+bool insert_card() {
+    std::FILE* file = fake::image_path ? std::fopen(fake::image_path, "rb") : nullptr;
+    if (!file) return false;
+    fake::card.content.clear();
+    uint8_t sector[512];
+    while (std::fread(sector, 1, sizeof sector, file) == sizeof sector) {
+        fake::card.content.insert(fake::card.content.end(), sector, sector + sizeof sector);
+    }
+    std::fclose(file);
+    return true;
+}
+
+struct File {
+    FATFS volume;
+    FIL file;
+    ~File() { f_mount(nullptr, "", 0); }
+    bool open(const char* name) {
+        return f_mount(&volume, "", 1) == FR_OK && f_open(&file, name, FA_READ) == FR_OK;
+    }
+    uint32_t blocks() { return static_cast<uint32_t>(f_size(&file) / 512); }
+    bool read(uint32_t position, Block& block) {
+        UINT count;
+        return f_lseek(&file, position * 512) == FR_OK &&
+               f_read(&file, &block, 512, &count) == FR_OK && count == 512;
+    }
+};
+
+struct Found {
+    std::string kinds;
+    uint32_t scans = 0, due = 0, lost = 0;
+};
+
+// Read a session as SPEC.md says.
+Found decode(const char* name) {
+    File file;
+    Found found;
+    Block block;
+    if (!file.open(name) || !file.read(0, block)) return found;
+    const uint32_t session = block.session;
+    for (uint32_t k = 0; k < file.blocks(); ++k) {
+        if (!file.read(k, block) || !block.good(session, k)) continue;
+        if (found.kinds.empty() || block.kind != 'D') found.kinds += block.kind;
+        if (block.kind != 'H') CHECK(block.first_scan == found.scans + block.lost);
+        found.scans += block.count;
+        found.lost = block.lost;
+        found.due = block.first_scan + block.count;
+    }
+    return found;
+}
+
+}  // namespace
+
+TEST(a_session_is_in_its_file) {
+    if (!insert_card()) return;
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.run(1000);
+    CHECK(rig.stop() == kNoTrouble);
+    const Found found = decode("HOP00001.HOP");
+    CHECK(found.kinds == "HS" && found.scans == 1000 && found.due == 1000 && found.lost == 0);
+    CHECK(rig.session.tally.written == 1000 && rig.session.lost() == 0);
+}
+
+TEST(a_stall_of_600_ms_loses_nothing) {
+    if (!insert_card()) return;
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.run(100);
+    fake::card.busy_us = 600000;
+    rig.run(37);  // one block meets it, at whatever phase
+    while (card.state() != SdCard::Busy) rig.run(1);
+    fake::card.busy_us = 300;
+    rig.run(200);
+    CHECK(rig.stop() == kNoTrouble && rig.session.lost() == 0);
+    CHECK(rig.session.tally.stall_ms >= 599 && rig.session.deepest() <= rig.session.room());
+}
+
+TEST(written_and_lost_make_due_whatever_the_card_does) {
+    uint32_t seed = 3;
+    for (int round = 0; round < 12; ++round) {
+        fake::power_on();
+        if (!insert_card()) return;
+        Rig rig;
+        CHECK(rig.session.start() == kNoTrouble);
+        for (int step = 0; step < 25; ++step) {
+            seed = seed * 1664525 + 1013904223;
+            const uint32_t dice = seed >> 24;
+            fake::card.busy_us = dice % 5 ? 300 : 7000 * (seed >> 16 & 255);
+            if (dice % 7 == 1) fake::card.refuse = 1 + dice % 4;
+            if (dice % 7 == 2) fake::card.fail_later = 1;
+            if (dice % 11 == 3) fake::card.lose_power();
+            rig.run(1 + static_cast<int>(dice) % 90);
+        }
+        fake::card.busy_us = 300;
+        fake::card.refuse = fake::card.fail_later = 0;
+        rig.run(200);
+        CHECK(rig.stop() == kNoTrouble);
+        const Session& session = rig.session;
+        CHECK(session.due() == fake::sampler.due());
+        CHECK(session.tally.written + session.lost() == session.due());
+        const Found found = decode("HOP00001.HOP");
+        CHECK(found.kinds == "HS" && found.scans == session.tally.written);
+        CHECK(found.due == session.due() && found.lost == session.lost());
+    }
+}
+
+TEST(another_card_is_not_written_to) {
+    if (!insert_card()) return;
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.run(100);
+    fake::card.inserted = false;
+    rig.run(100);
+    fake::card.inserted = true;
+    fake::card.lose_power();
+    fake::card.serial_number = 2;
+    const int writes = fake::card.writes;
+    rig.run(300);
+    CHECK(fake::card.writes == writes && rig.session.trouble() == kNoCard);
+    fake::card.lose_power();
+    fake::card.serial_number = 1;
+    rig.run(300);
+    CHECK(rig.session.trouble() == kNoTrouble && rig.stop() == kNoTrouble);
+    const Found found = decode("HOP00001.HOP");
+    CHECK(found.kinds == "HS" && found.scans + found.lost == 800 && found.lost > 0);
+}
+
+TEST(a_session_that_a_reset_ended_is_closed_when_the_card_is_met_again) {
+    for (int scans : {0, 36, 37, 38, 500, 3000}) {
+        fake::power_on();
+        if (!insert_card()) return;
+        Found before;
+        {
+            Rig rig;
+            CHECK(rig.session.start() == kNoTrouble);
+            rig.run(scans);
+        }
+        before = decode("HOP00001.HOP");
+        CHECK(before.kinds == "H" && scans - static_cast<int>(before.scans) <= 37);
+        Rig rig;
+        CHECK(rig.session.meet() == kNoTrouble);
+        const Found found = decode("HOP00001.HOP");
+        CHECK(found.kinds == "HS" && found.scans == before.scans && found.due == before.scans);
+        File file;
+        CHECK(file.open("HOP00001.HOP") && file.blocks() == before.scans / 37 + 2);
+    }
+}
+
+TEST(recovery_goes_on_over_damaged_blocks) {
+    if (!insert_card()) return;
+    {
+        Rig rig;
+        CHECK(rig.session.start() == kNoTrouble);
+        rig.run(37 * 300 + 1);
+    }
+    for (size_t at = 0; at + 512 <= fake::card.content.size(); at += 512) {
+        uint8_t* block = &fake::card.content[at];
+        if (memcmp(block, "HOP1D", 5) == 0 && block[12] % 4 != 3) block[100] ^= 1;  // three in four
+    }
+    Rig rig;
+    CHECK(rig.session.meet() == kNoTrouble);
+    File file;
+    Block block;
+    CHECK(file.open("HOP00001.HOP") && file.blocks() == 301);
+    CHECK(file.read(300, block) && block.kind == 'S' && block.first_scan == 37 * 299);
+}
+
+TEST(an_old_session_in_the_same_sectors_is_not_taken_for_data) {
+    if (!insert_card()) return;
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.run(37 * 40);
+    CHECK(rig.stop() == kNoTrouble);
+    {
+        File file;
+        CHECK(file.open("HOP00001.HOP") && f_unlink("HOP00001.HOP") == FR_OK);
+    }
+    {
+        Rig next;
+        CHECK(next.session.start() == kNoTrouble);
+        next.run(37 * 5 + 1);
+    }
+    const Found found = decode("HOP00002.HOP");
+    CHECK(found.kinds == "H" && found.scans == 37 * 5);
+}
+
+TEST(a_full_file_ends_the_session_in_time) {
+    if (!insert_card()) return;
+    Rig rig;
+    rig.session.settings.conversions = 2;
+    CHECK(rig.session.start() == kNoTrouble);
+    for (int k = 0; k < 3000 && !rig.session.full(); ++k) rig.run(37);
+    CHECK(rig.session.full() && rig.stop() == kNoTrouble);
+    CHECK(decode("HOP00001.HOP").kinds == "HS" && rig.session.lost() == 0);
+}
+
+TEST(trouble_has_its_name) {
+    Rig rig;
+    fake::card.inserted = false;
+    CHECK(rig.session.start() == kNoCard);
+    fake::card.inserted = true;
+    CHECK(rig.session.start() == kNoFileSystem);
+    if (!insert_card()) return;
+    fake::card.write_protected = true;
+    fake::card.lose_power();
+    CHECK(rig.session.start() == kWriteProtected);
+    fake::card.write_protected = false;
+    fake::card.lose_power();
+    CHECK(rig.session.start() == kNoTrouble && rig.session.running());
+}
