@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[1]
 PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_sim")]
 # A room may import itself and the rooms before it.
 ROOMS = (
+    "hil_sim",
     *("campaign", "track", "vehicle", "effects", "simulate", "compare"),
     *("fit", "diagnose", "report", "cli"),
 )

@@ -1,0 +1,68 @@
+"""What goes wrong with the card, as plain configuration."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+BLOCK_SIZE = 512
+REJECTIONS = {"crc": 0xEB, "write": 0xED}  # data response tokens
+
+
+@dataclass(frozen=True)
+class PowerCut:
+    """The board's power fails in the middle of one write.
+
+    The first `stored` bytes of write number `write` reach the card. The `tail` of the block keeps
+    its old content, is erased ("ones"), or becomes noise.
+    """
+
+    write: int
+    stored: int = BLOCK_SIZE
+    tail: Literal["old", "ones", "noise"] = "old"
+
+
+@dataclass(frozen=True)
+class Faults:
+    """Faults and times of the card. Writes are blocks, counted from 0 since it was inserted.
+
+    `stalls`: seconds for which the card is busy after a write, beyond `write_busy`.
+    `rejects`: writes refused with "crc" or "write" error; nothing is stored.
+    `flips`: the bit, 0 … 4095, that is stored inverted.
+    `pulled_at`: board time in seconds at which the card leaves its socket.
+    `write_busy`, `read_latency`: seconds per block; `start_up`: from the first ACMD41 on.
+    """
+
+    stalls: Mapping[int, float] = field(default_factory=dict)
+    rejects: Mapping[int, Literal["crc", "write"]] = field(default_factory=dict)
+    flips: Mapping[int, int] = field(default_factory=dict)
+    power_cut: PowerCut | None = None
+    pulled_at: float | None = None
+    write_protected: bool = False
+    write_busy: float = 300e-6
+    read_latency: float = 100e-6
+    start_up: float = 20e-3
+
+    def requests(self, cycles_per_second: int) -> Iterator[str]:
+        """The same in the words of the program `board`."""
+
+        def cycles(seconds: float) -> int:
+            return round(seconds * cycles_per_second)
+
+        # The program takes 0 for "never".
+        pulled = 0 if self.pulled_at is None else max(1, cycles(self.pulled_at))
+        yield (
+            f"card-times {cycles(self.write_busy)} {cycles(self.read_latency)} "
+            f"{cycles(self.start_up)} {pulled} {int(self.write_protected)}"
+        )
+        for write, seconds in self.stalls.items():
+            yield f"fault stall {write} {cycles(seconds)}"
+        for write, error in self.rejects.items():
+            yield f"fault reject {write} {REJECTIONS[error]}"
+        for write, bit in self.flips.items():
+            if not 0 <= bit < 8 * BLOCK_SIZE:
+                raise ValueError(f"faults: bit {bit} is not in 0 … {8 * BLOCK_SIZE - 1}")
+            yield f"fault flip {write} {bit}"
+        if (cut := self.power_cut) is not None:
+            if not 0 <= cut.stored <= BLOCK_SIZE:
+                raise ValueError(f"faults: {cut.stored} bytes are not in 0 … {BLOCK_SIZE}")
+            yield f"fault cut {cut.write} {cut.stored} {cut.tail}"

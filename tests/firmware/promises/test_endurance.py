@@ -1,0 +1,102 @@
+"""Long sessions: counters that wrap, files that fill, and, if asked for, a whole day."""
+
+import binascii
+import os
+
+import pytest
+
+from tests.firmware.promises.logger import configure
+from tests.firmware.promises.test_stalls import check_totals
+from wheelhop.hil_sim import CardImage, Faults, from_array
+
+HOURS = float(os.environ.get("WHEELHOP_HOURS", "0"))
+MILLISECONDS_WRAP_S = 2**32 / 1000  # 49.7 days
+
+
+def sawtooth():
+    """Each channel another phase of a slow sawtooth, for ever."""
+    return from_array(
+        [[50 + 100 * ((k + i) % 8) for k in range(8)] for i in range(8)], 0.25, repeat=True
+    )
+
+
+def test_the_millisecond_counter_wraps_during_a_session(logger, card):
+    """With a stall right across the wrap."""
+    one = logger(card)
+    assert one.command("start").ok
+    one.board.set_memory("timer0_millis", (2**32 - 2000).to_bytes(4, "little"))
+    first = one.board.counters().card_writes
+    one.board.faults = Faults(stalls={first + 4: 0.6})
+    one.run(5.0)
+    assert int.from_bytes(one.board.memory("timer0_millis"), "little") < 10_000
+    reply = one.command("stop")
+    assert check_totals(one, one.log(), reply)[2] == 0
+    assert abs(int(one.summary()["stall_ms"]) - 600) <= 3
+    assert one.command("start").ok and one.command("stop").ok
+
+
+def eeprom_after_session(number):
+    """As the firmware's identity.cpp keeps it: number and check sum, in one of two places."""
+    word = number.to_bytes(2, "little")
+    slot = word + binascii.crc_hqx(word, 0).to_bytes(2, "little")
+    at = 4 * (number & 1)
+    return (b"\xff" * at + slot).ljust(1024, b"\xff")
+
+
+def test_after_session_65535_comes_session_1(logger, card):
+    one = logger(card, eeprom=eeprom_after_session(65534))
+    for name in ("HOP65535.HOP", "HOP00001.HOP", "HOP00002.HOP"):
+        assert one.command("start").text == name
+        one.run(0.3)
+        assert one.command("stop").ok
+        assert one.log(name).session >> 16 == int(name[3:8])
+    one.board.cut_power()
+    one.board.power_on()
+    one.run(1.0)
+    assert one.command("start").text == "HOP00003.HOP"
+
+
+def test_a_file_that_is_full_ends_the_session_cleanly(logger, tmp_path):
+    """1 MiB at 400 scans a second: more than 65536 scans, so 16-bit counters wrap, too."""
+    card = CardImage.fat32(tmp_path / "card.img")
+    one = logger(configure(card, "size_mb = 1\nrate = 400\n"), signals=sawtooth())
+    assert one.command("start").ok
+    one.until(lambda: "unix_s" in one.summary(), timeout=200.0, step=1.0)
+    one.run(0.5)
+    log = one.log()
+    assert log.summary["end"] == "full"
+    assert len(log.blocks) <= 2048
+    scans = len(log.scans)
+    assert scans > 65536 and int(log.summary["due"]) == scans + int(log.summary["lost"])
+    assert int(log.summary["lost"]) <= int(log.summary["room"])
+    assert list(log.scans) == list(range(scans))
+    assert one.command("status").values["state"] == "ready"
+    assert card.check() == ""
+
+
+@pytest.mark.skipif(
+    HOURS == 0, reason="set WHEELHOP_HOURS=24 for a session of a day (an hour or two)"
+)
+def test_a_day(logger, tmp_path, capsys):
+    """A stall of 250 to 600 ms every few minutes, as cards have them; nothing is lost."""
+    card = CardImage.fat32(tmp_path / "card.img", 512)
+    one = logger(configure(card, "size_mb = 256\n"), signals=sawtooth())
+    assert one.command("start").ok
+    first = one.board.counters().card_writes
+    stalls = {first + 500 * k: 0.25 + 0.35 * (k % 2) for k in range(1, int(HOURS * 20) + 1)}
+    one.board.faults = Faults(stalls=stalls)
+    for _ in range(round(HOURS * 360)):
+        one.run(10.0)
+        one.raw.clear()
+        del one.frames[:-10]
+    reply = one.command("stop")
+    log = one.log()
+    due, written, lost = check_totals(one, log, reply)
+    with capsys.disabled():
+        print(
+            f"\nfirmware: {HOURS:g} h, {due} scans due, {written} written, {lost} lost, summary "
+            f"{log.summary}"
+        )
+    assert lost == 0 and due >= HOURS * 360_000 - 1
+    assert log.summary["late"] == "0"
+    assert MILLISECONDS_WRAP_S > 3600 * HOURS

@@ -1,0 +1,176 @@
+"""The serial line: noise, nonsense and floods are answered or ignored, and never do harm."""
+
+import random
+
+import pytest
+
+from tests.firmware.promises.reader import checked
+from tests.firmware.promises.test_stalls import check_totals
+from wheelhop.hil_sim import sines
+
+
+def ends(frames):
+    return [frame for frame in frames if frame.kind in "KE"]
+
+
+def send_line(one, line, wait_s=0.3):
+    """Raw bytes and what is answered within a while."""
+    begin = len(one.frames)
+    one.board.serial.write(line)
+    one.run(wait_s)
+    return ends(one.frames[begin:])
+
+
+NONSENSE = [
+    b"\xff\xfe\x80stop\n",
+    b"start\x00\n",
+    b"set\n",
+    b"set =\n",
+    b"set rate\n",
+    b"set rate=\n",
+    b"set rate=99999999999999999999\n",
+    b"set rate=-100\n",
+    b"set name=" + b"x" * 16 + b"\n",
+    b"set channels=A A A A A A A A\n",
+    b"set channels=- - - - - - - -\n",
+    b"set channels=A1 A2\n",
+    b"set device=70000\n",
+    b"set clock_ppm=99999\n",
+    b"set clock_ppm=x\n",
+    b"time\n",
+    b"time -1\n",
+    b"time 99999999999\n",
+    b"x" * 63 + b"\n",
+    b"x" * 64 + b"\n",
+    b"x" * 1000 + b"\n",
+    b"START\n",
+    b"stop*0000\n",
+    b"stop*\n",
+    b"*\n",
+    b"stream maybe\n",
+    b"%s%n%x\n",
+]
+
+
+@pytest.mark.parametrize("line", NONSENSE, ids=lambda line: repr(line[:24]))
+def test_nonsense_is_refused_once_with_a_reason(logger, card, line):
+    one = logger(card)
+    before = one.command("info").lines
+    (answer,) = send_line(one, line)
+    assert answer.kind == "E" and answer.payload
+    assert one.command("info").lines == before
+    assert one.board.counters().resets == 0
+
+
+def test_random_lines_get_one_answer_each(logger, card):
+    one = logger(card)
+    rng = random.Random(7)
+    words = [
+        b"set ",
+        b"rate=",
+        b"channels=",
+        b"time ",
+        b"status",
+        b"info",
+        b"stream on",
+        b"*",
+        b" ",
+    ]
+    for _ in range(60):
+        pieces = [
+            rng.choice([rng.choice(words), rng.randbytes(rng.randrange(6))]) for _ in range(4)
+        ]
+        line = b"".join(pieces).translate(None, b"\n\r")
+        if not line.strip(b" \t") or line.strip(b" \t").startswith(b"#"):
+            continue
+        answers = send_line(one, line + b"\n", 0.1)
+        assert len(answers) == 1, line
+    assert one.board.counters().resets == 0
+    assert one.command("start").ok and one.command("stop").ok
+
+
+def test_a_command_with_a_flipped_bit_is_not_carried_out(logger, card):
+    one = logger(card)
+    assert one.command("info").ok  # it has met its card
+    command = checked("start")[:-1]
+    for bit in range(8 * len(command)):
+        damaged = bytearray(command)
+        damaged[bit // 8] ^= 1 << bit % 8
+        if bytes(damaged).isascii() and b"*" not in damaged:
+            continue  # it has lost its check sum: what a person might have typed
+        if damaged[:6] == command[:6] and damaged.upper() == command.upper():
+            continue  # the same hexadecimal number
+        answers = send_line(one, bytes(damaged) + b"\n", 0.03)
+        assert answers and all(answer.kind == "E" for answer in answers)
+    assert one.command("status").values["state"] == "ready"
+    assert one.texts("H") == []
+
+
+def test_noise_on_the_line_does_not_touch_a_session(logger, card):
+    one = logger(card, signals=sines(3.0, seconds=20.0))
+    assert one.command("start").ok
+    rng = random.Random(8)
+    for _ in range(40):
+        one.board.serial.write(rng.randbytes(rng.randrange(1, 60)))
+        one.run(0.1)
+    one.board.serial.write(b"\n")
+    one.run(0.5)
+    reply = one.command("stop")
+    log = one.log()
+    assert check_totals(one, log, reply)[2] == 0
+    assert log.summary["late"] == "0" and log.summary["unsent"] == "0"
+
+
+def test_a_flood_at_full_rate_costs_nothing_that_is_not_counted(logger, card):
+    """50000 bytes a second of noise, more than the processor can take."""
+    one = logger(card, signals=sines(3.0, seconds=20.0))
+    assert one.command("start").ok
+    missed = one.board.counters().missed
+    one.board.serial.write(random.Random(9).randbytes(100_000))
+    one.run(3.0)
+    one.board.serial.write(b"\n")
+    one.run(0.5)
+    reply = one.command("stop")
+    log = one.log()
+    check_totals(one, log, reply)
+    assert int(log.summary["late"]) == one.board.counters().missed - missed
+    assert one.board.counters().resets == 0
+
+
+def test_the_line_carries_all_that_the_file_has(logger, card):
+    one = logger(card, signals=sines(3.0, seconds=20.0))
+    assert one.command("start").ok
+    one.run(2.0)
+    assert one.command("stop").ok
+    log = one.log()
+    session, *header = one.texts("H")
+    assert session == f"session={log.session:08X}"
+    assert dict(text.split("=", 1) for text in header) == log.header
+    assert one.summary() == log.summary
+    streamed = {n: sums for (number, n), sums in one.streamed().items() if number == log.session}
+    assert streamed == log.scans
+    last = one.acknowledgements()[-1]
+    assert (last.session, last.lost) == (log.session, 0)
+    assert last.blocks <= len(log.blocks) - 1
+
+
+def test_commands_may_be_repeated_without_harm(logger, card):
+    one = logger(card)
+    assert one.command("stop").ok
+    first, second = one.command("start"), one.command("start")
+    assert first.ok and second.ok and first.text == second.text == "HOP00001.HOP"
+    one.run(0.5)
+    assert one.command("stop").ok and one.command("stop").ok
+    assert [name for name in card.files() if name.endswith(".HOP")] == ["HOP00001.HOP"]
+
+
+def test_streaming_without_a_session_has_session_number_0(logger, card):
+    one = logger(card)
+    assert one.command("stream on").ok
+    one.run(1.0)
+    assert one.command("stream off").ok
+    numbers = [n for session, n in one.streamed() if session == 0]
+    assert len(numbers) >= 95 and numbers[-50:] == list(range(numbers[-50], numbers[-1] + 1))
+    begin = len(one.frames)
+    one.run(0.5)
+    assert all(frame.kind != "D" for frame in one.frames[begin:])

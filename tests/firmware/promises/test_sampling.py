@@ -1,0 +1,152 @@
+"""Promise 1: all channels have the same mean instant. Promise 6: jitter is bounded in cycles."""
+
+import numpy as np
+import pytest
+
+from tests.firmware.promises.logger import ADC_VECTOR, configure
+from wheelhop.hil_sim import Event, constant, from_array
+
+CPU_HZ = 16e6
+SAMPLE_DELAY_S = 259 / CPU_HZ  # from the trigger: ATmega328P data sheet, table 24-1
+CONVERSION_S = 2500 / CPU_HZ
+# 3983 codes per second: 4.4 codes in the 1.09 ms between first and last channel, and no multiple
+# of the scan rate, so that scans meet the steps of the converter at every phase.
+LOW, HIGH, RISE_S = 100.3, 900.7, 0.201
+
+
+def triangle():
+    """All channels rise and fall together, for ever."""
+    rows = np.array([LOW, HIGH])[:, None] * np.ones(8)
+    return from_array(rows, 1 / RISE_S, repeat=True)
+
+
+def triangle_at(time_s):
+    phase = np.mod(time_s / RISE_S, 2.0)
+    return LOW + (HIGH - LOW) * np.where(phase < 1, phase, 2 - phase)
+
+
+def session(logger, card, seconds=2.0, **options):
+    """A session, its file, and its triggers in seconds of board time."""
+    one = logger(card, trace=True, **options)
+    one.board.trace()
+    assert one.command("start").ok
+    one.run(seconds)
+    assert one.command("stop").ok
+    return one, one.log(), one.board.trace()
+
+
+def triggers_of(trace, log):
+    """Times of the conversions of the session, the last uninterrupted run of triggers."""
+    events = trace.of(Event.CONVERSION)
+    cycles = events["cycle"].astype(np.int64)
+    pauses = np.flatnonzero(np.diff(cycles) > 5000) + 1
+    runs = np.split(cycles, pauses)
+    needed = len(log.scans) * int(log.header["conversions"]) * 8
+    return max(runs, key=len), needed
+
+
+def test_on_a_ramp_all_channels_have_the_same_mean(logger, card):
+    _, log, _ = session(logger, card, signals=triangle())
+    straight = 0
+    for sums in log.scans.values():
+        if min(sums) > 8 * (LOW + 60) and max(sums) < 8 * (HIGH - 60):
+            straight += 1
+            assert max(sums) - min(sums) <= 8, sums  # means within one code
+    assert straight > 100
+
+
+@pytest.mark.parametrize("rate", [100, 200, 400])
+def test_a_scan_is_the_mean_about_the_instant_that_the_specification_gives(logger, card, rate):
+    configure(card, f"size_mb = 1\nstream = on\nrate = {rate}\n")
+    _, log, trace = session(logger, card, 1.0, signals=triangle())
+    conversions = int(log.header["conversions"])
+    assert rate * conversions == 800
+    triggers, needed = triggers_of(trace, log)
+    first_s = triggers[0] / CPU_HZ
+    if len(triggers) > needed and triggers[1] - triggers[0] != 2500:
+        first_s = triggers[1] / CPU_HZ  # a conversion by hand went before
+    half = 8 * conversions // 2
+    for number, sums in log.scans.items():
+        if not conversions * (LOW + 60) < min(sums) <= max(sums) < conversions * (HIGH - 60):
+            continue
+        centre = first_s + (number * 2 * half + (2 * half - 1) / 2) * CONVERSION_S
+        truth = triangle_at(centre + SAMPLE_DELAY_S)
+        means = np.array(sums) / conversions + 0.5  # codes are rounded down
+        assert np.abs(means - truth).max() < 0.6 + 1 / conversions, number
+
+
+def test_conversions_start_without_jitter_while_card_and_line_are_busy(logger, card, capsys):
+    one = logger(card, trace=True, signals=triangle())
+    assert one.command("start").ok
+    one.board.trace()
+    for _ in range(6):
+        one.run(0.4)
+        assert one.command("status").ok
+    trace = one.board.trace()
+    steps = np.diff(trace.of(Event.CONVERSION)["cycle"].astype(np.int64))
+    runs = trace.interrupts(ADC_VECTOR)
+    took = runs[:, 1] - runs[:, 0]
+    idle = one.board.counters().idle_cycles / (one.board.time * CPU_HZ)
+    with capsys.disabled():
+        print(
+            f"\nfirmware: jitter {np.ptp(steps)} cycles over {len(steps)} conversions, interrupt "
+            f"at most {took.max()} cycles, idle {idle:.0%} of the time since power-on, "
+            f"{one.board.stack_left()} bytes of RAM never touched"
+        )
+    assert set(steps) == {2500}
+    assert trace.of(Event.MISSED).size == 0
+    assert took.max() < 2500 - 13.5 * 128  # or else the next trigger meets a raised flag
+
+
+def test_nothing_offends_the_card_or_the_converter(logger, card):
+    one, log, _ = session(logger, card)
+    counters = one.board.counters()
+    assert (counters.card_violations, one.board.last_violation()) == (0, "")
+    assert counters.reference_conflicts == 0  # AREF is driven from outside
+    assert (counters.spi_collisions, counters.serial_overruns, counters.missed) == (0, 0, 0)
+    assert log.summary["late"] == "0"
+
+
+@pytest.mark.parametrize("cycles", [900, 1600, 2200])
+def test_triggers_that_are_lost_are_counted(logger, card, cycles):
+    """As if something kept the interrupt waiting, at every phase of the period."""
+    one = logger(card, trace=True, signals=triangle())
+    assert one.command("start").ok
+    one.board.trace()
+    missed = one.board.counters().missed
+    for _ in range(50):
+        one.run(0.01 + 2500 / CPU_HZ / 50)
+        one.board.hold_cpu(cycles)
+    one.run(0.1)
+    missed = one.board.counters().missed - missed
+    assert missed > 3
+    assert one.command("stop").ok
+    log = one.log()
+    assert int(log.summary["late"]) == missed
+    assert int(log.summary["due"]) == len(log.scans) + int(log.summary["lost"])
+    late = [block.late for block in log.blocks]
+    assert late == sorted(late) and late[-1] == missed
+
+
+@pytest.mark.parametrize("names", ["- - - - - - - X1", "B1 - B3 - A1 - A3 -"])
+def test_chosen_channels_alone_are_recorded(logger, card, names):
+    configure(card, f"size_mb = 1\nchannels = {names}\n")
+    levels = np.arange(8) * 100 + 50.5
+    _, log, _ = session(logger, card, 1.0, signals=constant(levels))
+    chosen = [
+        int(level) * 8 for level, name in zip(levels, names.split(), strict=True) if name != "-"
+    ]
+    assert log.header["channels"] == names
+    assert set(log.scans.values()) == {tuple(chosen)}
+    assert len(log.scans) >= 99
+
+
+def test_full_scale_on_all_channels_is_stored_unharmed(logger, card):
+    _, log, _ = session(logger, card, 1.0, signals=constant(2000.0))
+    assert set(log.scans.values()) == {(8184,) * 8}
+
+
+@pytest.mark.parametrize("volts", [2.8, 3.3, 3.6])
+def test_the_supply_of_the_sensors_is_measured(logger, card, volts):
+    _, log, _ = session(logger, card, 0.5, reference_volts=volts)
+    assert abs(int(log.header["supply_mv"]) - 1000 * volts) < 15  # one code at 1.1 V
