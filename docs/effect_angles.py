@@ -26,7 +26,9 @@ def angles_picture(effects: Mapping[str, Effect], stage: Stage, folder: Path) ->
     """How far each effect is from anything each other can do, on the campaign's fitted runs."""
     campaign = read_campaign(folder)
     base = fit_baseline(campaign, stage.vehicle, progress=lambda text: print(text, flush=True))
-    forms = [form for effect in effects.values() for form in _forms(effect, campaign.channels)]
+    # Heights that may be anything have no signature.
+    known = [effect for effect in effects.values() if not effect.has_random_heights]
+    forms = [form for effect in known for form in _forms(effect, campaign.channels)]
     absorbed = _baseline_columns(base)
     signatures, columns = [], []
     for _, form in forms:

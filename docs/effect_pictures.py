@@ -5,7 +5,17 @@ from __future__ import annotations
 
 import matplotlib as mpl
 import numpy as np
-from effect_stage import DURATION_S, Array, Change, Stage, extension, most_telling, strengths
+from effect_stage import (
+    DURATION_S,
+    RATE_HZ,
+    RUN_UP_S,
+    Array,
+    Change,
+    Stage,
+    extension,
+    most_telling,
+    strengths,
+)
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.figure import Figure
@@ -14,11 +24,14 @@ from matplotlib.ticker import MaxNLocator
 from wheelhop.compare.motion import MOTIONS, motion_matrix
 from wheelhop.compare.thirds import third_octave_of, third_octaves
 from wheelhop.effects import Effect
-from wheelhop.simulate import frequency_response
+from wheelhop.effects.acceleration_moment import AccelerationMoment
+from wheelhop.simulate import RunSimulator, frequency_response
+from wheelhop.track import Wheel, make_track
 from wheelhop.vehicle import corner_position
 
 SHOWN_FROM_S = 3.0
 DAMPER_LAWS = ("asymmetric-damper", "digressive-damper")  # drawn against velocity
+STRUT_LAWS = ("backlash", "mount-bushing")  # in series with spring and damper
 
 INK, SOFT, RULE = "#1b1f24", "#5b6470", "#dfe3e8"
 BASELINE, EFFECT = "#c8540a", "#0b66a8"
@@ -145,6 +158,10 @@ def draw_mechanism(axes: Axes, effect: Effect, stage: Stage, change: Change) -> 
         draw_shape(axes, stage, added[:, 0])
     elif effect.place == "speed":
         draw_travel(axes, effect, stage, change)
+    elif effect.has_random_heights:
+        draw_heights(axes, stage, change)
+    elif effect.place == "wheel":
+        draw_path(axes, effect, stage, change)
     else:
         draw_response(axes, stage, change)
 
@@ -156,7 +173,7 @@ def draw_law(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
     law, parameters = system.laws[system.port_law[0]], system.law_parameters[0]
     force, memory = np.zeros(len(x)), 0.0
     for i in range(1, len(x)):
-        force[i], memory = law(x[i], v[i], x[i] - x[i - 1], memory, parameters)
+        force[i], memory = law(x[i], v[i], x[i] - x[i - 1], 1 / RATE_HZ, memory, parameters)
     end = stage.vehicle.values
     if effect.place == "tyre":
         linear = (
@@ -166,6 +183,11 @@ def draw_law(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
     elif effect.id in DAMPER_LAWS:
         linear = end["suspension.front.damping_N_s_m"] * v
         across, label, what = v, "rate, m/s (positive: rebound)", "damper"
+    elif effect.id in STRUT_LAWS:
+        linear = (
+            end["suspension.front.stiffness_N_m"] * x + end["suspension.front.damping_N_s_m"] * v
+        )
+        across, label, what = 1e3 * x, "extension, mm (positive: rebound)", "strut"
     else:
         linear = end["suspension.front.stiffness_N_m"] * x
         across, label, what = 1e3 * x, "extension, mm (positive: rebound)", "spring"
@@ -178,15 +200,56 @@ def draw_law(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
 
 
 def draw_force(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
-    """An applied force against time."""
-    time = np.linspace(0.0, 0.2, 801)
-    theta = change.model.theta(effect, change.run.id)
-    history = effect.forces(theta, stage.setting(change.run), time)[0]
-    axes.plot(1e3 * time, history, color=EFFECT)
+    """An applied force against time, for two periods of what it does."""
+    time, speed = change.run.time_s, change.run.speed_m_s
+    theta, setting = change.model.theta(effect, change.run.id), stage.setting(change.run)
+    way = np.repeat(speed * time[:, None], 4, axis=1)
+    history = effect.forces(theta, setting, time, way, np.full_like(way, speed))[0]
+    if isinstance(effect, AccelerationMoment):
+        axes.plot(time, history, color=EFFECT)
+        axes.axhline(0.0, color=BASELINE)
+        axes.set_title(f"acceleration {effect.direction}", pad=15)
+        axes.set_xlabel("time, s")
+        axes.set_ylabel("m/s²")
+        return
+    turned = np.flatnonzero(np.diff(np.sign(history)) > 0)
+    shown = slice(turned[0], turned[2] + 1) if len(turned) > 2 else slice(None)
+    axes.plot(1e3 * (time[shown] - time[shown][0]), history[shown], color=EFFECT)
     axes.axhline(0.0, color=BASELINE)
-    axes.set_title("force on the body", pad=15)
+    axes.set_title("force on the axle" if effect.place == "axle" else "force on the body", pad=15)
     axes.set_xlabel("time, ms")
     axes.set_ylabel("force, N")
+
+
+def draw_path(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
+    """The path of the front left wheel's centre over two waves: rigid, and with the effect."""
+    values = stage.vehicle.values
+    pitch = float(change.run.track.values["pitch_m"])
+    x = np.linspace(0.0, 2 * pitch, 801)
+    y = corner_position(values, 0)[1]
+    track, radius = make_track(change.run.track), values["wheel.front.radius_m"]
+    wheel = Wheel(track, y, radius, -pitch, 3 * pitch)
+    path = effect.wheel_path(change.model.theta(effect), 0, wheel)
+    assert path is not None
+    axes.plot(x, 1e3 * wheel.rigid().height(x), color=BASELINE)
+    axes.plot(x, 1e3 * path.height_and_slope(x)[0], color=EFFECT)
+    axes.set_title("path of the front left wheel", pad=15)
+    axes.set_xlabel("way, m")
+    axes.set_ylabel("height, mm")
+
+
+def draw_heights(axes: Axes, stage: Stage, change: Change) -> None:
+    """What lies on top of the track under the left wheels, and under the right ones."""
+    series = RunSimulator(stage.campaign, change.run, RUN_UP_S).series
+    assert series is not None
+    way = np.linspace(0.0, 4.0, 801)
+    height, _ = series.at(change.model.heights[change.run.id], np.repeat(way[:, None], 4, axis=1))
+    axes.plot(way, 1e3 * height[:, 0], color=EFFECT, label="left")
+    axes.plot(way, 1e3 * height[:, 1], color=SOFT, linewidth=0.8, label="right")
+    axes.set_title("height on top of the track", pad=15)
+    axes.set_xlabel("way, m")
+    axes.set_ylabel("mm")
+    axes.legend(loc="upper right")
 
 
 def draw_travel(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
@@ -223,17 +286,21 @@ def draw_reading(axes: Axes, change: Change) -> None:
 
 
 def draw_response(axes: Axes, stage: Stage, change: Change) -> None:
-    """The body's heave over the road's, all wheels raised together."""
+    """The body's heave or roll, whichever changes more, over that of the road under all wheels."""
     frequency = np.geomspace(0.5, 30.0, 400)
-    combine = motion_matrix(stage.campaign.channels, np.ones(8, dtype=bool))[0]
-    for model, colour in ((stage.model, BASELINE), (change.model, EFFECT)):
-        system = model.system(stage.campaign.channels, "road")
-        points = frequency_response(system, frequency).sum(axis=2)
-        heave = np.abs(points @ combine) / 2 / (2 * np.pi * frequency) ** 2
-        axes.plot(frequency, heave, color=colour)
+    combine = motion_matrix(stage.campaign.channels, np.ones(8, dtype=bool))
+    systems = [m.system(stage.campaign.channels, "road") for m in (stage.model, change.model)]
+    shown: dict[str, Array] = {}
+    for motion, road in (("heave", [1, 1, 1, 1]), ("roll", [1, -1, 1, -1])):
+        responses = np.stack([frequency_response(s, frequency) @ road for s in systems])
+        moved = responses @ combine[MOTIONS.index(motion)]
+        shown[motion] = np.abs(moved) / 2 / (2 * np.pi * frequency) ** 2
+    motion = max(shown, key=lambda name: float(np.abs(np.diff(shown[name], axis=0)).max()))
+    for curve, colour in zip(shown[motion], (BASELINE, EFFECT), strict=True):
+        axes.plot(frequency, curve, color=colour)
     axes.set_xscale("log")
     axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
-    axes.set_title("heave, body over road", pad=15)
+    axes.set_title(f"{motion}, body over road", pad=15)
     axes.set_xlabel("frequency, Hz")
     axes.set_ylabel("transmissibility")
 

@@ -13,7 +13,9 @@ from scipy.integrate import cumulative_simpson
 from wheelhop.campaign import Campaign, Run, read_campaign
 from wheelhop.compare import InBand
 from wheelhop.effects import Effect, RunSetting
+from wheelhop.effects.acceleration_moment import KNOT_S, AccelerationMoment
 from wheelhop.simulate import Model, RunSimulator
+from wheelhop.simulate.run import slow_part
 from wheelhop.track import make_track, wheel_envelope
 from wheelhop.vehicle import Vehicle, corner_position, read_vehicle
 
@@ -32,16 +34,23 @@ class Stage:
     campaign: Campaign
     vehicle: Vehicle
     model: Model
-    noise_rms_m_s2: float
+    noise_rms: float
 
     def setting(self, run: Run) -> RunSetting:
         """What an effect knows of a run."""
         return RunSimulator(self.campaign, run, RUN_UP_S).setting
 
+    def heights(self, effect: Effect, run: Run) -> NDArray[np.complex128]:
+        """Heights of the ground as an effect's density has them."""
+        series = RunSimulator(self.campaign, run, RUN_UP_S).series
+        assert series is not None
+        density = effect.height_density(strengths(effect, self), series.wave_number_rad_m)
+        return series.drawn(density, np.random.default_rng(1))
+
     def response(self, model: Model, run: Run, run_up_s: float = RUN_UP_S) -> Array:
         """Accelerations (n, c), m/s²."""
         simulator = RunSimulator(self.campaign, run, run_up_s)
-        return simulator.accelerations(model, model.system(self.campaign.channels, "road"))
+        return simulator.record(model, model.system(self.campaign.channels, "road"))
 
 
 def set_stage(folder: Path) -> Stage:
@@ -50,13 +59,13 @@ def set_stage(folder: Path) -> Stage:
     vehicle = read_vehicle(campaign.vehicle_file)
     time = np.arange(round(DURATION_S * RATE_HZ)) / RATE_HZ
     silent = np.zeros((len(time), len(campaign.channels)))
-    runs = tuple(replace(run, time_s=time, acceleration=silent) for run in campaign.runs)
+    runs = tuple(replace(run, time_s=time, record=silent) for run in campaign.runs)
     own = {run.id: {"speed_m_s": run.speed_m_s, "start_m": 0.0} for run in runs}
     return Stage(
         replace(campaign, sample_rate_hz=RATE_HZ, averaging_s=0.0, runs=runs),
         vehicle,
         Model(vehicle.values, (), own),
-        campaign.noise_rms_m_s2 or 0.0,
+        campaign.noise_rms or 0.0,
     )
 
 
@@ -92,11 +101,13 @@ def switched_on(
 
 def _history(effect: Effect, count: int) -> Array:
     """Shares of the scale for the numbers free in a run: distance won and lost again, a lead that
-    grows; for other effects all at once."""
+    grows, an acceleration that swings; for other effects all at once."""
     if effect.id == "speed-fluctuation":
         return np.hanning(count)
     if effect.id == "left-right-drift":
         return np.linspace(0.0, 1.0, count)
+    if isinstance(effect, AccelerationMoment):
+        return np.sin(2 * np.pi * np.arange(count) * KNOT_S)  # of 1 s period
     return np.ones(count)
 
 
@@ -120,6 +131,9 @@ def most_telling(effect: Effect, stage: Stage) -> Change:
     """The run on which the change is the largest share of response and sensor noise, in band."""
     settings = [stage.setting(run) for run in stage.campaign.runs]
     model = switched_on(stage.model, effect, settings, strengths(effect, stage))
+    if effect.has_random_heights:
+        runs = stage.campaign.runs
+        model = model.with_heights({run.id: stage.heights(effect, run) for run in runs})
     changes = []
     for run in stage.campaign.runs:
         band = InBand(len(run.time_s), RATE_HZ, stage.campaign.band_hz)
@@ -128,17 +142,17 @@ def most_telling(effect: Effect, stage: Stage) -> Change:
 
     def share(change: Change) -> float:
         response = np.mean(change.band.signal(change.before) ** 2)
-        return float(np.mean(change.in_band**2) / (response + stage.noise_rms_m_s2**2))
+        return float(np.mean(change.in_band**2) / (response + stage.noise_rms**2))
 
     return max(changes, key=share)
 
 
 def extension(stage: Stage, change: Change) -> tuple[Array, Array]:
-    """Extension (n,), m, and its rate, m/s, of the first part with a law: from rest, by
-    integration of its acceleration."""
+    """Extension (n,), m, and its rate, m/s, of the first part with a law: its acceleration
+    integrated, without what is slower than the band."""
     simulator = RunSimulator(stage.campaign, change.run, 0.0)
     system = change.model.system(stage.campaign.channels, "road")
-    acceleration = simulator.accelerations(
+    acceleration = simulator.record(
         change.model, replace(system, output=np.vstack([system.port[:1]] * len(system.output)))
     )[:, 0]
     v = cumulative_simpson(acceleration, dx=1 / RATE_HZ, initial=0.0)
@@ -155,4 +169,5 @@ def extension(stage: Stage, change: Change) -> tuple[Array, Array]:
         )
         x = x + system.port_input[0, 0] * path.height(position)
         v = v + system.port_input[0, 0] * path.slope(position) * change.run.speed_m_s
-    return x, v
+    drift = slow_part(change.run.time_s, x, 1.0 / stage.campaign.band_hz[0])
+    return x - drift(change.run.time_s), v - drift(change.run.time_s, 1)

@@ -33,7 +33,7 @@ def main() -> None:
         campaign, vehicle, load_effects(), progress=lambda text: print(text, flush=True)
     )
     print(f"verdict: {', '.join(diagnosis.verdict)}, confidence {diagnosis.confidence:.2f}")
-    worst = cases([channel.name for channel in campaign.channels], diagnosis.ladder)[0]
+    worst = cases(campaign.channels, diagnosis.ladder)[0]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.4, 3.3))
         draw_case(
@@ -52,7 +52,7 @@ def draw_case(upper: Axes, lower: Axes, case: Case, added: str) -> None:
     upper.plot(time, case.measured[shown], color=INK, lw=1.8, label="measured")
     upper.plot(time, case.before[shown], color=BASELINE, label="baseline")
     upper.plot(time, case.after[shown], color=EFFECT, label=f"with {added}")
-    noise = 2 * case.noise_rms_m_s2
+    noise = 2 * case.noise_rms
     lower.axhspan(-noise, noise, color=RULE, lw=0, label="noise")
     lower.plot(time, (case.measured - case.before)[shown], color=BASELINE)
     lower.plot(time, (case.measured - case.after)[shown], color=EFFECT)

@@ -8,14 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.component import rig
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
 from wheelhop.cli.main import _parser
-from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose import diagnose, fit_baseline
 from wheelhop.diagnose.screen import screen
 from wheelhop.effects import load_effects
 from wheelhop.simulate import Model, RunSimulator
-from wheelhop.vehicle import read_vehicle
+from wheelhop.vehicle import read_nominal, read_vehicle
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -137,10 +138,22 @@ def test_the_example_of_an_own_effect_has_the_law_it_states(own_effects):
     c2 = {f"{effect.id}.front_N_s2_m2": 300.0, f"{effect.id}.rear_N_s2_m2": 200.0}
     system = Model({**values, **c2}, (effect,)).system(campaign.channels, "road")
     law = system.laws[system.port_law[0]]
-    assert law(0.0, 0.5, 0.0, 0.0, system.law_parameters[0]) == (75.0, 0.0)
-    assert law(0.0, -0.5, 0.0, 0.0, system.law_parameters[3]) == (-50.0, 0.0)
+    assert law(0.0, 0.5, 0.0, 0.0, 0.0, system.law_parameters[0]) == (75.0, 0.0)
+    assert law(0.0, -0.5, 0.0, 0.0, 0.0, system.law_parameters[3]) == (-50.0, 0.0)
     # Body up and axle down both extend the strut.
     assert np.allclose(system.port[0, [0, 3]], [1.0, -1.0])
+
+
+def test_the_example_of_an_own_effect_is_found_on_a_rig(own_effects, tmp_path):
+    """Along an imposed displacement, in the records of a rig that shares no code."""
+    numbers = {"quadratic_N_s2_m2": 3000.0}
+    component = rig.Component(hidden="quadratic-damper", numbers=numbers)
+    folder = rig.make_campaign(tmp_path / "c", "displacement", component, seed=1, noise=0.01)
+    campaign = read_campaign(folder)
+    diagnosis = diagnose(campaign, read_nominal(campaign), own_effects, jobs=1)
+    assert diagnosis.verdict == ("quadratic-damper",)
+    value, _ = diagnosis.ladder[-1].parameters["quadratic-damper.strut_N_s2_m2"]
+    assert value == pytest.approx(3000.0, rel=0.02)
 
 
 def test_the_example_of_an_own_effect_is_found_where_it_is_missing(own_effects, tmp_path):
@@ -155,8 +168,8 @@ def test_the_example_of_an_own_effect_is_found_where_it_is_missing(own_effects, 
         free = {run.id: {"speed_m_s": run.speed_m_s, "start_m": 0.1}}
         model = Model({**vehicle.values, **strong}, (effect,), free)
         simulator = RunSimulator(campaign, run, run_up_s=4.0)
-        moved = simulator.accelerations(model, model.system(campaign.channels, "road"))
-        return replace(run, acceleration=moved + noise.normal(0.0, 0.1, moved.shape))
+        moved = simulator.record(model, model.system(campaign.channels, "road"))
+        return replace(run, record=moved + noise.normal(0.0, 0.1, moved.shape))
 
     campaign = replace(campaign, runs=tuple(recorded(run) for run in campaign.runs))
     base = fit_baseline(campaign, vehicle, progress=lambda text: None)

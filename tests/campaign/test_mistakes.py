@@ -86,7 +86,6 @@ IN_CAMPAIGN_TOML = {
     "averaging in µs": ("averaging_ms = 6.6", "averaging_ms = 6600", ["averaging_ms", "(30 ms)"]),
     "noise of zero": ("noise_rms_m_s2 = 0.12", "noise_rms_m_s2 = 0", ["greater than 0"]),
     "newer format": ("format = 1", "format = 2", ["format = 2", "reads format = 1"]),
-    "component": ("format = 1", 'format = 1\nkind = "component"', ["component", "cannot be read"]),
     "wrong place": ("[[run]]", '[channels]\nA1 = "A5"\n[[run]]', ["[channels]: A1", '"body"']),
     "place of one": ("[[run]]", "[channels]\nA1 = [0.1]\n[[run]]", ["A1", "two numbers"]),
     "no channels": ("[[run]]", "[channels]\n[[run]]", ["[channels]", "is empty"]),

@@ -29,21 +29,21 @@ def test_everything_arrives_in_si(folder):
     assert campaign.vehicle_file == folder / "vehicle.toml"
     assert (campaign.sample_rate_hz, campaign.band_hz) == (100.0, (0.5, 30.0))
     assert campaign.averaging_s == pytest.approx(6.6e-3)
-    assert campaign.noise_rms_m_s2 == 0.12
+    assert campaign.noise_rms == 0.12
     slow, fast = campaign.runs
     assert (slow.id, slow.role, fast.id, fast.role) == ("slow", "fit", "fast", "validate")
     assert (campaign.fit_runs, campaign.validate_runs) == ((slow,), (fast,))
     assert fast.speed_m_s == pytest.approx(10.0)
     assert slow.track == TrackSpec("washboard", {"amplitude_m": 0.015, "pitch_m": 0.4})
     assert slow.time_s == pytest.approx(np.arange(ROWS) / 100.0)
-    assert np.array_equal(slow.acceleration, acceleration(1))
-    assert np.array_equal(fast.acceleration, acceleration(2))
+    assert np.array_equal(slow.record, acceleration(1))
+    assert np.array_equal(fast.record, acceleration(2))
 
 
 def test_without_a_noise_line_the_floor_is_unknown_and_sampling_ideal(folder):
     edit(folder / "campaign.toml", "averaging_ms = 6.6\nnoise_rms_m_s2 = 0.12\n", "")
     campaign = read_campaign(folder)
-    assert campaign.noise_rms_m_s2 is None
+    assert campaign.noise_rms is None
     assert campaign.averaging_s == 0.0
 
 
@@ -63,20 +63,20 @@ def test_named_channels_select_place_and_follow_the_columns(folder):
     assert b2 == Channel("B2", "body-xy", 0.35, -0.2)
     assert a4 == Channel("A4", "A4")
     assert (b1.corner, b2.corner, a4.corner) == (None, None, 3)
-    assert np.array_equal(campaign.runs[0].acceleration, acceleration(1)[:, [0, 1, 7]])
+    assert np.array_equal(campaign.runs[0].record, acceleration(1)[:, [0, 1, 7]])
 
 
 def test_columns_are_found_by_name_in_every_run(folder):
     order = [7, 0, 6, 1, 5, 2, 4, 3]
     names = ("A4", "B1", "A3", "B2", "A2", "B3", "A1", "B4")
     (folder / "runs/fast.csv").write_text(csv_text(acceleration(2)[:, order], names))
-    assert np.array_equal(read_campaign(folder).runs[1].acceleration, acceleration(2))
+    assert np.array_equal(read_campaign(folder).runs[1].record, acceleration(2))
 
 
 def test_excel_line_ends_and_byte_order_mark_change_nothing(folder):
     for file in (folder / "campaign.toml", folder / "runs/slow.csv"):
         file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes().replace(b"\n", b"\r\n"))
-    assert np.array_equal(read_campaign(folder).runs[0].acceleration, acceleration(1))
+    assert np.array_equal(read_campaign(folder).runs[0].record, acceleration(1))
 
 
 def test_parquet_holds_the_same_as_csv(folder):
@@ -86,15 +86,15 @@ def test_parquet_holds_the_same_as_csv(folder):
     table = arrow.table({"time_s": np.arange(ROWS) / 100.0, **columns})
     parquet.write_table(table, folder / "runs/slow.parquet")
     edit(folder / "campaign.toml", "runs/slow.csv", "runs/slow.parquet")
-    assert np.array_equal(read_campaign(folder).runs[0].acceleration, acceleration(1))
+    assert np.array_equal(read_campaign(folder).runs[0].record, acceleration(1))
 
 
 def test_arrays_are_read_only_and_a_campaign_survives_a_trip_to_another_process(folder):
     campaign = read_campaign(folder)
     with pytest.raises(ValueError, match="read-only"):
-        campaign.runs[0].acceleration[0, 0] = 0.0
+        campaign.runs[0].record[0, 0] = 0.0
     copy = pickle.loads(pickle.dumps(campaign))
-    assert np.array_equal(copy.runs[1].acceleration, campaign.runs[1].acceleration)
+    assert np.array_equal(copy.runs[1].record, campaign.runs[1].record)
 
 
 TRACKS = {
@@ -178,8 +178,8 @@ def test_rounded_time_stamps_are_uniform_enough(folder, rate_hz, decimals):
 def test_the_examples_are_valid(name):
     campaign = read_campaign(EXAMPLES / name)
     assert len(campaign.runs) == 18
-    assert {run.acceleration.shape for run in campaign.runs} == {(1024, 8)}
-    assert all(np.isfinite(run.acceleration).all() for run in campaign.runs)
+    assert {run.record.shape for run in campaign.runs} == {(1024, 8)}
+    assert all(np.isfinite(run.record).all() for run in campaign.runs)
 
 
 def test_reading_is_not_what_a_user_waits_for():
@@ -243,6 +243,6 @@ def test_what_is_written_is_what_is_read(data, title, speed_kmph, low, amplitude
         assert channel.name == name
         assert place == channel.point or place == (channel.x_m, channel.y_m)
     for run, expected in zip(campaign.runs, values, strict=True):
-        assert np.array_equal(run.acceleration, expected)
+        assert np.array_equal(run.record, expected)
         assert run.speed_m_s == pytest.approx(speed_kmph / 3.6)
         assert run.track.values["pitch_m"] == pytest.approx(pitch_mm / 1e3)

@@ -115,7 +115,7 @@ def test_options_of_diagnose_and_compare():
     assert compare.add == ["dry-friction", "tyre-lift-off"]
     assert compare.json == Path("x.json")
     diagnose = parse(["diagnose", "c"])
-    assert (diagnose.max_effects, diagnose.json, diagnose.report) == (3, None, None)
+    assert (diagnose.max_effects, diagnose.json, diagnose.report) == (4, None, None)
     own = parse(["diagnose", "c", "--effects", "mine.py", "--jobs", "2", "--max-effects", "5"])
     assert (own.effects, own.jobs, own.max_effects) == (Path("mine.py"), 2, 5)
     assert parse(["add", "c", "dry-friction", "bump-stop"]).effects == ["dry-friction", "bump-stop"]

@@ -22,11 +22,11 @@ def tested(bench):
 
 
 def scaled(campaign, responses, factor):
-    runs = tuple(replace(r, acceleration=factor * r.acceleration) for r in campaign.runs)
-    noise = campaign.noise_rms_m_s2 and abs(factor) * campaign.noise_rms_m_s2
+    runs = tuple(replace(r, record=factor * r.record) for r in campaign.runs)
+    noise = campaign.noise_rms and abs(factor) * campaign.noise_rms
     return (
-        replace(campaign, runs=runs, noise_rms_m_s2=noise),
-        [replace(r, acceleration=factor * r.acceleration) for r in responses],
+        replace(campaign, runs=runs, noise_rms=noise),
+        [replace(r, record=factor * r.record) for r in responses],
     )
 
 
@@ -37,8 +37,8 @@ def test_error_is_pooled_over_runs_and_channels_of_one_role(tested):
         # By hand: a plain discrete Fourier transform, bins of 0.5 to 30 Hz.
         k = np.arange(6, 308)[:, None] * np.arange(1024) / 1024
         transform = np.exp(-2j * np.pi * k)
-        residual += np.sum(np.abs(transform @ (run.acceleration - response.acceleration)) ** 2)
-        measured += np.sum(np.abs(transform @ run.acceleration) ** 2)
+        residual += np.sum(np.abs(transform @ (run.record - response.record)) ** 2)
+        measured += np.sum(np.abs(transform @ run.record) ** 2)
     assert compare(campaign, responses).error_validate == pytest.approx(
         np.sqrt(residual / measured)
     )
@@ -58,9 +58,9 @@ def test_units_do_not_matter_to_error_and_floor(size, sign):
 def test_permuting_the_channels_permutes_the_table(tested):
     campaign, responses = tested
     order = np.array([3, 0, 7, 2, 5, 1, 6, 4])
-    runs = tuple(replace(r, acceleration=r.acceleration[:, order]) for r in campaign.runs)
+    runs = tuple(replace(r, record=r.record[:, order]) for r in campaign.runs)
     other = replace(campaign, runs=runs, channels=tuple(campaign.channels[i] for i in order))
-    permuted = [replace(r, acceleration=r.acceleration[:, order]) for r in responses]
+    permuted = [replace(r, record=r.record[:, order]) for r in responses]
     once, again = compare(campaign, responses), compare(other, permuted)
     assert again.error_validate == pytest.approx(once.error_validate)
     np.testing.assert_allclose(
@@ -104,8 +104,8 @@ def test_a_role_without_runs_has_no_error_and_json_says_null(bench):
 def test_json_is_plain_and_complete(tested):
     campaign, responses = tested
     for response in responses:
-        response.acceleration[:, 2] = np.nan
-    comparison = compare(replace(campaign, noise_rms_m_s2=None), responses)
+        response.record[:, 2] = np.nan
+    comparison = compare(replace(campaign, noise_rms=None), responses)
     written = json.loads(json.dumps(to_json(comparison), allow_nan=False))
     assert written["floor"]["source"] == "estimated"
     assert written["floor"]["noise_rms_m_s2"]["b3"] is None
@@ -127,15 +127,15 @@ def test_a_response_that_does_not_fit_is_refused(tested):
     with pytest.raises(ValueError, match="no run 'other'"):
         compare(campaign, [replace(responses[0], run_id="other")])
     with pytest.raises(ValueError, match="does not fit"):
-        compare(campaign, [replace(responses[0], acceleration=np.zeros((1024, 3)))])
-    responses[0].acceleration[5, 1] = np.nan
+        compare(campaign, [replace(responses[0], record=np.zeros((1024, 3)))])
+    responses[0].record[5, 1] = np.nan
     with pytest.raises(ValueError, match="not finite"):
         compare(campaign, responses)
     with pytest.raises(ValueError, match="no response"):
         compare(campaign, [])
-    nothing = np.full_like(responses[0].acceleration, np.nan)
+    nothing = np.full_like(responses[0].record, np.nan)
     with pytest.raises(ValueError, match="no response"):
-        compare(campaign, [replace(responses[0], acceleration=nothing)])
+        compare(campaign, [replace(responses[0], record=nothing)])
 
 
 def test_the_screen_shows_errors_floor_and_every_run(tested):

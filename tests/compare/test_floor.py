@@ -42,8 +42,8 @@ def test_an_estimate_finds_the_noise_of_each_channel_under_a_wrong_model(bench, 
 def test_the_estimate_scales_with_the_signals(bench):
     campaign, responses = bench.campaign([2.0, 3.0], lambda t, v: bench.noise(0.1), noise=None)
     once = estimate_noise(in_band(campaign, responses))
-    runs = tuple(replace(r, acceleration=3.0 * r.acceleration) for r in campaign.runs)
-    larger = [replace(r, acceleration=3.0 * r.acceleration) for r in responses]
+    runs = tuple(replace(r, record=3.0 * r.record) for r in campaign.runs)
+    larger = [replace(r, record=3.0 * r.record) for r in responses]
     np.testing.assert_allclose(
         estimate_noise(in_band(replace(campaign, runs=runs), larger)), 3.0 * once, rtol=1e-9
     )
@@ -64,14 +64,14 @@ TRUTHS = sorted((ROOT / "tests" / "data" / "open_truth").glob("*.toml"))
 @pytest.mark.parametrize("truth", TRUTHS, ids=[path.stem for path in TRUTHS])
 def test_the_noise_of_an_open_campaign_is_found_without_being_told(truth):
     # No model at all (a response of zero): what the recordings alone give away.
-    campaign = replace(read_campaign(ROOT / "examples" / truth.stem), noise_rms_m_s2=None)
-    responses = [Response(r.id, np.zeros_like(r.acceleration), None) for r in campaign.runs]
+    campaign = replace(read_campaign(ROOT / "examples" / truth.stem), noise_rms=None)
+    responses = [Response(r.id, np.zeros_like(r.record), None) for r in campaign.runs]
     records = in_band(campaign, responses)
     floor = noise_floor(campaign, records)
     assert floor.source == "estimated"
     true = tomllib.loads(truth.read_text())
-    pooled = np.sqrt(np.mean(floor.noise_rms_m_s2**2))
+    pooled = np.sqrt(np.mean(floor.noise_rms**2))
     assert pooled == pytest.approx(true["noise_rms_in_band_m_s2"], rel=0.15)
     each = np.array([true["noise"][channel.name] for channel in campaign.channels])
-    np.testing.assert_allclose(floor.noise_rms_m_s2, each * IN_BAND, rtol=0.2)
+    np.testing.assert_allclose(floor.noise_rms, each * IN_BAND, rtol=0.2)
     assert relative_error(records) == pytest.approx(1.0)

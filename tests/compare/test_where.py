@@ -166,7 +166,7 @@ def test_the_road_is_followed_through_a_wandering_speed(bench):
     for run, response in zip(campaign.runs, responses, strict=True):
         x = run.speed_m_s * (run.time_s + wander * np.sin(run.time_s))
         again = np.sin(4 * np.pi * x / PITCH)[:, None] * np.ones(8)
-        runs.append(replace(run, acceleration=run.acceleration + again))
+        runs.append(replace(run, record=run.record + again))
         moved.append(replace(response, position_m=x))
     campaign = replace(campaign, runs=tuple(runs))
     assert where_of(campaign, moved).locking.road == pytest.approx(1.0, abs=0.02)
@@ -241,7 +241,7 @@ def test_rear_axle_hop_is_described_as_such(bench):
 def test_channels_that_are_not_predicted_count_nowhere(bench):
     campaign, responses = bench.campaign(SPEEDS, lambda t, v: bench.noise(0.3), noise=0.3)
     for response in responses:
-        response.acceleration[:, 4:] = np.nan
+        response.record[:, 4:] = np.nan
     comparison = compare(campaign, responses)
     where = comparison.breakdown
     assert [part.measured > 0 for part in where.channel] == [True] * 4 + [False] * 4

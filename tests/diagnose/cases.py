@@ -29,13 +29,30 @@ class Case:
 
 
 FRICTION = {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}
+ROCKING = {"freq_hz": 2.4, "zeta": 0.25}
+MOUNT = {"freq_hz": 24.0, "zeta": 0.08}
 SEAT = {"mass_kg": 68.0, "freq_hz": 3.2, "zeta": 0.28, "x_m": -0.1}
 ENGINE = {"force_N": 60.0, "freq_hz": 22.0, "x_m": -0.45}
 CASES = {
     "clean": Case({}),
     "speed-fluctuation": Case({"speed-fluctuation": {"fraction": 0.04}}),
     "left-right-drift": Case({"left-right-drift": {"rate": 0.004}}, {"relative_rate": 0.004}),
+    "tyre-envelope": Case(
+        {"tyre-envelope": {"front_m": 0.06, "rear_m": 0.08}},
+        {"form": "path", "front_m": 0.06, "rear_m": 0.08},
+    ),
+    "progressive-tyre": Case(
+        {"progressive-tyre": {"growth_per_m": 4.0}},
+        {"form": "quadratic", "front_1_m": 4.0, "rear_1_m": 4.0},
+    ),
+    "small-scale-roughness": Case(
+        {"small-scale-roughness": {"unevenness_m3": 3e-8}}, {"waviness": 2.0}
+    ),
     "tyre-lift-off": Case({"tyre-lift-off": {}}, {"lifts": 1.0}),
+    "wheel-imbalance": Case(
+        {"wheel-imbalance": {"imbalance_kg_m": 0.2, "corner": 3.0}},
+        {"form": "rear_left", "rear_left_kg_m": 0.2, "rear_m": 0.279},
+    ),
     "progressive-spring air": Case(
         {"progressive-spring": {"polytropic_exponent": 1.3}}, {"form": "air"}
     ),
@@ -54,6 +71,12 @@ CASES = {
     "frame-twist": Case(
         {"frame-twist": {"freq_hz": 11.0, "zeta": 0.04}}, {"freq_hz": 11.0, "zeta": 0.04}
     ),
+    "driver-rocking": Case(
+        {"driver-rocking": {"roll_inertia_kg_m2": 6.0, **ROCKING}},
+        {"inertia_kg_m2": 6.0, **ROCKING},
+    ),
+    "longitudinal-pitch": Case({"longitudinal-pitch": {"peak_m_s2": 3.0}}),
+    "cornering-roll": Case({"cornering-roll": {"peak_m_s2": 2.0}}),
     "sensor-gain": Case(
         {"sensor-gain": {"channel": "B2", "gain_error": 0.08}}, {"form": "B2", "error": 0.08}
     ),
@@ -61,6 +84,12 @@ CASES = {
     "sensor-polarity swapped": Case(
         {"sensor-polarity": {"channel": "A1", "swapped_with": "A2"}}, {"form": "A1/A2"}
     ),
+    "sensor-skew": Case({"sensor-skew": {"skew_s": 4e-4}}, {"delay_s": 4e-4}),
+    "sensor-clipping": Case(
+        {"sensor-clipping": {"channel": "A2", "limit_m_s2": 12.0}},
+        {"form": "A2", "limit_m_s2": 12.0},
+    ),
+    "sensor-mount": Case({"sensor-mount": {"channel": "B3", **MOUNT}}, {"form": "B3", **MOUNT}),
 }
 
 

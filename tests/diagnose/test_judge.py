@@ -26,7 +26,12 @@ def rung(signals, own=2):
         )
         runs.append(
             SimpleNamespace(
-                bench=bench, residual=residual, own=(None,) * own, rss=float(residual @ residual)
+                bench=bench,
+                residual=residual,
+                own=(None,) * own,
+                freedom=own,
+                heights=None,
+                rss=float(residual @ residual),
             )
         )
     size = sum(run.bench.size for run in runs)

@@ -125,7 +125,7 @@ def test_frame_twist_leaves_the_middle_of_the_wheelbase_alone():
 def test_engine_vibration_is_a_harmonic_force_locked_to_time(frequency, cosine, sine):
     effect, time = EFFECTS["engine-vibration"], np.linspace(0.0, 2.0, 400)
     theta = {"freq_hz": frequency, "cos_N": cosine, "sin_N": sine}
-    (history,) = effect.forces(theta, SETTING, time)
+    (history,) = effect.forces(theta, SETTING, time, *np.zeros((2, len(time), 4)))
     amplitude, phase = np.hypot(cosine, sine), np.arctan2(sine, cosine)
     np.testing.assert_allclose(
         history, amplitude * np.cos(2 * pi * frequency * time - phase), atol=1e-9

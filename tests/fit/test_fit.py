@@ -100,7 +100,7 @@ def recorded(noise_free, seed, names=tuple(TRACKS)):
     share = (30.0 - 0.5) / 50.0
     noisy = {k: clean[k] + NOISE / np.sqrt(share) * rng.normal(size=clean[k].shape) for k in runs}
     chosen = {name: runs[name] for name in names}
-    return campaign_of(chosen, {k: noisy[k] for k in names}, noise_rms_m_s2=NOISE)
+    return campaign_of(chosen, {k: noisy[k] for k in names}, noise_rms=NOISE)
 
 
 def drawn_vehicle(seed, free_keys):
@@ -141,7 +141,7 @@ def test_a_quiet_run_does_not_disturb_the_rest(noise_free):
         {"quiet": quiet_run},
         {"quiet": 0.13 * rng.normal(size=(len(quiet_run.time_s), 8))},
         nominal_m_s={"quiet": 1.5},
-        noise_rms_m_s2=NOISE,
+        noise_rms=NOISE,
     )
     _, fitted = fitted_to(replace(campaign, runs=(*campaign.runs, *quiet.runs)), vehicle)
     for free in fitted.shared:

@@ -42,7 +42,7 @@ def campaign_of(
     *,
     roles: Mapping[str, str] | None = None,
     nominal_m_s: Mapping[str, float] | None = None,
-    noise_rms_m_s2: float | None = None,
+    noise_rms: float | None = None,
     channels: tuple[Channel, ...] = CHANNELS,
 ) -> Campaign:
     """A campaign of these runs; without recordings every record is zero."""
@@ -53,7 +53,7 @@ def campaign_of(
         sample_rate_hz=100.0,
         band_hz=truth.campaign.BAND_HZ,
         averaging_s=next(iter(runs.values())).averaging_s,
-        noise_rms_m_s2=noise_rms_m_s2,
+        noise_rms=noise_rms,
         channels=channels,
         runs=tuple(
             Run(
@@ -99,7 +99,7 @@ def simulated(campaign: Campaign, model: Model, *, run_up_s: float = 4.0) -> dic
     for run in campaign.runs:
         simulator = RunSimulator(campaign, run, run_up_s)
         system = model.system(campaign.channels, simulator.drive)
-        found[run.id] = simulator.accelerations(model, system)
+        found[run.id] = simulator.record(model, system)
     return found
 
 

@@ -77,6 +77,31 @@ CASES = {
         {"front_loss": 0.6, "rear_loss": 0.6, "knee_m_s": 0.15},
         {"knee_m_s": 0.15, "slope_ratio": 0.4},
     ),
+    "bump-stop": (
+        "bump-stop",
+        "compression",
+        {"stiffness_N_m": 3e4, "clearance_m": 0.02},
+        {"clearance_m": 0.02, "stiffness_N_m": 3e4},
+    ),
+    "bump-stop both": (
+        "bump-stop",
+        "both",
+        {"stiffness_N_m": 3e4, "clearance_m": 0.016, "rebound_ratio": 1.25},
+        {"clearance_m": 0.016, "stiffness_N_m": 3e4, "rebound_clearance_m": 0.02},
+    ),
+    "backlash": ("backlash", "", {"gap_m": 0.004}, {"gap_m": 0.004}),
+    "mount-bushing": (
+        "mount-bushing",
+        "",
+        {"front_m_N": 2e-5, "rear_m_N": 2e-5, "relaxation_s": 0.006},
+        {"stiffness_N_m": 5e4, "damping_N_s_m": 300.0},
+    ),
+    "anti-roll-bar": (
+        "anti-roll-bar",
+        "",
+        {"front_N_m": 3000.0, "rear_N_m": 1000.0},
+        {"stiffness_front_N_m": 3000.0, "stiffness_rear_N_m": 1000.0},
+    ),
     "tyre-lift-off": ("tyre-lift-off", "", {"lifts": 1.0}, {}),
     "driver-seat": (
         "driver-seat",
@@ -93,6 +118,25 @@ CASES = {
             "zeta": 0.04,
         },
         {"freq_hz": 11.0, "zeta": 0.04},
+    ),
+    "driver-rocking": (
+        "driver-rocking",
+        "",
+        {"inertia_kg_m2": 5.0, "freq_hz": 2.5, "zeta": 0.25},
+        {"roll_inertia_kg_m2": 5.0, "freq_hz": 2.5, "zeta": 0.25},
+    ),
+    "sensor-skew": ("sensor-skew", "", {"delay_s": 5e-4}, {"skew_s": 5e-4}),
+    "sensor-clipping": (
+        "sensor-clipping",
+        "A2",
+        {"clips": 1.0, "limit_m_s2": 8.0},
+        {"channel": "A2", "limit_m_s2": 8.0},
+    ),
+    "sensor-mount": (
+        "sensor-mount",
+        "A2",
+        {"loose": 1.0, "freq_hz": 18.0, "zeta": 0.05},
+        {"channel": "A2", "freq_hz": 18.0, "zeta": 0.05},
     ),
     "sensor-gain": (
         "sensor-gain",
@@ -148,3 +192,19 @@ def test_an_engine_shakes_the_body_whatever_the_road():
     assert relative(simulated(campaign_of(run), model)[run_id], measured) < REACHED
     still = simulated(campaign_of(run), model_of(ATV, run))[run_id]
     assert relative(still, measured) > 0.05
+
+
+def test_one_corner_unlike_its_mirror_image():
+    """The rear left spring 30 % stiffer: an axle 15 % stiffer in the mean, and 0.3/2.3 of that
+    more on the left."""
+    run = {"twist": RUNS["twist"]}
+    theirs = {"corner": 3.0, "stiffness_change": 0.3, "damping_change": -0.2}
+    measured = driven("twist", {"corner-asymmetry": theirs})
+    means = dict(ATV)
+    means["suspension.rear.stiffness_N_m"] *= 1.15
+    means["suspension.rear.damping_N_s_m"] *= 0.9
+    theta = {"spring_excess": 0.3 / 2.3, "damper_excess": -0.2 / 1.8}
+    unlike = model_of(means, run, "corner-asymmetry", theta, choice="rear")
+    assert relative(simulated(campaign_of(run), unlike)["twist"], measured) < REACHED
+    alike = simulated(campaign_of(run), model_of(means, run))["twist"]
+    assert relative(alike, measured) > 10 * REACHED

@@ -3,16 +3,17 @@
 Built on MuJoCo; shares no code with the package it tests.
 """
 
-from .campaign import Truth, in_band, make_campaign, read_truth
+from .campaign import Truth, in_band, make_campaign, read_truth, write_campaign
 from .effects import known_ids, make_effect, make_effects
 from .model import CHANNELS, Motion, Run, integrate, simulate_run
-from .presets import PRESETS
+from .presets import PRESETS, Preset
 from .tracks import Track
 
 __all__ = [
     "CHANNELS",
     "PRESETS",
     "Motion",
+    "Preset",
     "Run",
     "Track",
     "Truth",
@@ -24,4 +25,5 @@ __all__ = [
     "make_effects",
     "read_truth",
     "simulate_run",
+    "write_campaign",
 ]

@@ -10,6 +10,7 @@ import numpy as np
 
 from .effect import Effect
 from .model import Car, Drive
+from .tracks import Array
 from .vehicle import corner_positions
 
 
@@ -123,3 +124,73 @@ class EngineVibration(Effect):
     def start(self, drive: Drive) -> None:
         phase = drive.rng.uniform(0.0, 2.0 * pi)
         drive.push("engine", self.force_N * np.sin(2.0 * pi * self.freq_hz * drive.time + phase))
+
+
+@dataclass
+class Sway:
+    """An acceleration of three sines, random in share, period and phase, amplitudes summing to
+    `peak`: with the velocity and the way that belong to it, the latter zero at time 0."""
+
+    peak: float
+    period_min_s: float
+    period_max_s: float
+
+    def histories(self, drive: Drive) -> tuple[Array, Array, Array]:
+        """Acceleration, velocity and way (m + 1,)."""
+        omega = 2.0 * pi / drive.rng.uniform(self.period_min_s, self.period_max_s, 3)
+        phase = drive.rng.uniform(0.0, 2.0 * pi, 3)
+        share = drive.rng.uniform(0.3, 1.0, 3)
+        amplitude = self.peak * share / share.sum()
+        angle = np.outer(drive.time, omega) + phase
+        way = (np.sin(phase) - np.sin(angle)) @ (amplitude / omega**2)
+        return np.sin(angle) @ amplitude, -np.cos(angle) @ (amplitude / omega), way
+
+
+@dataclass
+class LongitudinalPitch(Effect):
+    """Inertia m a at the body's height pitches it; the speed follows a, or is held all the same."""
+
+    id = "longitudinal-pitch"
+    peak_m_s2: float
+    period_min_s: float = 0.7
+    period_max_s: float = 2.0
+    speed_follows: float = 0.0  # 1: it does
+
+    def build(self, car: Car) -> None:
+        car.add_length("nose down", {"pitch": 1.0})
+
+    def steer(self, drive: Drive) -> None:
+        sway = Sway(self.peak_m_s2, self.period_min_s, self.period_max_s)
+        self._forward, _, way = sway.histories(drive)
+        drive.path += self.speed_follows * way[:, None]
+
+    def start(self, drive: Drive) -> None:
+        inertia = drive.vehicle["body.mass_kg"] * self._forward
+        drive.push("nose down", -drive.vehicle["geometry.cg_height_m"] * inertia)
+
+
+@dataclass
+class CorneringRoll(Effect):
+    """Lateral acceleration rolls the body; the wheels follow the curve, or run straight on."""
+
+    id = "cornering-roll"
+    peak_m_s2: float
+    period_min_s: float = 0.7
+    period_max_s: float = 2.0
+    path_follows: float = 0.0  # 1: the outer wheels travel further
+
+    def build(self, car: Car) -> None:
+        car.add_length("right side down", {"roll": 1.0})
+
+    def steer(self, drive: Drive) -> None:
+        sway = Sway(self.peak_m_s2, self.period_min_s, self.period_max_s)
+        self._left, across, _ = sway.histories(drive)
+        # yaw rate a / v, so the heading is the lateral velocity over v
+        turned = self.path_follows * (across - np.interp(0.0, drive.time, across))
+        lead = turned / drive.speed_m_s * drive.vehicle["geometry.track_width_m"]
+        drive.path[:, 0] -= 0.5 * lead
+        drive.path[:, 1] += 0.5 * lead
+
+    def start(self, drive: Drive) -> None:
+        inertia = drive.vehicle["body.mass_kg"] * self._left
+        drive.push("right side down", drive.vehicle["geometry.cg_height_m"] * inertia)

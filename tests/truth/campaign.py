@@ -11,8 +11,8 @@ import numpy as np
 
 from .effect import Effect
 from .effects import Parameters, make_effects
-from .model import CHANNELS, Run, record, sense_run, simulate_run
-from .presets import PRESETS, PlannedRun, draw_vehicles, planned_runs
+from .model import CHANNELS, STEP_S, Run, record, sense_run, simulate_run
+from .presets import PRESETS, PlannedRun, Preset, draw_vehicles, planned_runs
 from .tracks import Array, Track
 from .vehicle import Vehicle, flatten
 
@@ -58,10 +58,29 @@ def make_campaign(
     if preset not in PRESETS:
         raise ValueError(f"no preset {preset!r}; there are {', '.join(PRESETS)}")
     physics = make_effects(effects)
+    return write_campaign(
+        folder, PRESETS[preset], physics, seed=seed, short=short, noise_rms=noise_rms
+    )
+
+
+def write_campaign(
+    folder: str | Path,
+    preset: Preset,
+    physics: Sequence[Effect],
+    *,
+    seed: int,
+    short: bool = False,
+    noise_rms: float = 0.1,
+    draft: bool = False,
+) -> Path:
+    """`make_campaign` for a vehicle and for effects that need not be among the named ones.
+
+    A draft, to look at and not to keep, takes twice the step and says nothing of the baseline.
+    """
     rng = np.random.default_rng(seed)
-    true, nominal = draw_vehicles(PRESETS[preset], rng)
+    true, nominal = draw_vehicles(preset, rng)
     offset_mm = float(rng.choice([0.0, 100.0, 200.0]))
-    planned = planned_runs(PRESETS[preset], short=short, lateral_offset_mm=offset_mm)
+    planned = planned_runs(preset, short=short, lateral_offset_mm=offset_mm)
     noise = _channel_noise(noise_rms, rng)
     offset = rng.normal(0.0, OFFSET_M_S2, len(CHANNELS))
 
@@ -71,18 +90,19 @@ def make_campaign(
     for number, plan in enumerate(planned):
         runs[plan.id] = _draw_run(plan, seed * 1000 + number, rng)
     error = _Sums()
+    step = min([STEP_S, *(effect.step_s for effect in physics)]) * (2.0 if draft else 1.0)
     for plan in planned:
         run = runs[plan.id]
-        true_samples = sense_run(true, run, physics)
+        true_samples = sense_run(true, run, physics, step_s=step)
         noisy = true_samples + offset + noise * rng.normal(size=true_samples.shape)
         samples = record(noisy, physics)
         _write_recording(folder / "runs" / f"{plan.id}.csv", run.time_s, samples)
         if plan.role == "validate":
-            baseline = simulate_run(true, run)[1]
+            baseline = true_samples if draft else simulate_run(true, run)[1]
             error.add(samples, record(true_samples, physics), baseline)
 
-    (folder / "campaign.toml").write_text(_campaign_toml(PRESETS[preset].name, planned, noise_rms))
-    (folder / "vehicle.toml").write_text(_vehicle_toml(PRESETS[preset].name, nominal))
+    (folder / "campaign.toml").write_text(_campaign_toml(preset.name, planned, noise_rms))
+    (folder / "vehicle.toml").write_text(_vehicle_toml(preset.name, nominal))
     truth = _truth_toml(true, physics, runs, noise, noise_rms, error)
     (folder / "truth.toml").write_text(truth)
     return folder
@@ -97,6 +117,8 @@ def read_truth(folder: str | Path, truth_file: str | Path | None = None) -> Trut
     for entry in campaign["run"]:
         name, true_run = entry["id"], truth["run"][entry["id"]]
         table = np.loadtxt(folder / entry["file"], delimiter=",", skiprows=1)
+        if "file" in entry["track"]:
+            entry["track"]["file"] = str(folder / entry["track"]["file"])
         runs[name] = Run(
             track=Track(entry["track"].pop("kind"), entry["track"]),
             speed_m_s=true_run["speed_kmph"] / 3.6,

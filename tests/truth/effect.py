@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from .model import CHANNELS, STEP_S, Car, Drive
-from .tracks import Array
+from .tracks import Array, Track, Wheel
 
 
 @dataclass
@@ -28,6 +28,14 @@ class Effect:
     def steer(self, drive: Drive) -> None:
         """Change the paths of the wheels along the track."""
 
+    def pave(self, track: Track, drive: Drive) -> Track:
+        """Change the ground."""
+        return track
+
+    def roll(self, wheel: Wheel) -> Array | None:
+        """Replace the height of a rigid wheel's centre at wheel.x."""
+        return None
+
     def start(self, drive: Drive) -> None:
         """Look at the run that is about to begin: push forces, reset memories."""
 
@@ -41,6 +49,10 @@ class Effect:
     def tyre(self, force: Array, deflection: Array, rate: Array) -> Array:
         """Replace the tyres' force (4,) on the wheels, like `suspension`."""
         return force
+
+    def feel(self, time: Array, velocity: Array) -> Array:
+        """Velocities (m + 1, 8) of the sensors, given those of CHANNELS on the integration grid."""
+        return velocity
 
     def delay_s(self) -> Array:
         """How late each of CHANNELS is sampled (8,)."""

@@ -13,6 +13,8 @@ Parameters = Mapping[str, float | str]
 KINDS: tuple[type[Effect], ...] = (
     road_effects.SpeedFluctuation,
     road_effects.LeftRightDrift,
+    road_effects.TyreEnvelope,
+    road_effects.SmallScaleRoughness,
     road_effects.TyreLiftOff,
     road_effects.ProgressiveTyre,
     road_effects.WheelImbalance,
@@ -30,10 +32,13 @@ KINDS: tuple[type[Effect], ...] = (
     body_effects.DriverRocking,
     body_effects.FrameTwist,
     body_effects.EngineVibration,
+    body_effects.LongitudinalPitch,
+    body_effects.CorneringRoll,
     sensor_effects.SensorGain,
     sensor_effects.SensorPolarity,
     sensor_effects.SensorClipping,
     sensor_effects.SensorSkew,
+    sensor_effects.SensorMount,
 )
 
 

@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .tracks import Array, Track, wheel_path
+from .tracks import Array, Track, Wheel
 from .vehicle import Vehicle, axle, corner_positions
 
 if TYPE_CHECKING:
@@ -118,8 +118,9 @@ class Car:
         option = self.spec.option
         option.gravity = [0.0, 0.0, 0.0]
         option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+        disable = mujoco.mjtDisableBit  # without reset, a motion that runs away ends in NaN
         option.disableflags = int(
-            mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+            disable.mjDSBL_CONTACT | disable.mjDSBL_CONSTRAINT | disable.mjDSBL_AUTORESET
         )
         return self.spec.compile()
 
@@ -184,10 +185,13 @@ def sense_run(
 ) -> Array:
     """Accelerations (n, 8) as the sensors give them, before noise and offset join."""
     motion = integrate(vehicle, run, effects, step_s=step_s)
+    velocity = motion.velocity
+    for effect in effects:
+        velocity = effect.feel(motion.time, velocity)
     delay = sum((effect.delay_s() for effect in effects), np.zeros(len(CHANNELS)))
     samples = np.column_stack(
         [
-            _mean_rate(motion.time, motion.velocity[:, k], run.time_s + delay[k], run.averaging_s)
+            _mean_rate(motion.time, velocity[:, k], run.time_s + delay[k], run.averaging_s)
             for k in range(len(CHANNELS))
         ]
     )
@@ -230,7 +234,10 @@ def integrate(
         effect.steer(drive)
     for effect in effects:
         effect.start(drive)
-    return _march(car, model, drive, _road(vehicle, run.track, drive), effects)
+    track = run.track
+    for effect in effects:
+        track = effect.pave(track, drive)
+    return _march(car, model, drive, _road(vehicle, track, drive, effects), effects)
 
 
 def _prepare(vehicle: Vehicle, run: Run, model: mujoco.MjModel, step_s: float) -> Drive:
@@ -255,13 +262,15 @@ def _prepare(vehicle: Vehicle, run: Run, model: mujoco.MjModel, step_s: float) -
     )
 
 
-def _road(vehicle: Vehicle, track: Track, drive: Drive) -> Array:
+def _road(vehicle: Vehicle, track: Track, drive: Drive, effects: Sequence[Effect]) -> Array:
     """Height of the wheel envelope under each wheel on the integration grid (m + 1, 4)."""
     columns = []
     for i, (_, y) in enumerate(corner_positions(vehicle)):
         x = drive.path[:, i % 2] - (0.0 if i < 2 else vehicle["geometry.wheelbase_m"])
         radius = vehicle[f"wheel.{axle(i)}.radius_m"]
-        columns.append(wheel_path(track, y, radius, float(x.min()), float(x.max()))(x))
+        wheel = Wheel(track, i, y, radius, x)
+        heights = [h for effect in effects if (h := effect.roll(wheel)) is not None]
+        columns.append(heights[-1] if heights else wheel.rigid())
     rise = np.clip((drive.time - drive.time[0]) / FADE_IN_S, 0.0, 1.0)
     fade: Array = 0.5 - 0.5 * np.cos(np.pi * rise)
     return np.column_stack(columns) * fade[:, None]

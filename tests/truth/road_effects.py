@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import pi
+from dataclasses import dataclass, replace
+from math import ceil, pi, sqrt
 
 import numpy as np
 
 from .effect import Effect
 from .model import Drive
-from .tracks import Array
+from .tracks import GRID_M, Array, Track, Wheel, WheelPath, elevation, roll_disc
 from .vehicle import axle, tyre_static_load
 
 
@@ -54,6 +54,71 @@ class LeftRightDrift(Effect):
         lead = self.rate * travelled + self.wander_m * wander
         drive.path[:, 0] -= 0.5 * lead
         drive.path[:, 1] += 0.5 * lead
+
+
+@dataclass
+class TyreEnvelope(Effect):
+    """The tyre averages over its contact length, evenly: the path of the rigid wheel's centre, the
+    ground that a rigid wheel then rolls over, or the ground alone."""
+
+    id = "tyre-envelope"
+    front_m: float
+    rear_m: float
+    averages: str = "path"  # "path", "ground" or "footprint"
+
+    def roll(self, wheel: Wheel) -> Array:
+        length = self.front_m if wheel.corner < 2 else self.rear_m
+        half, margin = ceil(length / GRID_M), ceil(wheel.radius / GRID_M)
+        first = float(wheel.x.min()) - GRID_M * (half + margin)
+        count = ceil(float(np.ptp(wheel.x)) / GRID_M) + 1 + 2 * (half + margin)
+        z = elevation(wheel.track, first + GRID_M * np.arange(count), wheel.y)
+        # each grid point counts by how much of its cell lies under the contact
+        away = GRID_M * np.abs(np.arange(-half, half + 1))
+        weight = np.clip((length - 2.0 * away) / GRID_M + 1.0, 0.0, 2.0)
+        weight /= weight.sum()
+        if self.averages == "path":
+            height = np.convolve(roll_disc(z, wheel.radius), weight, mode="valid")
+        else:
+            height = np.convolve(z, weight, mode="valid")
+            height = (
+                roll_disc(height, wheel.radius) if self.averages == "ground" else height[margin:]
+            )
+        return WheelPath(float(wheel.x.min()), height)(wheel.x)
+
+
+@dataclass
+class SmallScaleRoughness(Effect):
+    """A random height on top of the track, of spectral density C W^-w per rad/m, W in rad/m.
+
+    Every run has its own; `likeness` is the coherence of the left and the right path. The ground
+    carries waves from 0.05 to 10 cycles/m, and the wheel rolls over it as over the track.
+    """
+
+    id = "small-scale-roughness"
+    unevenness_m3: float
+    waviness: float = 2.0
+    likeness: float = 0.0
+
+    def pave(self, track: Track, drive: Drive) -> Track:
+        margin = 1.0 + drive.vehicle["geometry.wheelbase_m"]
+        start = float(drive.path.min()) - margin
+        length = float(drive.path.max()) + margin - start
+        wave = 2.0 * pi * np.arange(ceil(0.05 * length), ceil(10.0 * length)) / length
+        size = np.sqrt(2.0 * self.unevenness_m3 * wave**-self.waviness * 2.0 * pi / length)
+        common, left, right = drive.rng.normal(size=(3, len(wave), 2)) @ [1.0, 1.0j] / sqrt(2.0)
+        alone = sqrt(1.0 - self.likeness)
+        points = 128 * len(wave)
+        station = start + length / points * np.arange(points)
+        waves = np.zeros((2, points // 2 + 1), dtype=complex)
+        first = ceil(0.05 * length)
+        for path, own in zip(waves, (left, right), strict=True):
+            path[first : first + len(wave)] = size * (sqrt(self.likeness) * common + alone * own)
+        height = np.fft.irfft(waves, points) * points / 2.0
+
+        def unevenness(x: Array, y: float) -> Array:
+            return np.interp(x, station, height[0 if y > 0.0 else 1])
+
+        return replace(track, unevenness=unevenness)
 
 
 @dataclass

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 
 import numpy as np
+from scipy import signal
 
 from .effect import Effect, channel_index
 from .model import CHANNELS
@@ -57,6 +59,26 @@ class SensorClipping(Effect):
         chosen = slice(None) if self.channel == "all" else channel_index(self.channel)
         samples[:, chosen] = np.clip(samples[:, chosen], -self.limit_m_s2, self.limit_m_s2)
         return samples
+
+
+@dataclass
+class SensorMount(Effect):
+    """One channel's sensor is a small mass on a spring and damper, and reads its own motion."""
+
+    id = "sensor-mount"
+    channel: str
+    freq_hz: float
+    zeta: float
+
+    def feel(self, time: Array, velocity: Array) -> Array:
+        k, omega = channel_index(self.channel), 2.0 * pi * self.freq_hz
+        # sensor z on point x: z'' = omega^2 (x - z) + 2 zeta omega (x' - z'); x' linear in a step
+        damper, spring = 2.0 * self.zeta * omega, omega**2
+        mount = signal.TransferFunction([damper, spring], [1.0, damper, spring]).to_ss()
+        step = mount.to_discrete(time[1] - time[0], method="foh")
+        velocity = velocity.copy()
+        velocity[:, k] = signal.dlsim(step, velocity[:, k])[1][:, 0]
+        return velocity
 
 
 @dataclass

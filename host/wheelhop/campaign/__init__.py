@@ -1,6 +1,23 @@
 """The campaign folder on disk, read strictly into a `Campaign`."""
 
 from wheelhop.campaign.read import read_campaign
-from wheelhop.campaign.types import Campaign, CampaignError, Channel, Run, TrackSpec
+from wheelhop.campaign.types import (
+    Campaign,
+    CampaignError,
+    Channel,
+    ComponentCampaign,
+    RigRun,
+    Run,
+    TrackSpec,
+)
 
-__all__ = ["Campaign", "CampaignError", "Channel", "Run", "TrackSpec", "read_campaign"]
+__all__ = [
+    "Campaign",
+    "CampaignError",
+    "Channel",
+    "ComponentCampaign",
+    "RigRun",
+    "Run",
+    "TrackSpec",
+    "read_campaign",
+]

@@ -3,9 +3,8 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from wheelhop.campaign.common import Entry, band, check_entries, column, entry, frozen
+from wheelhop.campaign.component import read_component
 from wheelhop.campaign.keys import Table, did_you_mean, read_toml
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
@@ -21,13 +20,13 @@ from wheelhop.campaign.types import (
 )
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
-ROLES = ("fit", "validate")
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
 TOP_KEYS = (
     *("format", "kind", "title", "vehicle", "sample_rate_hz", "band_hz", "averaging_ms"),
     *("noise_rms_m_s2", "channels", "run"),
 )
 LONGEST_AVERAGING = 3.0  # sample periods
+NOT_RECORDED = "if it was not recorded, list under [channels] in campaign.toml those that were"
 
 
 def read_campaign(folder: str | Path) -> Campaign:
@@ -45,7 +44,9 @@ def read_campaign(folder: str | Path) -> Campaign:
         what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
         raise CampaignError(f"{folder}: {what}")
     top = read_toml(folder / "campaign.toml")
-    _check_kind(top)
+    top.format()
+    if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
+        return read_component(top, folder)
     top.only(TOP_KEYS)
     rate = top.number("sample_rate_hz", above=0.0)
     empty = Campaign(
@@ -53,43 +54,23 @@ def read_campaign(folder: str | Path) -> Campaign:
         title=top.text("title"),
         vehicle_file=file_inside(folder, top, "vehicle", "vehicle.toml"),
         sample_rate_hz=rate,
-        band_hz=_band(top, rate),
+        band_hz=band(top, rate),
         averaging_s=_averaging(top, rate),
-        noise_rms_m_s2=_noise(top),
+        noise_rms=_noise(top),
         channels=_channels(top.table("channels")) if "channels" in top else (),
         runs=(),
     )
     drives = [_drive(run, folder) for run in top.tables("run", "id")]
-    _check_drives(top, drives)
+    check_entries(top, drives)
     return _with_recordings(empty, drives)
 
 
 @dataclass(frozen=True)
-class _Drive:
-    """A run before its recording is read."""
+class _Drive(Entry):
+    """A drive before its recording is read."""
 
-    id: str
-    file: Path
-    role: str
     speed_m_s: float
     track: TrackSpec
-
-
-def _check_kind(top: Table) -> None:
-    top.format()
-    if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
-        raise top.error("kind = 'component' cannot be read yet: only vehicle campaigns")
-
-
-def _band(top: Table, rate_hz: float) -> tuple[float, float]:
-    low, high = top.pair("band_hz")
-    if not 0.0 < low < high:
-        raise top.error(f"band_hz = [{low:g}, {high:g}] must rise from above 0: [0.5, 30.0]")
-    if high >= rate_hz / 2:
-        raise top.error(
-            f"band_hz = [{low:g}, {high:g}] must end below half the sample rate, {rate_hz / 2:g} Hz"
-        )
-    return low, high
 
 
 def _averaging(top: Table, rate_hz: float) -> float:
@@ -131,26 +112,10 @@ def _channel(table: Table, name: str) -> Channel:
 def _drive(run: Table, folder: Path) -> _Drive:
     run.only(RUN_KEYS)
     return _Drive(
-        id=run.text("id"),
-        role=run.text("role", choices=ROLES),
+        **vars(entry(run, folder)),
         speed_m_s=run.number("speed_kmph", at_least=0.0) / 3.6,
         track=read_track(run, folder),
-        file=file_inside(folder, run, "file"),
     )
-
-
-def _check_drives(top: Table, drives: list[_Drive]) -> None:
-    """No id and no recording twice, and something to fit."""
-    for index, drive in enumerate(drives):
-        for other in drives[:index]:
-            if drive.id == other.id:
-                raise top.error(f'[[run]] "{drive.id}": id is used twice; every run needs its own')
-            if drive.file.resolve() == other.file.resolve():
-                raise top.error(
-                    f'[[run]] "{drive.id}": file is the recording of run "{other.id}" already'
-                )
-    if not any(drive.role == "fit" for drive in drives):
-        raise top.error('no [[run]] has role = "fit"; without one there is nothing to fit')
 
 
 def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
@@ -163,26 +128,20 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
         if not runs:
             channels = campaign.channels or tuple(Channel(point, point) for point in POINTS)
             channels = _in_order_of(drive.file, columns, channels)
-        wanted = [_column(drive.file, columns, name) for name in ("time_s", *_names(channels))]
-        time_s = _frozen(values[:, wanted[0]])
+        wanted = [
+            column(drive.file, columns, name, NOT_RECORDED)
+            for name in ("time_s", *_names(channels))
+        ]
+        time_s = frozen(values[:, wanted[0]])
         check_time(drive.file, time_s, campaign.sample_rate_hz)
-        runs.append(Run(**vars(drive), time_s=time_s, acceleration=_frozen(values[:, wanted[1:]])))
+        runs.append(Run(**vars(drive), time_s=time_s, record=frozen(values[:, wanted[1:]])))
     return replace(campaign, channels=channels, runs=tuple(runs))
 
 
 def _in_order_of(
     file: Path, columns: list[str], channels: tuple[Channel, ...]
 ) -> tuple[Channel, ...]:
-    return tuple(sorted(channels, key=lambda channel: _column(file, columns, channel.name)))
-
-
-def _column(file: Path, columns: list[str], name: str) -> int:
-    if name in columns:
-        return columns.index(name)
-    guess = did_you_mean(name, columns) or (
-        "; if it was not recorded, list under [channels] in campaign.toml those that were"
-    )
-    raise CampaignError(f"{file}: column {name} is missing{guess}")
+    return tuple(sorted(channels, key=lambda item: column(file, columns, item.name, NOT_RECORDED)))
 
 
 def _check_only_points(file: Path, columns: list[str]) -> None:
@@ -198,9 +157,3 @@ def _check_only_points(file: Path, columns: list[str]) -> None:
 
 def _names(channels: tuple[Channel, ...]) -> list[str]:
     return [channel.name for channel in channels]
-
-
-def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    copy = np.ascontiguousarray(array).copy()
-    copy.setflags(write=False)
-    return copy

@@ -3,12 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")
+RigDrive = Literal["displacement", "force"]
+"""What a rig imposes."""
+UNIT_IN_KEYS = {"m/s²": "m_s2"}
 
 
 class CampaignError(ValueError):
@@ -21,17 +25,20 @@ class CampaignError(ValueError):
 
 @dataclass(frozen=True)
 class Channel:
-    """One measured vertical acceleration.
+    """One measured signal: a vertical acceleration, or what a rig measures.
 
     `point` is "A1".."A4" (wheel axles), "B1".."B4" (suspension-to-body points), "body-xy" (on the
     sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
-    sprung body, position unknown). 1 front left, 2 front right, 3 rear left, 4 rear right.
+    sprung body, position unknown), or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
+    right.
     """
 
     name: str
     point: str
     x_m: float | None = None
     y_m: float | None = None
+    quantity: str = "acceleration"
+    unit: str = "m/s²"
 
     @property
     def corner(self) -> int | None:
@@ -62,8 +69,8 @@ class TrackSpec:
 class Run:
     """One recording and how it was driven.
 
-    `time_s` is (n,), uniform at the campaign's sample rate; `acceleration` is (n, n_channels) in
-    m/s², columns in the order of the campaign's channels. Both arrays are read-only.
+    `time_s` is (n,), uniform at the campaign's sample rate; `record` is (n, n_channels), columns
+    in the order of the campaign's channels and in their units. Both arrays are read-only.
     `speed_m_s` is nominal: the driver held it by hand. `role` is "fit" or "validate".
     """
 
@@ -73,7 +80,21 @@ class Run:
     speed_m_s: float
     track: TrackSpec
     time_s: NDArray[np.float64]
-    acceleration: NDArray[np.float64]
+    record: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RigRun(Run):
+    """One recording of a component on a rig; it stands still, on no track.
+
+    `displacement`, `force` and, if recorded, `velocity` are (n,), m, N and m/s, read-only; the rig
+    imposes `drive`, and `record` holds the other one.
+    """
+
+    drive: RigDrive
+    displacement: NDArray[np.float64]
+    force: NDArray[np.float64]
+    velocity: NDArray[np.float64] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +102,8 @@ class Campaign:
     """One vehicle, one instrument set-up and the runs recorded with them.
 
     `averaging_s` is the window over which each sample is a mean (0: ideal sampling);
-    `noise_rms_m_s2` the noise floor of one channel inside `band_hz`, None when it is not known.
+    `noise_rms` the noise floor of one channel inside `band_hz`, None when it is not known;
+    `noise_key` is its name in campaign.toml.
     `channels` stand in the column order of the first run's recording.
     """
 
@@ -91,7 +113,7 @@ class Campaign:
     sample_rate_hz: float
     band_hz: tuple[float, float]
     averaging_s: float
-    noise_rms_m_s2: float | None
+    noise_rms: float | None
     channels: tuple[Channel, ...]
     runs: tuple[Run, ...]
 
@@ -104,3 +126,24 @@ class Campaign:
     def validate_runs(self) -> tuple[Run, ...]:
         """The runs no fit ever sees."""
         return tuple(run for run in self.runs if run.role == "validate")
+
+    @property
+    def unit(self) -> str:
+        """The unit of what the channels measure."""
+        return self.channels[0].unit
+
+    @property
+    def noise_key(self) -> str:
+        """Under which key campaign.toml states the noise."""
+        return f"noise_rms_{UNIT_IN_KEYS.get(self.unit, self.unit)}"
+
+
+@dataclass(frozen=True, eq=False)
+class ComponentCampaign(Campaign):
+    """One component on a rig: there is one channel, what the rig does not impose; `nominal` holds
+    the numbers of [component] and `uncertainty` one standard deviation of each (0 for a nominal
+    0: nothing is believed of it)."""
+
+    drive: RigDrive
+    nominal: Mapping[str, float]
+    uncertainty: Mapping[str, float]

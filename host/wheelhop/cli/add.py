@@ -12,7 +12,7 @@ from wheelhop.cli.show import print_ladder, print_parameters
 from wheelhop.diagnose.added import steps_with
 from wheelhop.effects import load_effects
 from wheelhop.report.model_file import write_model
-from wheelhop.vehicle import read_vehicle
+from wheelhop.vehicle import read_nominal
 
 MODEL_FILE = "model.toml"
 
@@ -21,7 +21,7 @@ def run(arguments: Namespace) -> int:
     """Refit, print the ladder, store CAMPAIGN/model.toml; raises CampaignError."""
     effects = pick(arguments.effects, load_effects(arguments.effects_file))
     campaign = read_campaign(arguments.campaign)
-    vehicle = read_vehicle(campaign.vehicle_file)
+    vehicle = read_nominal(campaign)
     with stages() as progress:
         steps = steps_with(campaign, vehicle, effects, progress)
     console = open_console()

@@ -7,23 +7,35 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from wheelhop.campaign import Campaign, Channel, Run, TrackSpec, read_campaign
+from wheelhop.campaign import (
+    Campaign,
+    Channel,
+    ComponentCampaign,
+    RigRun,
+    Run,
+    TrackSpec,
+    read_campaign,
+)
 from wheelhop.cli.console import open_console
-from wheelhop.vehicle import read_vehicle
+from wheelhop.report.words import significant
+from wheelhop.vehicle import Vehicle, read_nominal
 
 
 def run(arguments: Namespace) -> int:
     """Read campaign, recordings and vehicle, and print them; raises CampaignError."""
     campaign = read_campaign(arguments.campaign)
-    vehicle = read_vehicle(campaign.vehicle_file)
+    nominal = read_nominal(campaign)
     console = open_console()
     console.print(Text(campaign.title, style="bold"))
-    console.print(Text(f"vehicle   {vehicle.name}, sprung mass {vehicle['body.mass_kg']:g} kg"))
+    console.print(Text(_tested(nominal)))
     console.print(Text(f"channels  {', '.join(map(_place, campaign.channels))}"))
     console.print(Text(f"samples   {_samples(campaign)}"))
     console.print(Text(f"noise     {_noise(campaign)}"))
-    console.print(_runs(campaign))
-    console.print(Text("axle, body: m/s² rms without the mean"))
+    if isinstance(campaign, ComponentCampaign):
+        console.print(_rig_runs(campaign))
+    else:
+        console.print(_runs(campaign))
+        console.print(Text("axle, body: m/s² rms without the mean"))
     if not campaign.validate_runs:
         console.print(Text('no run has role = "validate": no model can be put to the test'))
     return 0
@@ -44,8 +56,21 @@ def _samples(campaign: Campaign) -> str:
 
 
 def _noise(campaign: Campaign) -> str:
-    noise = campaign.noise_rms_m_s2
-    return "not stated, will be estimated" if noise is None else f"{noise:g} m/s² rms in band"
+    noise = campaign.noise_rms
+    if noise is None:
+        return "not stated, will be estimated"
+    return f"{noise:g} {campaign.unit} rms in band"
+
+
+def _tested(nominal: Vehicle) -> str:
+    """What was tested, in a line."""
+    if "body.mass_kg" in nominal.values:
+        return f"vehicle   {nominal.name}, sprung mass {nominal['body.mass_kg']:g} kg"
+    mass, stiffness, damping = (
+        significant(nominal[f"component.{key}"])
+        for key in ("mass_kg", "stiffness_N_m", "damping_N_s_m")
+    )
+    return f"component {mass} kg, {stiffness} N/m, {damping} N s/m"
 
 
 def _runs(campaign: Campaign) -> Table:
@@ -68,6 +93,24 @@ def _runs(campaign: Campaign) -> Table:
     return table
 
 
+def _rig_runs(campaign: ComponentCampaign) -> Table:
+    """One line a run on a rig."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("run", "role", "rows", "s", "displacement, m", "force, N"):
+        right = heading not in ("run", "role")
+        table.add_column(heading, justify="right" if right else "left", overflow="fold")
+    for item in campaign.runs:
+        if isinstance(item, RigRun):
+            table.add_row(
+                Text(item.id),
+                item.role,
+                str(len(item.time_s)),
+                f"{len(item.time_s) / campaign.sample_rate_hz:.1f}",
+                *(f"{y.min():.3g} … {y.max():.3g}" for y in (item.displacement, item.force)),
+            )
+    return table
+
+
 def _track(track: TrackSpec) -> str:
     """The kind, then amplitude × pitch (height × length of a bump) or the name of the file."""
     lengths = [float(value) * 1e3 for key, value in track.values.items() if key.endswith("_m")]
@@ -80,4 +123,4 @@ def _rms(campaign: Campaign, item: Run, axle: bool) -> str:
     columns = [i for i, channel in enumerate(campaign.channels) if channel.is_axle is axle]
     if not columns:
         return "-"
-    return f"{float((item.acceleration[:, columns].var(axis=0)).mean()) ** 0.5:.3g}"
+    return f"{float((item.record[:, columns].var(axis=0)).mean()) ** 0.5:.3g}"

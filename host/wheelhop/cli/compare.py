@@ -17,14 +17,14 @@ from wheelhop.diagnose.added import steps_with
 from wheelhop.effects import Effect, load_effects
 from wheelhop.report import write_comparison_report
 from wheelhop.report.words import chain_words
-from wheelhop.vehicle import Vehicle, read_vehicle
+from wheelhop.vehicle import Vehicle, read_nominal
 
 
 def run(arguments: Namespace) -> int:
     """Fit, print where the model fails, write JSON and report; raises CampaignError."""
     effects = pick(arguments.add, load_effects(arguments.effects))
     campaign = read_campaign(arguments.campaign)
-    vehicle = read_vehicle(campaign.vehicle_file)
+    vehicle = read_nominal(campaign)
     with stages() as progress:
         steps = steps_with(campaign, vehicle, effects, progress)
         axles = _driven_by_axles(campaign, vehicle, effects, progress)

@@ -22,7 +22,7 @@ from wheelhop.effects import load_effects
 from wheelhop.report import write_diagnosis_report
 from wheelhop.report.model_file import write_model
 from wheelhop.report.words import judged, percent
-from wheelhop.vehicle import Vehicle, read_vehicle
+from wheelhop.vehicle import Vehicle, read_nominal
 
 EXAMPLE = "open-dry-friction"
 REPORT_FILE = "report.html"
@@ -37,7 +37,7 @@ def run_demo(folder: Path) -> int:
     """Copy the example into `folder`; compare, diagnose, and add what the diagnosis found."""
     copy_example(folder)
     campaign = read_campaign(folder)
-    vehicle = read_vehicle(campaign.vehicle_file)
+    vehicle = read_nominal(campaign)
     library = load_effects()
     console = open_console()
     _tell_what_it_is(campaign, vehicle, folder, console)
@@ -50,7 +50,7 @@ def run_demo(folder: Path) -> int:
 
     _tell_command(f"diagnose {folder}", "which physics is missing?", console)
     with stages() as progress:
-        diagnosis = climb(base, library, max_effects=3, progress=progress)
+        diagnosis = climb(base, library, max_effects=4, progress=progress)
     print_verdict(diagnosis, console, explain=False)
     print_ranking(diagnosis.ranking, console, rows=5)
 

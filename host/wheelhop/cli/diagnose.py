@@ -15,14 +15,14 @@ from wheelhop.diagnose import Diagnosis, diagnose, to_json
 from wheelhop.effects import load_effects
 from wheelhop.report import write_diagnosis_report
 from wheelhop.report.words import next_run_words
-from wheelhop.vehicle import read_vehicle
+from wheelhop.vehicle import read_nominal
 
 
 def run(arguments: Namespace) -> int:
     """Diagnose, print, write JSON and report; raises CampaignError."""
     effects = load_effects(arguments.effects)
     campaign = read_campaign(arguments.campaign)
-    vehicle = read_vehicle(campaign.vehicle_file)
+    vehicle = read_nominal(campaign)
     with stages() as progress:
         diagnosis = diagnose(
             campaign,

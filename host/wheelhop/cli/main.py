@@ -106,7 +106,7 @@ def _parser() -> argparse.ArgumentParser:
     diagnose = commands.add_parser("diagnose", help="find out which effects are missing")
     _campaign(diagnose)
     diagnose.add_argument(
-        "--max-effects", metavar="N", type=_count, default=3, help="longest ladder (default 3)"
+        "--max-effects", metavar="N", type=_count, default=4, help="longest ladder (default 4)"
     )
     diagnose.add_argument(
         "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="parallel threads"

@@ -66,7 +66,7 @@ def compare(
         error_fit=fit,
         error_validate=validate,
         floor=floor,
-        figures=channel_figures(records, names, floor.noise_rms_m_s2),
+        figures=channel_figures(records, names, floor.noise_rms),
         breakdown=breakdown(campaign, records, floor),
     )
 
@@ -85,7 +85,7 @@ def to_json(comparison: Comparison) -> dict[str, Any]:
                 "error_fit": floor.error_fit,
                 "error_validate": floor.error_validate,
                 "source": floor.source,
-                "noise_rms_m_s2": dict(zip(channels, floor.noise_rms_m_s2, strict=True)),
+                floor.noise_key: dict(zip(channels, floor.noise_rms, strict=True)),
             },
             "figures": [
                 asdict(figures)

@@ -130,12 +130,13 @@ def _motion(where: Breakdown, rows: slice) -> str:
 
 def _locked(where: Breakdown) -> str:
     excess = 1.0 - where.total.noise / where.total.residual
-    for share, name in ((where.locking.road, "the road"), (where.locking.time, "time")):
+    road = "what the rig imposes" if where.on_rig else "the road"
+    for share, name in ((where.locking.road, road), (where.locking.time, "time")):
         if share >= MOST * excess:
             return f"locked to {name}"
         if share >= 0.5 * MOST * excess:
             return f"partly locked to {name}"
-    return "locked neither to the road nor to time"
+    return f"locked neither to {road} nor to time"
 
 
 def _growing(where: Breakdown) -> str:

@@ -22,13 +22,13 @@ ZERO_PADDING = 8  # a peak's parabola is fitted to a spectrum this much finer th
 class Peak:
     """The largest peak of an amplitude spectrum (Hann window).
 
-    ``height_m_s2`` is the zero-to-peak amplitude of the sine that would cause it and
-    ``width_hz`` its width at half power. A steady sine is not narrower than the window,
+    ``height`` is the zero-to-peak amplitude, in the channel's unit, of the sine that would cause
+    it and ``width_hz`` its width at half power. A steady sine is not narrower than the window,
     1.44 over the record's duration.
     """
 
     frequency_hz: float
-    height_m_s2: float
+    height: float
     width_hz: float
 
 
@@ -61,7 +61,7 @@ def channel_figures(
 ) -> tuple[ChannelFigures, ...]:
     """Figures of every predicted channel of every record, in that order.
 
-    ``noise_rms`` (n_channels,) is the noise of each channel in band, m/s².
+    ``noise_rms`` (n_channels,) is the noise of each channel in band, in its unit.
     """
     out = []
     signals = [

@@ -23,28 +23,41 @@ QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold nois
 class Floor:
     """E that noise alone would leave, over all compared runs and over those of each role.
 
-    ``source`` is "noise_rms_m_s2" if the campaign states the noise, else "estimated".
-    ``noise_rms_m_s2`` (n_channels,) is the noise in band assumed for each channel, NaN where
-    none could be estimated because the model predicts nothing.
+    ``source`` is the key under which the campaign states the noise ("noise_rms_m_s2"), or
+    "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel, in
+    ``unit``, NaN where none could be estimated because the model predicts nothing; ``noise_key``
+    is its name in files.
     """
 
     error: float
     error_fit: float
     error_validate: float
     source: str
-    noise_rms_m_s2: Array
+    noise_rms: Array
+    noise_key: str
+    unit: str
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether the campaign states the noise."""
+        return self.source != "estimated"
+
+    @property
+    def pooled_rms(self) -> float:
+        """Rms over the channels."""
+        return float(np.sqrt(np.nanmean(self.noise_rms**2)))
 
     @property
     def tolerance(self) -> float:
         """Relative uncertainty of the floor, on E: an excess below it means nothing."""
-        return 0.05 if self.source == "noise_rms_m_s2" else 0.15
+        return 0.05 if self.is_stated else 0.15
 
 
 def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     """sqrt(Σ noise² / Σ measured²) in band, noise from the campaign or estimated."""
-    if campaign.noise_rms_m_s2 is not None:
-        source = "noise_rms_m_s2"
-        noise = np.full(len(campaign.channels), campaign.noise_rms_m_s2)
+    if campaign.noise_rms is not None:
+        source = campaign.noise_key
+        noise = np.full(len(campaign.channels), campaign.noise_rms)
     else:
         source, noise = "estimated", estimate_noise(records)
 
@@ -54,11 +67,20 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         measured = sum(float(np.sum(r.measured**2)) for r in chosen)
         return float(np.sqrt(expected / measured)) if measured > 0.0 else float("nan")
 
-    return Floor(error(None), error("fit"), error("validate"), source, noise)
+    return Floor(
+        error(None),
+        error("fit"),
+        error("validate"),
+        source,
+        noise,
+        campaign.noise_key,
+        campaign.unit,
+    )
 
 
 def estimate_noise(records: Sequence[Record]) -> Array:
-    """Estimate the in-band rms of each channel's noise (n_channels,), taken as white, m/s².
+    """Estimate the in-band rms of each channel's noise (n_channels,), in its unit, taken as
+    white.
 
     Noise is what is left where nothing else is: between the road's harmonics, in the part
     of the band and the run that are quietest. The spectrum's *median* over a part of the

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, linalg, ndimage, optimize, signal, stats
 
+from wheelhop.campaign import RigRun
 from wheelhop.compare.records import Record
 from wheelhop.compare.thirds import third_octave_of
 
@@ -158,8 +159,11 @@ def _find_lines(
 
     The runs that show it must differ in speed (a standing vehicle settles it): only then
     is the clock, and not the road or a wheel, what the line follows. The search is on the
-    residual with the part locked to the road taken out.
+    residual with the part locked to the road taken out. A rig often imposes the same sines, so
+    that lines prove nothing there.
     """
+    if any(isinstance(record.run, RigRun) for record in records):
+        return []
     rest = [_without_road(*pair) for pair in zip(records, roads, strict=True)]
     found: list[tuple[float, tuple[str, ...]]] = []
     while len(found) < MOST_LINES:

@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One run in band, as coefficients (``band.count``, n_channels), m/s².
+    """One run in band, as coefficients (``band.count``, n_channels), in the channels'
+    units.
 
     ``predicted`` (n_channels,) says which channels the model predicts. The others are zero
     in ``measured`` and ``residual`` (measured - model), and so count nowhere.
@@ -59,19 +60,19 @@ def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, 
             raise ValueError(f"the campaign has no run {response.run_id!r}")
         run = runs[response.run_id]
         n = len(run.time_s)
-        if response.acceleration.shape != run.acceleration.shape:
+        if response.record.shape != run.record.shape:
             raise ValueError(
-                f"run {run.id}: response {response.acceleration.shape}"
-                f" does not fit the record {run.acceleration.shape}"
+                f"run {run.id}: response {response.record.shape}"
+                f" does not fit the record {run.record.shape}"
             )
-        predicted = np.logical_not(np.isnan(response.acceleration).any(axis=0))
-        if np.isfinite(response.acceleration[:, ~predicted]).any():
+        predicted = np.logical_not(np.isnan(response.record).any(axis=0))
+        if np.isfinite(response.record[:, ~predicted]).any():
             raise ValueError(f"run {run.id}: the response is not finite in every sample")
         if n not in bands:
             bands[n] = InBand(n, campaign.sample_rate_hz, campaign.band_hz)
         band = bands[n]
-        measured = band.coefficients(np.where(predicted, run.acceleration, 0.0))
-        model = band.coefficients(np.where(predicted, response.acceleration, 0.0))
+        measured = band.coefficients(np.where(predicted, run.record, 0.0))
+        model = band.coefficients(np.where(predicted, response.record, 0.0))
         records.append(
             Record(run, band, predicted, measured, measured - model, response.position_m)
         )

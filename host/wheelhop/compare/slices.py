@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Slice:
-    """One part of the residual: sums of squares in band, (m/s²)² summed over samples.
+    """One part of the residual: sums of squares in band, in the channels' unit squared,
+    summed over samples.
 
     ``noise`` is what the sensors' noise is expected to contribute, ``share`` the part of the
     residual of all slices of the same cut that is in this one.

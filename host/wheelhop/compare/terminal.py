@@ -37,9 +37,8 @@ def _summary(comparison: Comparison) -> Table:
         if runs:
             ratio = error / at_best if at_best > 0.0 else float("nan")
             table.add_row(role, _percent(error), _percent(at_best), _heat(ratio), str(runs))
-    noise = floor.noise_rms_m_s2
-    source = "stated" if floor.source == "noise_rms_m_s2" else "estimated from the recordings"
-    table.caption = f"noise {np.sqrt(np.nanmean(noise**2)):.3g} m/s² rms in band, {source}"
+    source = "stated" if floor.is_stated else "estimated from the recordings"
+    table.caption = f"noise {floor.pooled_rms:.3g} {floor.unit} rms in band, {source}"
     table.caption_justify = "left"
     return table
 

@@ -52,6 +52,11 @@ class Breakdown:
     locking: Locking
 
     @property
+    def on_rig(self) -> bool:
+        """Whether it is a component on a rig that was compared; "road" is what the rig imposes."""
+        return self.points == ("rig",)
+
+    @property
     def run(self) -> tuple[Slice, ...]:
         """By run."""
         return self.runs_channels.by_row
@@ -74,7 +79,7 @@ class Breakdown:
 
 def breakdown(campaign: Campaign, records: Sequence[Record], floor: Floor) -> Breakdown:
     """Cut the residual of ``records`` along every axis; ``floor`` says what noise explains."""
-    noise = np.nan_to_num(floor.noise_rms_m_s2**2)
+    noise = np.nan_to_num(floor.noise_rms**2)
     runs_channels = Grid(
         tuple(record.run.id for record in records),
         tuple(channel.name for channel in campaign.channels),

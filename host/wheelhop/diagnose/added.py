@@ -32,7 +32,7 @@ def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> l
         screened = screen(workshop, last.fit, [effect])
         if not screened:
             where = workshop.campaign.folder / "campaign.toml"
-            reason = why_not(effect, "road" in workshop.drives)
+            reason = why_not(effect, workshop.drives)
             raise CampaignError(f"{where}: {effect.id} cannot be added: {reason}; leave it out")
         progress(f"simulating {effect.id}")
         rough = confirm(workshop, last, screened[0])

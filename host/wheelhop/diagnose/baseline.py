@@ -51,9 +51,9 @@ def fit_baseline(
         progress=lambda text: progress(f"fitting the baseline: {text}"),
     )
     rung = validate(workshop, fitted)
-    if campaign.noise_rms_m_s2 is None:
+    if campaign.noise_rms is None:
         # Only now is there a residual from which the noise can be told.
-        noise = comparison_of(workshop, rung).floor.noise_rms_m_s2
+        noise = comparison_of(workshop, rung).floor.noise_rms
         workshop.set_noise(float(np.sqrt(np.nanmean(noise**2))))
     return Baseline(workshop, free, rung)
 
@@ -77,7 +77,7 @@ def charged(rung: Rung) -> dict[str, float]:
     """Degrees of freedom each validated run was given for itself."""
     if rung.validation is None:
         return {}
-    return {run.bench.run.id: float(len(run.own)) for run in rung.validation.runs}
+    return {run.bench.run.id: run.freedom for run in rung.validation.runs}
 
 
 def _started(workshop: Workshop, model: Model) -> Model:
@@ -94,14 +94,14 @@ def _started(workshop: Workshop, model: Model) -> Model:
 def _with_input_noise(campaign: Campaign, model: Model) -> Campaign:
     """Where measured axles drive every run, their noise reaches the prediction too: the stated
     noise of one channel grows by the nominal vehicle's mean power transmission in band."""
-    if campaign.noise_rms_m_s2 is None or any(r.track.kind != "unknown" for r in campaign.runs):
+    if campaign.noise_rms is None or any(r.track.kind != "unknown" for r in campaign.runs):
         return campaign
     body = [c for c in campaign.channels if not c.is_axle]
     frequency = np.linspace(*campaign.band_hz, 200)
     response = frequency_response(model.system(body, "axles"), frequency)
     transmitted = np.abs(response / (2 * np.pi * frequency[:, None, None]) ** 2) ** 2
     growth = float(np.sqrt(1.0 + transmitted.sum(axis=2).mean()))
-    return replace(campaign, noise_rms_m_s2=campaign.noise_rms_m_s2 * growth)
+    return replace(campaign, noise_rms=campaign.noise_rms * growth)
 
 
 def _check(campaign: Campaign) -> None:

@@ -7,11 +7,24 @@ from math import exp, inf
 
 from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Grounds, Step
-from wheelhop.diagnose.judge import judging, log_odds
+from wheelhop.diagnose.judge import judging, lead, log_odds
 from wheelhop.diagnose.look import Look
 
 CEILING = 0.99
 """No verdict on a single campaign is surer than this."""
+
+LEAD_SCALE = 0.005
+"""Odds are e : 1 against a rival that leaves this share more than the effect accepted: simulations
+are no more exact than that near the noise, whatever the evidence says."""
+
+PART = 4
+"""Confidence falls with this power of the share explained where something is left."""
+
+UNKNOWN_SCALE = 0.05
+"""Error over the floor, less one, at which "unknown" is two thirds sure."""
+
+SURELY_NONE = 0.1
+"""Where the likeliest effect has this chance to be worthless, "none" is as sure as it can be."""
 
 
 def grounds(
@@ -28,24 +41,45 @@ def grounds(
     if accepted is None:
         closest = min((c.p for c in last.candidates), default=1.0)
         margin = margins.get(verdict[0], inf)
-        return Grounds(margin, 1.0, closest, over, baseline)
+        return Grounds(margin, inf, 1.0, closest, over, baseline)
     rivals = [c.rung for c in first.candidates if c.id not in verdict]
     at_floor = "unknown" not in verdict
-    odds = {id(r): _odds(r, accepted.rung, at_floor) for r in rivals}
-    margin = min([*odds.values(), margins.get(verdict[0], inf)])
-    best = min(rivals, key=lambda r: odds[id(r)], default=first.rung)
-    return Grounds(margin, _stability(best, accepted.rung), accepted.p, over, baseline)
+    margin = min(
+        [*(_odds(r, accepted.rung, at_floor) for r in rivals), margins.get(verdict[0], inf)]
+    )
+    best = min(rivals, key=lambda r: lead(accepted.rung, r), default=first.rung)
+    return Grounds(
+        margin,
+        lead(accepted.rung, best),
+        _stability(best, accepted.rung),
+        accepted.p,
+        over,
+        baseline,
+    )
 
 
 def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
-    """That the verdict's first entry is right."""
+    """That the verdict's first entry is right.
+
+    Of an effect: how clearly it leads its best rival, times the chance that it does not hold at
+    all, times how much of what the baseline left is explained in the end: a wrong effect may
+    explain a part, hardly ever nearly everything. Of "none": how far the likeliest effect is from
+    being accepted. Of "unknown": how far the residual is above the floor's own uncertainty.
+    """
     if verdict[0] == "unknown":
-        return CEILING * (1.0 - exp(-(grounds.over_floor - 1.0) / 0.05))
+        return CEILING * (1.0 - exp(-(grounds.over_floor - 1.0) / UNKNOWN_SCALE))
     if verdict[0] == "none":
-        return CEILING * (0.5 + 0.5 * min(1.0, grounds.p_value / 0.1))
-    beaten = 1.0 / (1.0 + exp(-min(max(grounds.log_odds, -700.0), 700.0)))
-    sure = CEILING * beaten * (1.0 - grounds.p_value)
-    return sure if "unknown" not in verdict else sure / grounds.over_floor
+        return CEILING * (0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE))
+    leads = 1.0 / (1.0 + exp(-max(grounds.lead, 0.0) / LEAD_SCALE))
+    sure = CEILING * leads * (1.0 - grounds.p_value)
+    return sure * _explained(grounds) ** PART if "unknown" in verdict else sure
+
+
+def _explained(grounds: Grounds) -> float:
+    """Share of the baseline's power above the floor that the last rung does not leave."""
+    excess = grounds.baseline_over_floor**2 - 1.0
+    left = max(grounds.over_floor**2 - 1.0, 0.0)
+    return max(1.0 - left / excess, 0.0) if excess > 0.0 else 0.0
 
 
 def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:

@@ -24,8 +24,12 @@ class Rung:
     @property
     def model(self) -> Model:
         """The model, what every run leaves free included."""
-        runs = self.validation.model.runs if self.validation is not None else {}
-        return Model(self.fit.model.values, self.fit.model.effects, {**self.fit.model.runs, **runs})
+        fitted = self.fit.model
+        if self.validation is None:
+            return fitted
+        other = self.validation.model
+        runs, heights = {**fitted.runs, **other.runs}, {**fitted.heights, **other.heights}
+        return Model(fitted.values, fitted.effects, runs, heights)
 
     @property
     def error_fit(self) -> float:
@@ -38,8 +42,13 @@ class Rung:
         if self.validation is None:
             return float("nan")
         runs = self.validation.runs
-        rss = sum(r.rss * r.bench.size / max(r.bench.size - len(r.own), 1) for r in runs)
+        rss = sum(r.rss * r.bench.size / max(r.bench.size - r.freedom, 1) for r in runs)
         return float(np.sqrt(rss / sum(r.bench.energy for r in runs)))
+
+    @property
+    def error_judging(self) -> float:
+        """E over the runs that judge: those held out, or the fitted ones if there are no others."""
+        return self.error_fit if self.validation is None else self.error_validate
 
     @property
     def evidence(self) -> float:
@@ -60,7 +69,8 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
 
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
     ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
-    screening expects has gone astray and begins again elsewhere; the best one counts.
+    screening expects has gone astray and begins again elsewhere; the best one counts. A switch that
+    makes things worse has changed the derivatives, too: only a full fit does it justice.
     """
     effect, benches = screened.variant.effect, workshop.of_role("fit")
     best: Fit | None = None
@@ -72,7 +82,10 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
         if best.error < ASTRAY * screened.error:
             break
     assert best is not None
-    return validate(workshop, best)
+    rough = validate(workshop, best)
+    if best.rss > base.fit.rss and all(p.switch for p in screened.variant.amplitudes):
+        return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.rss)
+    return rough
 
 
 def refit(workshop: Workshop, rung: Rung) -> Rung:

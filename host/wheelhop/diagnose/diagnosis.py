@@ -52,21 +52,22 @@ class Step:
     def over_floor(self) -> float:
         """Error on held-out runs (on fitted ones, if there are no others) over the floor."""
         floor = self.comparison.floor
-        if self.rung.validation is None:
-            return self.rung.error_fit / floor.error_fit
-        return self.rung.error_validate / floor.error_validate
+        held_out = self.rung.validation is not None
+        return self.rung.error_judging / (floor.error_validate if held_out else floor.error_fit)
 
 
 @dataclass(frozen=True)
 class Grounds:
     """What the verdict's first entry stands on.
 
-    ``log_odds`` over its best rival; ``stability``, the share of what speaks for it against that
-    rival that is left when the run that speaks loudest is left out; ``p_value`` on held-out runs;
-    errors of the last rung and of the baseline over the floor.
+    ``log_odds`` over its best rival; ``lead``, by how many times what it leaves itself that rival
+    leaves more; ``stability``, the share of what speaks for it against that rival that is left when
+    the run that speaks loudest is left out; ``p_value`` on held-out runs; errors of the last rung
+    and of the baseline over the floor.
     """
 
     log_odds: float
+    lead: float
     stability: float
     p_value: float
     over_floor: float

@@ -7,21 +7,19 @@ library tried in its place, so that the order of acceptance does not decide the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm import Rung, confirm, refit, without
-from wheelhop.diagnose.judge import log_odds
-from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.judge import best_first, log_odds
+from wheelhop.diagnose.promising import worth_simulating
+from wheelhop.diagnose.screen import screen
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 
 RIVALS = 2
-"""So many effects are simulated in full in the place of each one accepted."""
-
-REACH = 0.3
-"""A rival is tried if screening expects this share of what the effect accepted brings."""
+"""At least so many effects are simulated in full in the place of each one accepted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,27 +47,15 @@ def exchange(
     for accepted in rung.model.effects:
         progress(f"could another effect stand for {accepted.id}?")
         base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
-        rivals = [
-            confirm(workshop, base, item)
-            for item in _worth_trying(base, rung, screen(workshop, base.fit, absent))
-        ]
+        screened = worth_simulating(workshop, base, screen(workshop, base.fit, absent), RIVALS)
+        rivals = [confirm(workshop, base, item) for item in screened]
         if not rivals:
             margins[accepted.id] = rung.evidence - base.evidence
             continue
-        best = max(rivals, key=lambda rival: rival.evidence)
-        if _better(best, rung, workshop.noise):
+        best = best_first(rivals, workshop.noise)[0]
+        if best_first([rung, best], workshop.noise)[0] is best:
             best = refit(workshop, best)
-            if _better(best, rung, workshop.noise):
+            if log_odds(rung, best, workshop.noise) > 0.0:
                 return Exchange(best)
         margins[accepted.id] = rung.evidence - best.evidence
     return Exchange(None, margins)
-
-
-def _worth_trying(base: Rung, rung: Rung, screened: Sequence[Screened]) -> Sequence[Screened]:
-    brought = (base.fit.rss - rung.fit.rss) / base.fit.sigma**2
-    return [s for s in screened if s.score > 0 and s.gain > REACH * brought][:RIVALS]
-
-
-def _better(rival: Rung, rung: Rung, noise: float) -> bool:
-    """By evidence on the runs fitted and by odds on the runs held out."""
-    return rival.evidence > rung.evidence and log_odds(rung, rival, noise) > 0.0

@@ -31,6 +31,7 @@ def explanation(verdict: Sequence[str], steps: Sequence[Step], last: Look) -> tu
         )
         lines.extend(describe(steps[-1].comparison.breakdown))
         lines.extend(_nearest(last))
+        lines.extend(_held_out_only(steps[-1]))
     elif len(steps) > 1:
         lines.append("Where the baseline failed:")
         lines.extend(describe(steps[0].comparison.breakdown))
@@ -41,12 +42,24 @@ def _change(before: Step, after: Step) -> str:
     added = [name for name in after.added if name not in before.added]
     taken = [name for name in before.added if name not in after.added]
     change = (
-        f"the held-out error from {percent(before.rung.error_validate)}"
-        f" to {percent(after.rung.error_validate)}."
+        f"the error from {percent(before.rung.error_judging)}"
+        f" to {percent(after.rung.error_judging)}."
     )
     if added and taken:
         return f"Putting {', '.join(added)} in place of {', '.join(taken)} changes {change}"
     return f"Adding {', '.join(added)} lowers {change}" if added else f"{', '.join(taken)} is idle."
+
+
+def _held_out_only(step: Step) -> list[str]:
+    """Where only held-out runs show the rest, what would let it be found."""
+    floor, rung = step.comparison.floor, step.rung
+    if rung.validation is None or rung.error_fit > floor.error_fit * (1.0 + floor.tolerance):
+        return []
+    loudest = max(rung.validation.runs, key=lambda run: run.rss)
+    return [
+        "The fitted runs do not show it, so nothing could be fitted to it: give"
+        f' {loudest.bench.run.id} the role "fit", or record another like it.'
+    ]
 
 
 def _nearest(last: Look) -> list[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,10 @@ Array = NDArray[np.float64]
 BLOCK_S = 0.5
 """Residuals are not white: what half a second of a run says of a model is counted as one degree of
 freedom, however many samples it holds (a second: one oscillation with amplitude and phase)."""
+
+MATERIAL = 0.02
+"""What takes less than this share of the noise's power out of the held-out residual is immaterial:
+a rounding of the simulation could be mistaken for physics."""
 
 WHITE = 1.1
 """A residual whose mean square is within this factor of the noise's is taken for noise."""
@@ -30,13 +36,14 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     inequalities for sums of bounded random variables, J. Am. Stat. Assoc. 58 (1963) 13, eq. 2.6,
     for signs ±g). Once the rival is down at the sensors' white noise, of which `noise` is the
     standard deviation of one in-band coefficient (0: not known), every coefficient counts:
-    Λ = Σ (S_base − S_rival) / 2 noise². Negative if the rival is worse.
+    Λ = Σ (S_base − S_rival) / 2 noise², unknown heights integrated out with the density that the
+    fitted runs gave them. Negative if the rival is worse.
 
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
     before, after = judging(base), judging(rival)
     if at_noise(rival, noise):
-        return 0.5 * (_charged(base) - _charged(rival)) / noise**2
+        return 0.5 * (_cost(base, noise) - _cost(rival, noise))
     gains = np.concatenate([_gains(a, b) for a, b in zip(before.runs, after.runs, strict=True)])
     total, squares = float(gains.sum()), float(gains @ gains)
     by_chance = total * abs(total) / (2.0 * squares) if squares > 0.0 else 0.0
@@ -62,16 +69,51 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
     return (_charged(base) - _charged(rival)) / (size * noise**2) if noise > 0 else np.inf
 
 
+def lead(rung: Rung, rival: Rung) -> float:
+    """By how much more the rival leaves of the runs fitted and held out, in units of what `rung`
+    leaves of those it was fitted to, coefficient by coefficient.
+
+    Evidence grows with the number of data even where two models differ by less than either is
+    exact; this does not.
+    """
+    more = sum(
+        b.rss - a.rss
+        for mine, its in ((rung.fit, rival.fit), (judging(rung), judging(rival)))
+        for a, b in zip(mine.runs, its.runs, strict=True)
+    )
+    return more / ((rung.fit.size + judging(rung).size) * rung.fit.sigma**2)
+
+
 def at_noise(rung: Rung, noise: float) -> bool:
     """Whether the residual of the runs that judge is no larger than noise, `noise` being the
     standard deviation of one in-band coefficient."""
     size = sum(run.bench.size for run in judging(rung).runs)
-    return _charged(rung) < WHITE * noise**2 * size
+    by_chance = 3.0 * float(np.sqrt(2.0 / size))  # few data: their mean square is uncertain itself
+    return _charged(rung) < (WHITE + by_chance) * noise**2 * size
+
+
+def best_first(rungs: Sequence[Rung], noise: float) -> list[Rung]:
+    """Where one of them reaches the noise the evidence orders them; while all leave something
+    unexplained, the likelihood of the fitted runs is not to be trusted, and the runs held out
+    decide."""
+    explained = any(at_noise(rung, noise) for rung in rungs)
+    return sorted(rungs, key=lambda r: -r.evidence if explained else r.error_judging)
 
 
 def judging(rung: Rung) -> Fit:
     """The fit whose runs judge a model."""
     return rung.fit if rung.validation is None else rung.validation
+
+
+def _cost(rung: Rung, noise: float) -> float:
+    """−2 × the logarithm of the likelihood of the runs that judge, up to a constant."""
+    total = 0.0
+    for run in judging(rung).runs:
+        size = run.bench.size
+        total += run.rss / noise**2 * size / max(size - len(run.own), 1)
+        if run.heights is not None:
+            total += run.heights.penalty - run.heights.log_volume
+    return total
 
 
 def _charged(rung: Rung) -> float:
@@ -80,7 +122,7 @@ def _charged(rung: Rung) -> float:
 
 def _freedom(run: RunFit) -> float:
     """Share of a run's data left over by the numbers that are free in it."""
-    return max(run.bench.size - len(run.own), 1) / run.bench.size
+    return max(run.bench.size - run.freedom, 1) / run.bench.size
 
 
 def _gains(base: RunFit, rival: RunFit) -> Array:

@@ -4,33 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
 from wheelhop.diagnose.exchange import exchange
-from wheelhop.diagnose.judge import at_noise, log_odds, p_value, relative_to_noise
-from wheelhop.diagnose.look import Candidate, Look, step_of
+from wheelhop.diagnose.judge import MATERIAL, best_first, log_odds, p_value, relative_to_noise
+from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
+from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 from wheelhop.vehicle import Vehicle
 
-CONFIRMED = 5
-"""At least so many effects are simulated in full on every rung."""
-
-REACH = 0.5
-"""And every one that screening expects to explain this share of what the best explains."""
-
-SIGNIFICANT = 0.01
+SIGNIFICANT = 0.05
 """An effect is accepted below this chance of being mistaken, all effects tried counted."""
-
-MATERIAL = 0.02
-"""... if it takes more than this share of the noise's power out of the held-out residual: less
-than that, and a rounding of the simulation could be mistaken for physics."""
 
 HOPELESS = 2.0
 """An effect that leaves this many times the leader's held-out error won't catch up in a refit."""
@@ -41,7 +30,7 @@ def diagnose(
     vehicle: Vehicle,
     effects: Mapping[str, Effect],
     *,
-    max_effects: int = 3,
+    max_effects: int = 4,
     jobs: int | None = None,
     progress: Progress = lambda text: None,
 ) -> Diagnosis:
@@ -115,31 +104,19 @@ def _look(
 def _confirm_best(
     workshop: Workshop, rung: Rung, screened: Sequence[Screened], progress: Progress
 ) -> list[Candidate]:
-    """Full simulation of the most promising effects; best evidence first.
-
-    Effects that even by screening could take nothing material out of the residual are left alone.
-    """
-    noise = rung.fit.size * workshop.noise**2
-    promising = [
-        s for s in screened if s.score > 0 and s.gain * rung.fit.sigma**2 > MATERIAL / 4 * noise
-    ]
-    reach = REACH * promising[0].gain if promising else np.inf
-    chosen = [s for i, s in enumerate(promising) if i < CONFIRMED or s.gain >= reach]
-    if not at_noise(rung, workshop.noise):
-        # What has no number to fit may show in held-out runs alone: only there the wheels leave
-        # the ground.
-        chosen += [s for s in screened if s.freedom == 0 and s not in chosen]
+    """Full simulation of the most promising effects, the best first."""
+    chosen = worth_simulating(workshop, rung, screened)
     found = []
     for i, item in enumerate(chosen):
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
         found.append(_judged(workshop, rung, item, confirm(workshop, rung, item), len(screened)))
-    return sorted(found, key=lambda c: -c.rung.evidence)
+    return _best_first(found, workshop.noise)
 
 
 def _refit_leaders(
     workshop: Workshop, rung: Rung, candidates: Sequence[Candidate], progress: Progress
 ) -> list[Candidate]:
-    """The candidates, the best two that hold fitted with all derivatives; best evidence first.
+    """The candidates, the best two that hold fitted with all derivatives; the best first.
 
     A quick fit favours effects that resemble what the vehicle's own parameters do.
     """
@@ -154,7 +131,13 @@ def _refit_leaders(
         better = refit(workshop, leader.rung)
         refitted.append(_judged(workshop, rung, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
-    return sorted(refitted, key=lambda c: (not c.holds, -c.rung.evidence)) + others
+    return _best_first(refitted, workshop.noise) + others
+
+
+def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate]:
+    """Those that hold before the others."""
+    place = {id(rung): i for i, rung in enumerate(best_first([c.rung for c in candidates], noise))}
+    return sorted(candidates, key=lambda c: (not c.holds, place[id(c.rung)]))
 
 
 def _judged(
@@ -162,7 +145,8 @@ def _judged(
 ) -> Candidate:
     odds = log_odds(rung, rival, workshop.noise)
     material = relative_to_noise(rung, rival, workshop.noise) > MATERIAL
-    holds = material and p_value(odds, tried) < SIGNIFICANT
+    likely = material and p_value(odds, tried) < SIGNIFICANT
+    holds = likely and not contradicted(rival, screened.variant.effect)
     return Candidate(screened, rival, odds, tried, holds)
 
 

@@ -9,7 +9,7 @@ from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.judge import p_value
 from wheelhop.diagnose.screen import Screened
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, RunSetting
 from wheelhop.fit import Workshop
 
 
@@ -66,10 +66,17 @@ def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:
 
 def summary_of(rung: Rung, effect: Effect) -> dict[str, float]:
     """Numbers that stand for what an effect leaves free per run."""
-    return effect.summary(
-        [
-            (run.bench.simulator.setting, rung.model.theta(effect, run.bench.run.id))
-            for run in rung.fit.runs
-            if run.bench.simulator.acts(effect)
-        ]
-    )
+    return effect.summary(_run_by_run(rung, effect))
+
+
+def contradicted(rung: Rung, effect: Effect) -> bool:
+    """Whether what an effect leaves free per run came out against its nature."""
+    return effect.contradicted(_run_by_run(rung, effect))
+
+
+def _run_by_run(rung: Rung, effect: Effect) -> list[tuple[RunSetting, dict[str, float]]]:
+    return [
+        (run.bench.simulator.setting, rung.model.theta(effect, run.bench.run.id))
+        for run in rung.fit.runs
+        if run.bench.simulator.acts(effect)
+    ]

@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
-from wheelhop.compare.band import InBand
+from wheelhop.campaign import Channel, RigRun
 from wheelhop.effects import RunSetting
 from wheelhop.fit import Bench, Workshop
 from wheelhop.simulate import Model
-from wheelhop.vehicle import CORNERS, axle_name
+from wheelhop.simulate.run import slow_part
+from wheelhop.vehicle import COMPONENT, CORNERS, axle_name
 
 Array = NDArray[np.float64]
 
@@ -23,20 +25,36 @@ class FitProbe:
         self._model = model
         self._benches = {bench.run.id: bench for bench in benches}
         self._systems = workshop.systems(model)
+        self._channels = workshop.campaign.channels
+        self._lowest_hz = workshop.campaign.band_hz[0]
 
     @property
     def settings(self) -> Sequence[RunSetting]:
         """The runs."""
         return [bench.simulator.setting for bench in self._benches.values()]
 
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """The channels, in the order of the columns."""
+        return self._channels
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """The model's numbers, by their dotted names."""
+        return self._model.values
+
     def time_s(self, run_id: str) -> Array:
         """Sample times (n,)."""
         return self._benches[run_id].run.time_s
 
+    def recorded(self, run_id: str) -> Array:
+        """The record (n, c) as it is, in the channels' units."""
+        return self._benches[run_id].run.record
+
     def measured(self, run_id: str) -> Array:
-        """The record in band (n, c), m/s²; zero where the model predicts nothing."""
+        """The record in band (n, c); zero where the model predicts nothing."""
         bench = self._benches[run_id]
-        return bench.band.signal(np.where(bench.predicted, bench.run.acceleration, 0.0))
+        return bench.band.signal(np.where(bench.predicted, bench.run.record, 0.0))
 
     def modelled(self, run_id: str, changes: Mapping[str, float]) -> Array:
         """The model's answer in band (n, c), some of the run's numbers moved by an amount."""
@@ -44,7 +62,7 @@ class FitProbe:
         values = self._model.runs.get(run_id, {})
         moved = self._model.with_run(run_id, {k: values[k] + d for k, d in changes.items()})
         response = bench.response(moved, self._systems)
-        return bench.band.signal(np.where(bench.predicted, response.acceleration, 0.0))
+        return bench.band.signal(np.where(bench.predicted, response.record, 0.0))
 
     def way_m(self, run_id: str) -> Array:
         """The way (n, 4), m, each wheel has come along the track."""
@@ -52,25 +70,27 @@ class FitProbe:
 
     def travel(self, run_id: str) -> Mapping[str, Array]:
         """Extensions in band of the struts of each end (n, struts), m, where both ends of a strut
-        have a sensor: what the model says, or on measured axles the record, integrated twice."""
+        have a sensor: what the model says, or on measured axles the record, integrated twice; on a
+        rig what was recorded."""
         bench = self._benches[run_id]
-        channels = bench.simulator.campaign.channels
-        response = bench.response(self._model, self._systems).acceleration
-        acceleration = np.where(bench.predicted, response, bench.run.acceleration)
-        place = {(c.corner, c.is_axle): i for i, c in enumerate(channels) if c.corner is not None}
+        if isinstance(bench.run, RigRun):
+            return {COMPONENT: bench.run.displacement[:, None]}
+        response = bench.response(self._model, self._systems).record
+        acceleration = np.where(bench.predicted, response, bench.run.record)
+        place = {
+            (c.corner, c.is_axle): i for i, c in enumerate(self._channels) if c.corner is not None
+        }
         found: dict[str, list[Array]] = {}
         for corner in CORNERS:
             if (corner, False) in place and (corner, True) in place:
                 upper, lower = place[corner, False], place[corner, True]
                 relative = acceleration[:, upper] - acceleration[:, lower]
-                found.setdefault(axle_name(corner), []).append(
-                    _integrated_twice(bench.band, relative)
-                )
+                way = _integrated_twice(bench.run.time_s, relative, self._lowest_hz)
+                found.setdefault(axle_name(corner), []).append(way)
         return {end: np.stack(extensions, axis=1) for end, extensions in found.items()}
 
 
-def _integrated_twice(band: InBand, acceleration: Array) -> Array:
-    """Displacement (n,) in band, m, of an acceleration."""
-    coefficients = band.coefficients(acceleration)
-    omega = 2 * np.pi * np.tile(band.frequency_hz, 2)
-    return band.from_coefficients(-coefficients / omega**2)
+def _integrated_twice(time_s: Array, acceleration: Array, lowest_hz: float) -> Array:
+    """Displacement (n,), m, of an acceleration, without what is slower than the band."""
+    height = CubicSpline(time_s, acceleration).antiderivative(2)(time_s)
+    return np.asarray(height - slow_part(time_s, height, 1.0 / lowest_hz)(time_s))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from wheelhop.diagnose.ambiguity import Angles
 from wheelhop.diagnose.diagnosis import Ranked, Step
 from wheelhop.diagnose.look import Candidate, Look, summary_of
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
+from wheelhop.vehicle import Drive
 
 
 def ranking(
@@ -25,7 +26,7 @@ def ranking(
 def _not_applicable(look: Look, effects: Sequence[Effect], baseline: Step) -> list[Ranked]:
     """The effects screening left out, with the reason."""
     screened = {s.variant.effect.id for s in look.screened}
-    on_road = any(run.bench.simulator.setting.on_road for run in baseline.rung.fit.runs)
+    drives = {run.bench.drive for run in baseline.rung.fit.runs}
     return [
         Ranked(
             effect=effect.id,
@@ -37,16 +38,18 @@ def _not_applicable(look: Look, effects: Sequence[Effect], baseline: Step) -> li
             p_value=None,
             ambiguous_with=(),
             parameters={},
-            reason=f"does not apply: {why_not(effect, on_road)}",
+            reason=f"does not apply: {why_not(effect, drives)}",
         )
         for effect in effects
         if effect.id not in screened
     ]
 
 
-def why_not(effect: Effect, on_road: bool) -> str:
+def why_not(effect: Effect, drives: Collection[Drive]) -> str:
     """In a few words, why screening leaves an effect out."""
-    if effect.needs_road and not on_road:
+    if "rig" in drives and not effect.on_rig:
+        return "it acts on a vehicle, not on one component on a rig"
+    if "rig" not in drives and "road" not in drives and effect.needs_road:
         return "it acts upstream of the axle, and no run drives over a known track"
     return "the vehicle, its speed and the channels give it nothing to act on"
 
@@ -81,14 +84,14 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
         if screened.score <= 0:
             return "its signature is not in the residual: no gain worth its parameters"
         return "screened: others explain far more"
-    before, after = look.rung.error_validate, candidate.rung.error_validate
-    change = f"held-out error {percent(before)} → {percent(after)}"
+    before, after = look.rung.error_judging, candidate.rung.error_judging
+    change = f"error {percent(before)} → {percent(after)}"
     if chosen is not None and candidate.id == chosen.id:
         return f"accepted: {change}, p = {candidate.p:.1g}"
     if not candidate.holds:
         return f"not confirmed by held-out runs: {change}, p = {candidate.p:.1g}"
     if chosen is not None:
-        best = chosen.rung.error_validate
+        best = chosen.rung.error_judging
         return f"explains part: {change}, but {chosen.id} reaches {percent(best)}"
     return f"{change}, p = {candidate.p:.1g}"
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.diagnose.probe import FitProbe
+from wheelhop.diagnose.screen_heights import screen_heights
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.simulate import Model
@@ -26,6 +27,9 @@ Array = NDArray[np.float64]
 
 STRENGTH = 0.5
 """Signatures are taken at this fraction of an amplitude's scale."""
+
+ABSURD = 1e3
+"""So many times its scale no amplitude is believed to be: one standard deviation."""
 
 OWN_STRENGTH = 0.1
 """The same for what is free in every run: a distance gained, nonlinear on a short wave."""
@@ -56,7 +60,7 @@ class Screened:
     variant: Variant
     amplitudes: Mapping[str, float]
     gain: float
-    freedom: int
+    freedom: float
     price: float
     error: float
     signatures: Mapping[str, Array]
@@ -71,9 +75,9 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
     """All forms and shape starts in which an effect is screened; none: it does not apply."""
     channels = workshop.campaign.channels
     settings = [run.bench.simulator.setting for run in base.runs]
-    if effect.needs_road and not any(setting.on_road for setting in settings):
+    if not any(effect.acts_in(setting) for setting in settings):
         return []
-    suggested = effect.shape_starts(FitProbe(workshop, base.model, workshop.of_role("fit")))
+    probe = FitProbe(workshop, base.model, workshop.of_role("fit"))
     found: list[Variant] = []
     for choice in effect.choices(channels):
         form = effect.with_choice(choice) if choice else effect
@@ -84,7 +88,7 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
         starts = {p.name: p.starts for p in parameters if p.is_shape}
         first = {name: values[0] for name, values in starts.items()}
         grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
-        for shapes in [{**first, **start} for start in suggested] or grid:
+        for shapes in [{**first, **start} for start in form.shape_starts(probe)] or grid:
             found.append(Variant(form, choice, shapes, parameters))
     return found
 
@@ -128,7 +132,30 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
         known = best.get(item.variant.effect.id)
         if known is None or result.score > known.score:
             best[item.variant.effect.id] = result
+    for effect in effects:
+        if effect.has_random_heights and (found := _screened_heights(workshop, base, effect)):
+            best[effect.id] = found
     return sorted(best.values(), key=lambda s: -s.score)
+
+
+def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:
+    """An effect that adds unknown heights: its parameters are shapes, the price follows from
+    the evidence."""
+    heights = screen_heights(workshop, base, effect)
+    if heights is None:
+        return None
+    parameters = effect.parameters_for(base.model.values, workshop.campaign.channels)
+    freedom = max(heights.freedom, 1.0)
+    rss = max(base.rss - heights.gain * base.sigma**2, 0.0)
+    return Screened(
+        Variant(effect, "", heights.theta, tuple(parameters)),
+        {},
+        heights.gain,
+        freedom,
+        price=(heights.gain - heights.worth) / freedom,
+        error=float(np.sqrt(rss / sum(run.bench.energy for run in base.runs))),
+        signatures={run.bench.run.id: np.zeros((len(run.residual), 0)) for run in base.runs},
+    )
 
 
 def _prepare(workshop: Workshop, model: Model, variant: Variant) -> _Prepared:
@@ -163,14 +190,17 @@ class _Table:
 def _run_tables(run: RunFit, base: Fit, prepared: Sequence[_Prepared]) -> list[_Table]:
     """Tables of all variants for one run; products of the baseline's columns are formed once."""
     known = np.hstack([run.own_jacobian, run.shared_jacobian, run.residual[:, None]])
-    products = known.T @ known
-    return [_run_table(run, base, item, known, products) for item in prepared]
+    # The residual is free of heights already.
+    free = np.hstack([run.freed(known[:, :-1]), run.residual[:, None]])
+    products = known.T @ free
+    products[-1] = products[:, -1]
+    return [_run_table(run, base, item, free, products) for item in prepared]
 
 
-def _run_table(run: RunFit, base: Fit, item: _Prepared, known: Array, products: Array) -> _Table:
+def _run_table(run: RunFit, base: Fit, item: _Prepared, free: Array, products: Array) -> _Table:
     columns, own_columns, own = _columns(run, item)
     added = np.hstack([own_columns, columns])
-    across, among = known.T @ added, added.T @ added
+    across, among = free.T @ added, added.T @ run.freed(added)
     r, q, g, a = len(run.own), len(own), len(base.shared), columns.shape[1]
     # Order of the whole: own, effect's own | shared, amplitudes | residual.
     order = [*range(r), *range(r + g + 1, r + g + 1 + q), *range(r, r + g)]
@@ -178,7 +208,7 @@ def _run_table(run: RunFit, base: Fit, item: _Prepared, known: Array, products: 
     whole = np.block([[products, across], [across.T, among]])[np.ix_(order, order)]
     n = r + q
     prior = np.array([(f.scale / f.sigma) ** 2 for f in run.own] + [1.0] * q) * base.sigma**2
-    inner = whole[:n, :n] + np.diag(prior + 1e-9 * (1 + prior))
+    inner = whole[:n, :n] + np.diag(prior + 1e-9 * (base.sigma**2 + prior))
     back = np.linalg.solve(inner, whole[:n, n:])
     rest = whole[n:, n:] - whole[n:, :n] @ back
     nuisance = np.hstack([run.own_jacobian, own_columns])
@@ -203,8 +233,10 @@ def _columns(run: RunFit, item: _Prepared) -> tuple[Array, Array, Sequence[Param
     if effect.place == "sensor" and all(p.switch for p in item.variant.parameters):
         # A record set right keeps the model's derivatives, a model set wrong does not.
         theta = {p.name: p.scale for p in item.variant.parameters}
-        channels = bench.simulator.campaign.channels
-        right = bench.band.coefficients(effect.restore(theta, bench.run.acceleration, channels))
+        campaign = bench.simulator.campaign
+        right = bench.band.coefficients(
+            effect.restore(theta, bench.run.record, campaign.channels, campaign.sample_rate_hz)
+        )
         return (measured - right[:, bench.predicted].ravel())[:, None], np.zeros((size, 0)), ()
     columns = [
         (bench.modelled(model, systems) - base) / step
@@ -229,13 +261,14 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
     weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
     matrix = np.sum([t.matrix for t in tables], axis=0)
     gradient = np.sum([t.gradient for t in tables], axis=0)
-    matrix[:g, :g] += np.diag(weight + 1e-9 * (1 + weight))
+    matrix[:g, :g] += np.diag(weight + 1e-9 * (base.sigma**2 + weight))
     own_gain = sum(t.gain for t in tables)
     amplitudes = {p.name: p.absent for p in variant.amplitudes}
     gain = -np.inf
     if np.isfinite(matrix).all():  # else the simulation ran away: not at this strength
-        # The small constant is for a signature these runs do not show at all.
-        matrix[g:, g:] += np.diag(1e-9 * (1 + np.diag(matrix)[g:]))
+        # A signature these runs hardly show must not call for an absurd amplitude.
+        most = ABSURD * np.array([p.scale for p in variant.amplitudes])
+        matrix[g:, g:] += np.diag(1e-9 * np.diag(matrix)[g:] + (base.sigma / most) ** 2)
         amplitudes, gain = _bounded(matrix, gradient, g, variant.amplitudes)
     gain = (gain + own_gain) / base.sigma**2
     rss = max(base.rss - gain * base.sigma**2, 0.0)

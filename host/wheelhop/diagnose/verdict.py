@@ -8,14 +8,16 @@ from wheelhop.diagnose.ambiguity import Angles
 from wheelhop.diagnose.confidence import confidence, grounds
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.explain import explanation
-from wheelhop.diagnose.look import Candidate, Look
+from wheelhop.diagnose.judge import lead
+from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.next_run import NextRun, propose
 from wheelhop.diagnose.ranking import ranking
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 
-DOUBT = 7.0
-"""Two explanations whose log-evidence differs by less (odds of a thousand) leave a doubt."""
+DOUBT = 0.03
+"""A rival that leaves only this share more than the effect chosen leaves a doubt, whatever the
+evidence says: simulations are no more exact than that near the noise."""
 
 
 def conclude(
@@ -56,17 +58,13 @@ def _next_run(workshop: Workshop, first: Look, angles: Angles) -> NextRun | None
         return None
     near = dict(angles.near(chosen.id))
     rivals = [c for c in first.candidates if c is not chosen]
-    close = [c for c in rivals if c.id in near or _behind(chosen, c) < DOUBT]
+    close = [c for c in rivals if c.id in near or lead(chosen.rung, c.rung) < DOUBT]
     if not close:
         return None
-    nearest = min(close, key=lambda c: _behind(chosen, c))
+    nearest = min(close, key=lambda c: lead(chosen.rung, c.rung))
     return propose(
         workshop,
         (chosen.id, chosen.rung),
         (nearest.id, nearest.rung),
         angles.between(chosen.id, nearest.id),
     )
-
-
-def _behind(chosen: Candidate, rival: Candidate) -> float:
-    return chosen.rung.evidence - rival.rung.evidence

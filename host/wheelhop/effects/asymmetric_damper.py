@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
-from wheelhop.vehicle import CORNERS, Assembly, axle_name, suspension
+from wheelhop.vehicle import Assembly, ends, struts
 
 
 @law
@@ -22,6 +22,7 @@ class AsymmetricDamper(Effect):
 
     id = "asymmetric-damper"
     place = "suspension"
+    on_rig = True
     title = "rebound and compression damping differ"
     equation = r"f = a\,|\dot x|,\quad a = (c_\mathrm{rebound} - c_\mathrm{compression})/2"
     source = (
@@ -34,14 +35,13 @@ class AsymmetricDamper(Effect):
             Parameter(
                 f"{end}_N_s_m",
                 "N·s/m",
-                f"half of rebound less compression damping, {end} wheel",
-                0.4 * vehicle[f"suspension.{end}.damping_N_s_m"],
+                f"half of rebound less compression damping, {strut.name}",
+                0.4 * strut.usual.damping_N_s_m,
             )
-            for end in ("front", "rear")
+            for end, strut in ends(vehicle).items()
         )
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the force to each strut."""
-        for i in CORNERS:
-            half = theta[f"{axle_name(i)}_N_s_m"]
-            parts.add_law(suspension(vehicle, i), one_sided_difference, (half,))
+        for strut in struts(vehicle):
+            parts.add_law(strut.row, one_sided_difference, (theta[f"{strut.end}_N_s_m"],))

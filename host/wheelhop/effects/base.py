@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel
+from wheelhop.track import Wheel, WheelPath
 from wheelhop.vehicle.assembly import Assembly, Law
 
 Array = NDArray[np.float64]
@@ -66,8 +67,19 @@ class Probe(Protocol):
     def settings(self) -> Sequence[RunSetting]:
         """The runs that are fitted."""
 
+    @property
+    def channels(self) -> Sequence[Channel]:
+        """The channels, in the order of the columns."""
+
+    @property
+    def values(self) -> Values:
+        """The numbers of the model without the effect, by their dotted names."""
+
     def time_s(self, run_id: str) -> Array:
         """Sample times (n,)."""
+
+    def recorded(self, run_id: str) -> Array:
+        """The record as it is, not in band."""
 
     def measured(self, run_id: str) -> Array:
         """The record."""
@@ -75,11 +87,19 @@ class Probe(Protocol):
     def modelled(self, run_id: str, changes: Values) -> Array:
         """The model without the effect, some of the run's own numbers changed by an amount."""
 
+    def way_m(self, run_id: str) -> Array:
+        """The way (n, 4), m, each wheel has come along the track, the effect left out."""
+
+    def travel(self, run_id: str) -> Mapping[str, Array]:
+        """What the struts of each end ("front", "rear") do in the model without the effect: their
+        extensions in band (n, struts), m; empty where no strut has sensors at both its ends."""
+
 
 @dataclass(frozen=True)
 class RunSetting:
     """What an effect may know of a run: its id, nominal speed, the instants at which the run-up
-    and the record begin and the simulation ends, and whether the track under it is known."""
+    and the record begin and the record ends, whether the track under it is known, and whether it
+    is no vehicle that runs but a component on a rig."""
 
     run_id: str
     speed_m_s: float
@@ -87,6 +107,7 @@ class RunSetting:
     record_start_s: float
     end_s: float
     on_road: bool
+    on_rig: bool = False
 
 
 class Effect:
@@ -102,8 +123,18 @@ class Effect:
     source: ClassVar[str]
     needs_road: ClassVar[bool] = False
     """Whether the effect acts upstream of the axle, where an unknown track hides it."""
+    on_rig: ClassVar[bool] = False
+    """Whether it acts on a component on a rig, too: springs and force laws along the rows of
+    `wheelhop.vehicle.struts`, and nothing that has a motion of its own."""
+    has_random_heights: ClassVar[bool] = False
+    """Whether it adds heights nobody knows to the ground (`height_density`): they are estimated run
+    by run, and its parameters, all shapes, are found by their evidence."""
     longest_step_s: ClassVar[float] = 0.0025
     """Integration step at which its force laws leave an error below the sensors' noise."""
+
+    def acts_in(self, run: RunSetting) -> bool:
+        """Whether it can act in a run: upstream of measured axles nothing does."""
+        return self.on_rig if run.on_rig else run.on_road or not self.needs_road
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The parameters, with scales fitting this vehicle; empty: the effect does not apply."""
@@ -136,17 +167,34 @@ class Effect:
         """Numbers that stand for what is left free per run, for people to read."""
         return {}
 
+    def contradicted(self, runs: Sequence[tuple[RunSetting, Values]]) -> bool:
+        """Whether what was fitted run by run is against the effect's own nature."""
+        return False
+
     def travel(
         self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float
     ) -> tuple[Array, Array] | None:
         """Extra distance of each wheel path (T, 4), m, and its rate (T, 4), m/s."""
         return None
 
+    def height_density(self, theta: Values, wave_number_rad_m: Array) -> Array:
+        """Spectral density S(κ) (k,), m³ per rad, one-sided, of random heights on top of the track,
+        under left and right wheels independent of each other."""
+        return np.zeros_like(wave_number_rad_m)
+
+    def wheel_path(self, theta: Values, corner: int, wheel: Wheel) -> WheelPath | None:
+        """The path of a wheel's centre over the track, if it is not that of a rigid wheel; of
+        several such effects in a model the first counts."""
+        return None
+
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add parts to the vehicle: springs, masses, modes, force laws, applied forces."""
 
-    def forces(self, theta: Values, run: RunSetting, time_s: Array) -> Sequence[Array]:
-        """Histories (T,), N, of the forces added in `modify` by `add_force`, in that order."""
+    def forces(
+        self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array
+    ) -> Sequence[Array]:
+        """Histories (T,), N, of the forces added in `modify` by `add_force`, in that order;
+        ``way_m`` and ``speed_m_s`` (T, 4) are the way each wheel has come and its rate."""
         return ()
 
     def sense(
@@ -155,6 +203,8 @@ class Effect:
         """What the instrument makes of the true accelerations (n, c), m/s²."""
         return acceleration
 
-    def restore(self, theta: Values, measured: Array, channels: Sequence[Channel]) -> Array:
+    def restore(
+        self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
         """Undo `sense` where that can be done: measured axle motion drives the model."""
         return measured

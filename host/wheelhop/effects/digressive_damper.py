@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
-from wheelhop.vehicle import CORNERS, Assembly, axle_name, suspension
+from wheelhop.vehicle import Assembly, ends, struts
 
 
 @law
@@ -21,6 +21,7 @@ class DigressiveDamper(Effect):
 
     id = "digressive-damper"
     place = "suspension"
+    on_rig = True
     title = "the damper's slope falls beyond a knee velocity"
     equation = (
         r"f = -\lambda c\,(|\dot x| - v_k)\,\mathrm{sgn}\,\dot x \text{ for } |\dot x| > v_k,"
@@ -30,31 +31,32 @@ class DigressiveDamper(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Share of the damping lost beyond the knee, per axle; the knee."""
+        found = ends(vehicle)
+        speed = next(iter(found.values())).usual.speed_m_s
         return (
             *(
                 Parameter(
                     f"{end}_loss",
                     "1",
-                    f"share of the {end} damping rate lost beyond the knee",
+                    f"share of the damping rate lost beyond the knee, {strut.name}",
                     0.5,
                     lower=0.0,
                     upper=1.0,
                 )
-                for end in ("front", "rear")
+                for end, strut in found.items()
             ),
             Parameter(
                 "knee_m_s",
                 "m/s",
-                "velocity at the wheel beyond which the slope falls",
-                0.2,
-                lower=0.01,
-                starts=(0.05, 0.15, 0.3, 0.6),
+                "velocity of the strut beyond which the slope falls",
+                speed,
+                lower=0.05 * speed,
+                starts=(0.25 * speed, 0.75 * speed, 1.5 * speed, 3.0 * speed),
             ),
         )
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the force to each strut."""
-        for i in CORNERS:
-            end = axle_name(i)
-            lost = theta[f"{end}_loss"] * vehicle[f"suspension.{end}.damping_N_s_m"]
-            parts.add_law(suspension(vehicle, i), blow_off, (lost, theta["knee_m_s"]))
+        for strut in struts(vehicle):
+            lost = theta[f"{strut.end}_loss"] * strut.damping_N_s_m
+            parts.add_law(strut.row, blow_off, (lost, theta["knee_m_s"]))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
-from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_load, suspension
+from wheelhop.vehicle import Assembly, ends, struts
 
 
 @law
@@ -24,6 +26,7 @@ class DryFriction(Effect):
 
     id = "dry-friction"
     place = "suspension"
+    on_rig = True
     title = "Coulomb friction in the strut and its joints, elastic before it slips"
     equation = (
         r"\dot f = k_p \dot x \text{ while } |f| < F_c,\ 0 \text{ where the motion would exceed it}"
@@ -36,21 +39,18 @@ class DryFriction(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Slip force per axle; stiffness before slip."""
-        spring = vehicle["suspension.front.stiffness_N_m"]
+        found = ends(vehicle)
+        spring = next(iter(found.values())).usual.stiffness_N_m
         return (
-            Parameter(
-                "front_N",
-                "N",
-                "slip force of a front strut, at the wheel",
-                0.06 * static_load(vehicle, 0),
-                lower=0.0,
-            ),
-            Parameter(
-                "rear_N",
-                "N",
-                "slip force of a rear strut, at the wheel",
-                0.06 * static_load(vehicle, 2),
-                lower=0.0,
+            *(
+                Parameter(
+                    f"{end}_N",
+                    "N",
+                    f"slip force of {strut.name}",
+                    0.06 * strut.usual.load_N,
+                    lower=0.0,
+                )
+                for end, strut in found.items()
             ),
             Parameter(
                 "presliding_N_m",
@@ -58,13 +58,13 @@ class DryFriction(Effect):
                 "stiffness of the joint before it slips",
                 100 * spring,
                 lower=spring,
-                upper=300 * spring,
+                upper=300 * spring if len(found) > 1 else np.inf,  # a rig may hold it rigidly
                 starts=(20 * spring, 150 * spring),
             ),
         )
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the element to each strut."""
-        for i in CORNERS:
-            slip = theta[f"{axle_name(i)}_N"]
-            parts.add_law(suspension(vehicle, i), elastic_slip, (slip, theta["presliding_N_m"]))
+        for strut in struts(vehicle):
+            slip = theta[f"{strut.end}_N"]
+            parts.add_law(strut.row, elastic_slip, (slip, theta["presliding_N_m"]))

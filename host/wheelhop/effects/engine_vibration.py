@@ -66,7 +66,9 @@ class EngineVibration(Effect):
         engine = Body(vehicle.get("engine.x_m", 0.0), vehicle.get("engine.y_m", 0.0))
         parts.add_force(((1.0, engine),))
 
-    def forces(self, theta: Values, run: RunSetting, time_s: Array) -> Sequence[Array]:
+    def forces(
+        self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array
+    ) -> Sequence[Array]:
         """The force's history."""
         angle = 2 * pi * theta["freq_hz"] * time_s
         cosine, sine = theta.get("cos_N", 0.0), theta.get("sin_N", 0.0)

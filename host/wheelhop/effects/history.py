@@ -21,14 +21,16 @@ class History:
     spacing_s
         Distance of the knots. A sine of period T is followed to about (2π spacing / T)⁴ / 384 of
         its amplitude (C. de Boor, A Practical Guide to Splines, Springer 1978, ch. XII).
+    unit
+        Of the coefficients, as it stands in names.
     """
 
-    def __init__(self, run: RunSetting, spacing_s: float) -> None:
+    def __init__(self, run: RunSetting, spacing_s: float, unit: str = "m") -> None:
         self.begin_s, self.end_s = run.record_start_s - LEAD_S, run.end_s
         count = max(int(np.ceil((self.end_s - self.begin_s) / spacing_s)), 1)
         inner = np.linspace(self.begin_s, self.end_s, count + 1)
         self._knots = np.concatenate([[self.begin_s] * 3, inner, [self.end_s] * 3])
-        self.names = tuple(f"coefficient_{j}_m" for j in range(count + 3))
+        self.names = tuple(f"coefficient_{j}_{unit}" for j in range(count + 3))
 
     def at(self, theta: Values, time_s: Array) -> tuple[Array, Array] | None:
         """Value and rate at the given times; None where no coefficient is stated or all vanish."""

@@ -3,39 +3,70 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import get_args
 
 from wheelhop.campaign import CampaignError
+from wheelhop.effects.anti_roll_bar import AntiRollBar
 from wheelhop.effects.asymmetric_damper import AsymmetricDamper
+from wheelhop.effects.backlash import Backlash
 from wheelhop.effects.base import Effect, Place
+from wheelhop.effects.bump_stop import BumpStop
+from wheelhop.effects.corner_asymmetry import CornerAsymmetry
+from wheelhop.effects.cornering_roll import CorneringRoll
 from wheelhop.effects.digressive_damper import DigressiveDamper
+from wheelhop.effects.driver_rocking import DriverRocking
 from wheelhop.effects.driver_seat import DriverSeat
 from wheelhop.effects.dry_friction import DryFriction
 from wheelhop.effects.engine_vibration import EngineVibration
 from wheelhop.effects.frame_twist import FrameTwist
 from wheelhop.effects.left_right_drift import LeftRightDrift
+from wheelhop.effects.longitudinal_pitch import LongitudinalPitch
+from wheelhop.effects.mount_bushing import MountBushing
 from wheelhop.effects.progressive_spring import ProgressiveSpring
+from wheelhop.effects.progressive_tyre import ProgressiveTyre
+from wheelhop.effects.sensor_clipping import SensorClipping
 from wheelhop.effects.sensor_gain import SensorGain
+from wheelhop.effects.sensor_mount import SensorMount
 from wheelhop.effects.sensor_polarity import SensorPolarity
+from wheelhop.effects.sensor_skew import SensorSkew
+from wheelhop.effects.small_scale_roughness import SmallScaleRoughness
 from wheelhop.effects.speed_fluctuation import SpeedFluctuation
+from wheelhop.effects.tyre_envelope import TyreEnvelope
 from wheelhop.effects.tyre_lift_off import TyreLiftOff
+from wheelhop.effects.wheel_imbalance import WheelImbalance
 
 BUILT_IN: tuple[type[Effect], ...] = (
     SpeedFluctuation,
     LeftRightDrift,
+    TyreEnvelope,
+    SmallScaleRoughness,
+    ProgressiveTyre,
     TyreLiftOff,
+    WheelImbalance,
     ProgressiveSpring,
+    BumpStop,
     AsymmetricDamper,
     DigressiveDamper,
     DryFriction,
+    Backlash,
+    MountBushing,
+    AntiRollBar,
+    CornerAsymmetry,
     DriverSeat,
+    DriverRocking,
     EngineVibration,
     FrameTwist,
+    LongitudinalPitch,
+    CorneringRoll,
     SensorGain,
     SensorPolarity,
+    SensorSkew,
+    SensorClipping,
+    SensorMount,
 )
 """In the order of the chain track → speed → wheel → tyre → axle → suspension → body → sensor."""
 
@@ -87,6 +118,7 @@ def _from_file(path: Path) -> list[type[Effect]]:
     if spec is None or spec.loader is None:
         raise CampaignError(f"{path}: not a Python file; its name must end in .py")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where compiled laws kept from the last time look for it
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:

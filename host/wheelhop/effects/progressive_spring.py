@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import copysign
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
-from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_load, suspension
+from wheelhop.vehicle import COMPONENT, Assembly, Strut, ends, struts
 
 POLYTROPIC_EXPONENT = 1.3
 """Between isothermal (1) and adiabatic (1.4): a small gas volume at some hertz."""
@@ -32,6 +33,7 @@ class ProgressiveSpring(Effect):
 
     id = "progressive-spring"
     place = "suspension"
+    on_rig = True
     title = "spring stiffness grows with travel: air spring or cubic"
     equation = (
         r"\text{air: } f = F_0\,[1 - (1 + x/h)^{-n} - n x/h],\ n = 1.3;"
@@ -54,41 +56,38 @@ class ProgressiveSpring(Effect):
         return ProgressiveSpring(choice)
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
-        """Inverse length of the gas column, or the cubic rate, per axle."""
-        parameters = []
-        for corner, end in ((0, "front"), (2, "rear")):
-            stiffness = vehicle[f"suspension.{end}.stiffness_N_m"]
-            if self.form == "air":
-                # A strut carried by gas alone has n F0 / h for its rate.
-                whole = stiffness / (POLYTROPIC_EXPONENT * static_load(vehicle, corner))
-                parameters.append(
-                    Parameter(
-                        f"{end}_1_m",
-                        "1/m",
-                        f"inverse length of the {end} gas column",
-                        whole,
-                        lower=0.0,
-                        upper=4 * whole,
-                    )
-                )
-            else:
-                parameters.append(
-                    Parameter(
-                        f"{end}_N_m3",
-                        "N/m³",
-                        f"cubic rate of the {end} spring at the wheel",
-                        stiffness / 0.05**2,
-                        lower=0.0,
-                    )
-                )
-        return parameters
+        """Inverse length of the gas column, or the cubic rate, per axle. On a rig neither the load
+        that the gas carries nor which way compresses it is known: the load is left free, too."""
+        law = _column if self.form == "air" else _cubic
+        return [p for end, strut in ends(vehicle).items() for p in law(end, strut)]
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the force to each strut."""
-        for i in CORNERS:
-            strut, end = suspension(vehicle, i), axle_name(i)
-            if self.form == "air":
-                load = static_load(vehicle, i)
-                parts.add_law(strut, gas, (load, theta[f"{end}_1_m"], POLYTROPIC_EXPONENT))
-            else:
-                parts.add_law(strut, cubic, (theta[f"{end}_N_m3"],))
+        for strut in struts(vehicle):
+            if self.form == "cubic":
+                parts.add_law(strut.row, cubic, (theta[f"{strut.end}_N_m3"],))
+                continue
+            inverse = theta[f"{strut.end}_1_m"]
+            load = theta.get(f"{strut.end}_N", strut.static_load_N)
+            parts.add_law(strut.row, gas, (load, copysign(inverse, load), POLYTROPIC_EXPONENT))
+
+
+def _column(end: str, strut: Strut) -> Sequence[Parameter]:
+    meaning = f"inverse length of the gas column of {strut.name}"
+    if strut.end == COMPONENT:
+        load = "load on the gas at displacement 0; negative: pulling compresses it"
+        short = 1.0 / strut.usual.travel_m
+        starts = (0.2 * short, 0.5 * short)
+        return (
+            Parameter(f"{end}_N", "N", load, strut.usual.load_N),
+            Parameter(f"{end}_1_m", "1/m", meaning, 0.3 * short, 0.0, 0.0, 1.5 * short, starts),
+        )
+    # A strut carried by gas alone has n F0 / h for its rate.
+    whole = strut.stiffness_N_m / (POLYTROPIC_EXPONENT * strut.static_load_N)
+    return (Parameter(f"{end}_1_m", "1/m", meaning, whole, lower=0.0, upper=4 * whole),)
+
+
+def _cubic(end: str, strut: Strut) -> Sequence[Parameter]:
+    meaning = f"cubic rate of the spring of {strut.name}"
+    scale = strut.usual.stiffness_N_m / strut.usual.travel_m**2
+    return (Parameter(f"{end}_N_m3", "N/m³", meaning, scale, lower=0.0),)

@@ -38,7 +38,9 @@ class SensorGain(Effect):
         """Scale the channel."""
         return acceleration * self._factors(theta, channels)
 
-    def restore(self, theta: Values, measured: Array, channels: Sequence[Channel]) -> Array:
+    def restore(
+        self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
         """Scale it back."""
         return measured / self._factors(theta, channels)
 

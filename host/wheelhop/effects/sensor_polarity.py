@@ -42,9 +42,11 @@ class SensorPolarity(Effect):
         """Invert or swap, by the share `wrong`."""
         return acceleration + theta["wrong"] * (self._wired(acceleration, channels) - acceleration)
 
-    def restore(self, theta: Values, measured: Array, channels: Sequence[Channel]) -> Array:
+    def restore(
+        self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
         """Wiring is its own inverse."""
-        return self.sense(theta, measured, channels, 0.0)
+        return self.sense(theta, measured, channels, rate_hz)
 
     def _wired(self, acceleration: Array, channels: Sequence[Channel]) -> Array:
         column = {c.name: i for i, c in enumerate(channels)}

@@ -6,17 +6,20 @@ from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.progressive_tyre import bend_of, beyond_linear
 from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_tyre_load, tyre
 
 
 @law
 def no_pull(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
-    """Takes away what pull is in the tyre's linear force p[0] x + p[1] v beyond the load p[2]."""
-    return -p[3] * max(p[0] * x + p[1] * v - p[2], 0.0), z
+    """Takes away what pull is in the tyre's force beyond the load p[2]: of p[0] x + p[1] v, and of
+    a tyre that stiffens, p[4] and p[5], as `beyond_linear` says."""
+    pull = p[0] * x + p[1] * v + beyond_linear(x, p[0], p[4], p[5])
+    return -p[3] * max(pull - p[2], 0.0), z
 
 
 class TyreLiftOff(Effect):
-    """The linear tyre force is cut off where it would exceed the static load."""
+    """The tyre's force is cut off where it would exceed the static load."""
 
     id = "tyre-lift-off"
     place = "tyre"
@@ -36,4 +39,5 @@ class TyreLiftOff(Effect):
             stiffness = vehicle[f"wheel.{end}.tyre_stiffness_N_m"]
             damping = vehicle[f"wheel.{end}.tyre_damping_N_s_m"]
             load = static_tyre_load(vehicle, i)
-            parts.add_law(tyre(i), no_pull, (stiffness, damping, load, theta["lifts"]))
+            law = (stiffness, damping, load, theta["lifts"], *bend_of(vehicle, i))
+            parts.add_law(tyre(i), no_pull, law)

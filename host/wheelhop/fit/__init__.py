@@ -1,6 +1,9 @@
 """Fit: the vehicle's numbers, and what every run leaves free, from the records."""
 
-from wheelhop.fit.fit import Fit, RunFit, fit
+from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_density
+from wheelhop.fit.fit import fit
+from wheelhop.fit.ground import Ground
+from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import (
     Free,
     effect_parameters,
@@ -8,16 +11,24 @@ from wheelhop.fit.parameters import (
     run_parameters,
     vehicle_parameters,
 )
+from wheelhop.fit.result import Fit, RunFit
 from wheelhop.fit.start import find_start, seek_again
 from wheelhop.fit.workshop import Bench, Workshop
 
 __all__ = [
     "Bench",
+    "Explained",
     "Fit",
     "Free",
+    "Ground",
+    "Heights",
+    "Noise",
     "RunFit",
+    "Spectrum",
     "Workshop",
     "effect_parameters",
+    "explained",
+    "find_density",
     "find_start",
     "fit",
     "initial_model",

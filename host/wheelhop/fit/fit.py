@@ -9,17 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.fit.density import Noise, Spectrum, find_density
+from wheelhop.fit.ground import Ground
+from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import Free, run_parameters
+from wheelhop.fit.result import Derivatives, Fit, RunFit
 from wheelhop.fit.workshop import Bench, Workshop
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
-
+ComplexArray = NDArray[np.complex128]
 
 ITERATIONS = 60
 
@@ -33,92 +36,6 @@ CONVERGED_QUICK = 3e-3
 
 WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
-
-
-@dataclass(frozen=True, eq=False)
-class Derivatives:
-    """Of one run's model with respect to the shared parameters, the first `shared` columns, and
-    its own: (size, g + r), per `Free.scale`."""
-
-    matrix: Array
-    shared: int
-
-    @cached_property
-    def square(self) -> Array:
-        """JᵀJ (g + r, g + r)."""
-        return self.matrix.T @ self.matrix
-
-
-@dataclass(frozen=True, eq=False)
-class RunFit:
-    """One run at the solution: its own parameters, residual (size,) and derivatives."""
-
-    bench: Bench
-    own: tuple[Free, ...]
-    residual: Array
-    derivatives: Derivatives
-
-    @property
-    def shared_jacobian(self) -> Array:
-        """Derivatives (size, g) with respect to the shared parameters, per `Free.scale`."""
-        return self.derivatives.matrix[:, : self.derivatives.shared]
-
-    @property
-    def own_jacobian(self) -> Array:
-        """Derivatives (size, r) with respect to the run's own parameters, per `Free.scale`."""
-        return self.derivatives.matrix[:, self.derivatives.shared :]
-
-    @property
-    def rss(self) -> float:
-        """Σ residual²."""
-        return float(self.residual @ self.residual)
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A fitted model.
-
-    ``covariance`` (g, g) is that of the shared parameters, in the order of ``shared``.
-    ``sigma`` is the standard deviation used for one in-band coefficient, ``log_volume`` half the
-    logarithm of prior over posterior precision of all parameters.
-    """
-
-    model: Model
-    shared: tuple[Free, ...]
-    runs: tuple[RunFit, ...]
-    covariance: Array
-    sigma: float
-    cost: float
-    log_volume: float
-
-    @property
-    def evidence(self) -> float:
-        """Logarithm of the evidence by Laplace's method, up to a constant of the data.
-
-        Likelihood at the best fit times the share of the prior volume the data leave (D. MacKay,
-        Information Theory, Inference, and Learning Algorithms, eq. 28.7).
-        """
-        return -0.5 * self.cost - self.size * float(np.log(self.sigma)) + self.log_volume
-
-    @property
-    def rss(self) -> float:
-        """Σ residual² over the runs fitted."""
-        return sum(run.rss for run in self.runs)
-
-    @property
-    def error(self) -> float:
-        """E over the runs fitted: √(Σ residual² / Σ measured²)."""
-        return float(np.sqrt(self.rss / sum(run.bench.energy for run in self.runs)))
-
-    @property
-    def size(self) -> int:
-        """Number of in-band data."""
-        return sum(run.bench.size for run in self.runs)
-
-    def uncertainty(self, name: str) -> float:
-        """Standard deviation of a shared parameter, in its unit."""
-        i = [free.name for free in self.shared].index(name)
-        return float(np.sqrt(self.covariance[i, i]))
 
 
 def fit(
@@ -159,14 +76,16 @@ def fit(
 
 @dataclass(frozen=True, eq=False)
 class _Normal:
-    """Normal equations of one run about the current values, per `Free.scale`: blocks of JᵀJ/σ²
-    and gradient Jᵀr/σ², the run's own priors included."""
+    """Normal equations of one run about the current values, per `Free.scale`, heights eliminated:
+    blocks of JᵀRJ/σ² and gradient, the run's own priors included; the heights' step and how much
+    less they move per step of the shared and own parameters."""
 
     shared: Array  # (g, g)
     mixed: Array  # (g, r)
     own: Array  # (r, r)
     shared_gradient: Array  # (g,)
     own_gradient: Array  # (r,)
+    heights: tuple[ComplexArray, ComplexArray] | None = None  # (2k,), (2k, g + r)
 
 
 class _Problem:
@@ -190,6 +109,10 @@ class _Problem:
         for bench in self.benches:
             means = {free.name: free.mean for free in self.own(bench, model)}
             model = model.with_run(bench.run.id, {**means, **model.runs.get(bench.run.id, {})})
+            series = bench.simulator.series
+            if model.random_heights is not None and series is not None:
+                level = np.zeros((2, series.count), dtype=np.complex128)
+                model = model.with_heights({bench.run.id: level, **model.heights})
         return model
 
     def linearise(self, model: Model) -> Fit:
@@ -222,17 +145,39 @@ class _Problem:
                     other = model.with_run(bench.run.id, _stepped(free, values))
                     matrix[:, g + i] = (bench.modelled(other, systems) - base) / free.step
             residual = bench.measured[:, bench.predicted].ravel() - base
-            return RunFit(bench, own, residual, Derivatives(matrix, g))
+            heights = None
+            if model.random_heights is not None and bench.simulator.series is not None:
+                ground = Ground(bench, model, systems[bench.drive])
+                level = model.heights[bench.run.id].ravel()
+                heights = Heights(ground, level, np.zeros(len(level)), 1.0)
+            return RunFit(bench, own, residual, Derivatives(matrix, g), heights)
 
         runs = tuple(self.workshop.each(linearise_run, self.benches))
         return self.weighted(Fit(model, self.shared, runs, np.zeros((0, 0)), 1.0, 0.0, 0.0))
 
     def weighted(self, state: Fit) -> Fit:
-        """The state with noise and cost that follow from its residuals."""
-        freedom = state.size - sum(len(run.own) for run in state.runs) - len(self.shared)
-        sigma = max(self.workshop.noise, float(np.sqrt(state.rss / max(freedom, 1))))
-        cost = state.rss / sigma**2 + self._prior(state.model)
-        return replace(state, sigma=sigma, cost=cost)
+        """The state with the noise, the density of unknown heights and the cost that follow from
+        its residuals."""
+        given = sum(len(run.own) for run in state.runs) + len(self.shared)
+        noise = Noise(state.rss, state.size - given, self.workshop.noise)
+        effect = state.model.random_heights
+        if effect is None or all(run.heights is None for run in state.runs):
+            return self._costed(replace(state, sigma=noise.sigma))
+        channels = self.workshop.campaign.channels
+        parameters = effect.parameters_for(state.model.values, channels) if self.shared else ()
+        rough = [(run, run.heights) for run in state.runs if run.heights is not None]
+        spectra = [Spectrum.of(h.ground, run.data, run.residual) for run, h in rough]
+        theta, noise = find_density(effect, parameters, state.model.theta(effect), spectra, noise)
+        model = state.model.with_values({f"{effect.id}.{k}": v for k, v in theta.items()})
+        runs = tuple(
+            replace(run, heights=run.heights and run.heights.believed(effect, theta, noise.sigma))
+            for run in state.runs
+        )
+        return self._costed(replace(state, model=model, runs=runs, sigma=noise.sigma))
+
+    def _costed(self, state: Fit) -> Fit:
+        prior = self._prior(state.model, state.runs)
+        return replace(state, cost=state.rss / state.sigma**2 + prior)
 
     def stepped(self, state: Fit, damping: float) -> Fit:
         """The state after a damped Gauss–Newton step: residuals and cost (at the same noise) are
@@ -240,15 +185,19 @@ class _Problem:
         model = self._moved(state, damping)
         systems = self.workshop.systems(model)
         residuals = self.workshop.each(lambda b: b.residual(model, systems), self.benches)
-        runs = tuple(replace(r, residual=e) for r, e in zip(state.runs, residuals, strict=True))
+        runs = tuple(
+            replace(run, residual=residual, heights=_heights_in(run, model))
+            for run, residual in zip(state.runs, residuals, strict=True)
+        )
         rss = sum(run.rss for run in runs)
-        cost = rss / state.sigma**2 + self._prior(model)
+        cost = rss / state.sigma**2 + self._prior(model, runs)
         return replace(state, model=model, runs=runs, cost=cost)
 
     def concluded(self, state: Fit) -> Fit:
         """The state with covariance and prior volume."""
         covariance, log_volume = self._posterior(state)
-        return replace(state, covariance=covariance, log_volume=log_volume)
+        runs = tuple(replace(r, heights=r.heights and r.heights.settled()) for r in state.runs)
+        return replace(state, runs=runs, covariance=covariance, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> Model:
         normals = [self._normal(run, state) for run in state.runs]
@@ -262,25 +211,42 @@ class _Problem:
             eliminated.append(back)
         step = np.asarray(np.linalg.solve(_damped(matrix, damping), gradient))
         model = state.model.with_values(_moved(self.shared, state.model.values, step))
-        for run, back in zip(state.runs, eliminated, strict=True):
+        for run, normal, back in zip(state.runs, normals, eliminated, strict=True):
             own_step = np.asarray(back[:, -1] - back[:, :-1] @ step)
-            values = model.runs.get(run.bench.run.id, {})
-            model = model.with_run(run.bench.run.id, _moved(run.own, values, own_step))
+            run_id = run.bench.run.id
+            values = model.runs.get(run_id, {})
+            model = model.with_run(run_id, _moved(run.own, values, own_step))
+            if run.heights is not None and normal.heights is not None:
+                ahead, less = normal.heights
+                moved = run.heights.coefficients + ahead - less @ np.concatenate([step, own_step])
+                model = model.with_heights({run_id: moved.reshape(2, -1)})
         return model
 
-    def _prior(self, model: Model) -> float:
+    def _prior(self, model: Model, runs: Sequence[RunFit]) -> float:
         total = _distance(self.shared, model.values)
         for bench in self.benches:
             total += _distance(self.own(bench, model), model.runs.get(bench.run.id, {}))
-        return total
+        return total + sum(run.heights.penalty for run in runs if run.heights is not None)
 
     def _normal(self, run: RunFit, state: Fit) -> _Normal:
         g, weight = len(self.shared), state.sigma**-2
         square = run.derivatives.square * weight
         slope = run.derivatives.matrix.T @ run.residual * weight
         prior, pull = _prior_normal(run.own, state.model.runs[run.bench.run.id])
+        heights = None
+        if run.heights is not None:
+            cross = run.heights.ground.project(run.derivatives.matrix)
+            residual = run.heights.ground.project(run.residual[:, None])[:, 0]
+            heights = run.heights.step(residual), run.heights.absorbed(cross)
+            square = square - (cross.conj().T @ heights[1]).real * weight
+            slope = slope - (cross.conj().T @ heights[0]).real * weight
         return _Normal(
-            square[:g, :g], square[:g, g:], square[g:, g:] + prior, slope[:g], slope[g:] + pull
+            square[:g, :g],
+            square[:g, g:],
+            square[g:, g:] + prior,
+            slope[:g],
+            slope[g:] + pull,
+            heights,
         )
 
     def _posterior(self, state: Fit) -> tuple[Array, float]:
@@ -292,6 +258,7 @@ class _Problem:
             own = _damped(normal.own, 0.0)
             matrix += normal.shared - normal.mixed @ np.linalg.solve(own, normal.mixed.T)
             log_volume += _log_prior_precision(run.own) - np.linalg.slogdet(own)[1]
+            log_volume += 0.0 if run.heights is None else run.heights.log_volume
         matrix = _damped(matrix, 0.0)
         log_volume -= np.linalg.slogdet(matrix)[1]
         # Forces scale with masses, a direction only the prior holds: precision needs unit diagonal.
@@ -300,6 +267,13 @@ class _Problem:
         inverse = np.linalg.inv(matrix / np.outer(unit, unit))
         covariance = np.asarray(inverse * np.outer(scale, scale))
         return covariance, 0.5 * float(log_volume)
+
+
+def _heights_in(run: RunFit, model: Model) -> Heights | None:
+    """The run's heights where the model has them."""
+    if run.heights is None:
+        return None
+    return replace(run.heights, coefficients=model.heights[run.bench.run.id].ravel())
 
 
 def _log_prior_precision(free: Sequence[Free]) -> float:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from wheelhop.campaign import Campaign, Run
+from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate import Model
+from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
 from wheelhop.simulate.run import INITIAL, PATH_KEYS
 from wheelhop.vehicle import Vehicle
 
@@ -44,14 +45,16 @@ def initial_model(campaign: Campaign, vehicle: Vehicle) -> Model:
     unknown = {
         f"channel.{c.name}.{axis}": 0.0
         for c in campaign.channels
-        if c.corner is None and c.x_m is None
+        if c.point == "body"
         for axis in ("x_m", "y_m")
     }
     return Model(values={**vehicle.values, **unknown})
 
 
 def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
-    """The vehicle's own numbers, as far as these runs can show them."""
+    """The vehicle's own numbers, as far as these runs can show them, or the component's."""
+    if isinstance(campaign, ComponentCampaign):
+        return _component_parameters(campaign, vehicle)
     on_road = any(run.track.kind != "unknown" for run in campaign.runs)
     # Nothing of the baseline depends on these; what an effect takes from them it says itself.
     idle: tuple[str, ...] = ("geometry.cg_height_m", "driver.", "engine.")
@@ -67,14 +70,36 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
         "y_m": vehicle.values["geometry.track_width_m"] / 4,
     }
     for channel in campaign.channels:
-        if channel.corner is None and channel.x_m is None:
+        if channel.point == "body":
             for axis, sigma in spread.items():
                 free.append(Free(f"channel.{channel.name}.{axis}", 0.0, sigma, sigma))
     return free
 
 
+def _component_parameters(campaign: ComponentCampaign, component: Vehicle) -> list[Free]:
+    # A force needs a mass to move; everything else may turn out to be an effect alone.
+    least = {"component.mass_kg": 0.02} if campaign.drive == "force" else {}
+    return [
+        Free(key, value, sigma, sigma, lower=least.get(key, 0.0) * value)
+        for key, value in component.values.items()
+        if (sigma := component.uncertainty[key]) > 0
+    ]
+
+
+def _rig_start(run: RigRun) -> Iterator[Free]:
+    """Displacement and velocity at the first sample of a run that imposes a force."""
+    if run.drive == "force":
+        x = run.displacement
+        size, speed = float(x.std()), float(np.gradient(x, run.time_s).std())
+        for name, mean, sigma in zip(RIG_INITIAL, (float(x[0]), 0.0), (size, speed), strict=True):
+            yield Free(name, mean, sigma, sigma)
+
+
 def effect_parameters(campaign: Campaign, model: Model, effect: Effect) -> list[Free]:
-    """An effect's free parameters; nothing is believed of an amplitude beforehand."""
+    """An effect's free parameters; nothing is believed of an amplitude beforehand. Those of a
+    density of heights are not among them: no derivative shows them."""
+    if effect.has_random_heights:
+        return []
     free = []
     for p in effect.parameters_for(model.values, campaign.channels):
         if p.switch:
@@ -87,19 +112,19 @@ def effect_parameters(campaign: Campaign, model: Model, effect: Effect) -> list[
 
 
 def run_parameters(run: Run, setting: RunSetting, effects: Sequence[Effect]) -> list[Free]:
-    """What a run leaves free: speed and start on the track (on measured axles: how the body moved
-    when the record began), and the effects' own."""
-    free = []
+    """What a run leaves free: speed and start on the track (on measured axles and on a rig that
+    imposes a force: what moved how when the record began), and the effects' own."""
+    free = list(_rig_start(run)) if isinstance(run, RigRun) else []
     if setting.on_road and run.speed_m_s > 0:
         sigma = SPEED_UNCERTAINTY * run.speed_m_s
         free.append(Free("speed_m_s", run.speed_m_s, sigma, 1e-3 * run.speed_m_s, 0.0))
         free.append(Free("start_m", 0.0, np.inf, 1e-2))
-    if not setting.on_road:
+    if not setting.on_road and not setting.on_rig:
         for name in INITIAL:
             free.append(Free(f"initial_{name}", 0.0, 0.02, 0.02))
             free.append(Free(f"initial_{name}_rate", 0.0, 0.2, 0.2))
     for effect in effects:
-        if setting.on_road or not effect.needs_road:
+        if effect.acts_in(setting):
             free.extend(
                 Free(f"{effect.id}.{p.name}", p.absent, p.scale, p.scale, p.lower, p.upper)
                 for p in effect.per_run(setting)

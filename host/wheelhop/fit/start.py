@@ -50,10 +50,12 @@ def seek_again(
     own, run = model.runs[bench.run.id], bench.run
     if "start_m" not in own:
         return {}
-    record = run.acceleration
+    record = run.record
     for effect in model.effects:
-        record = effect.restore(model.theta(effect, run.id), record, campaign.channels)
-    restored = replace(run, acceleration=record)
+        record = effect.restore(
+            model.theta(effect, run.id), record, campaign.channels, campaign.sample_rate_hz
+        )
+    restored = replace(run, record=record)
     trials = [find_start(campaign, restored, model, systems[bench.drive])]
     period = _wavelength(run, bench.simulator.period_m)
     if period is not None:
@@ -111,7 +113,7 @@ def _match_harmonics(
     phases = np.arange(64) / 64
     match = np.zeros((len(speeds), len(phases)))
     taper = np.hanning(len(run.time_s))[:, None]
-    measured = taper * (run.acceleration - run.acceleration.mean(axis=0)) * 2 / taper.sum()
+    measured = taper * (run.record - run.record.mean(axis=0)) * 2 / taper.sum()
     predicted = ~np.isnan(system.output).any(axis=1)
     for k in (1, 2, 3):
         frequency = k * speeds / period
@@ -145,7 +147,7 @@ def _match_shape(
     predicted = ~np.isnan(system.output).any(axis=1)
     step = 1.0 / campaign.sample_rate_hz
     band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
-    measured = band.signal(run.acceleration[:, predicted])
+    measured = band.signal(run.record[:, predicted])
     best = (-np.inf, run.speed_m_s, 0.0)
     for speed in _speeds(run, run.speed_m_s / 8.0):
         n = fft.next_fast_len(int((high - low) / speed / step) + len(measured))

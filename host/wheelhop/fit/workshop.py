@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
-from wheelhop.simulate import Model, Response, RunSimulator
+from wheelhop.simulate import Model, Response, Simulator, drive_of, make_simulator
 from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
@@ -26,14 +26,14 @@ class Bench:
     """One run, ready to be simulated again and again."""
 
     run: Run
-    simulator: RunSimulator
+    simulator: Simulator
     band: InBand
     measured: Array  #: (2 n_bins, c) in-band coefficients of the record
     predicted: NDArray[np.bool_]  #: (c,) channels the model predicts in this run
 
     @property
     def drive(self) -> Drive:
-        """What moves the vehicle in this run."""
+        """What moves the model in this run."""
         return self.simulator.drive
 
     @property
@@ -52,8 +52,8 @@ class Bench:
 
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
         """In-band model coefficients (size,) of the predicted channels."""
-        acceleration = self.simulator.accelerations(model, systems[self.drive])
-        return self.band.coefficients(acceleration[:, self.predicted]).ravel()
+        record = self.simulator.record(model, systems[self.drive])
+        return self.band.coefficients(record[:, self.predicted]).ravel()
 
     def residual(self, model: Model, systems: dict[Drive, System]) -> Array:
         """Measured minus modelled, (size,)."""
@@ -68,27 +68,24 @@ class Workshop:
         campaign: Campaign,
         model: Model,
         *,
-        noise_rms_m_s2: float | None = None,
+        noise_rms: float | None = None,
         jobs: int | None = None,
     ) -> None:
         self.campaign = campaign
         self._pool = ThreadPoolExecutor(jobs or min(os.cpu_count() or 1, 8))
-        drives: set[Drive] = {
-            "axles" if run.track.kind == "unknown" else "road" for run in campaign.runs
-        }
-        self.drives = tuple(sorted(drives))
-        self._run_up_s = _run_up(self.systems(model))
+        self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
+        self._run_up_s = 0.0 if "rig" in self.drives else _run_up(self.systems(model))
         self.benches = {run.id: self.bench(run) for run in campaign.runs}
-        self.set_noise(campaign.noise_rms_m_s2 if noise_rms_m_s2 is None else noise_rms_m_s2)
+        self.set_noise(campaign.noise_rms if noise_rms is None else noise_rms)
 
-    def set_noise(self, rms_m_s2: float | None) -> None:
+    def set_noise(self, rms: float | None) -> None:
         """State the in-band noise of one channel; None: not known, any residual may be noise.
 
         `noise` is the standard deviation of one in-band coefficient: n samples with this noise in
         band have n · rms² as their sum of squares, spread over the band's coefficients.
         """
         band = next(iter(self.benches.values())).band
-        self.noise = 0.0 if rms_m_s2 is None else float(rms_m_s2 * np.sqrt(band.n / band.count))
+        self.noise = 0.0 if rms is None else float(rms * np.sqrt(band.n / band.count))
 
     def systems(self, model: Model) -> dict[Drive, System]:
         """Equations of motion of a model for every drive that occurs in the campaign."""
@@ -110,12 +107,12 @@ class Workshop:
 
     def bench(self, run: Run) -> Bench:
         """A run of this campaign, or one that could be driven, on its bench."""
-        simulator = RunSimulator(self.campaign, run, self._run_up_s)
+        simulator = make_simulator(self.campaign, run, self._run_up_s)
         band = InBand(len(run.time_s), self.campaign.sample_rate_hz, self.campaign.band_hz)
         predicted = np.array(
-            [simulator.drive == "road" or not c.is_axle for c in self.campaign.channels]
+            [simulator.drive != "axles" or not c.is_axle for c in self.campaign.channels]
         )
-        return Bench(run, simulator, band, band.coefficients(run.acceleration), predicted)
+        return Bench(run, simulator, band, band.coefficients(run.record), predicted)
 
 
 def _run_up(systems: dict[Drive, System]) -> float:

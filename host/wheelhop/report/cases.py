@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign import Channel
 from wheelhop.compare import Comparison, Record
 from wheelhop.diagnose import Rung, Step
 from wheelhop.fit import RunFit
@@ -21,21 +22,23 @@ WINDOW_S = 2.5
 @dataclass(frozen=True, eq=False)
 class Case:
     """One channel of one run, in band: `measured` and the answers of the first and the last
-    model, each (n,), m/s²; the part (start, stop) shown against time."""
+    model, each (n,), in `unit`; the part (start, stop) shown against time."""
 
     title: str
     run_id: str
     channel: str
+    quantity: str
+    unit: str
     rate_hz: float
     time_s: Array
     measured: Array
     before: Array
     after: Array
-    noise_rms_m_s2: float
+    noise_rms: float
     shown: slice
 
 
-def cases(channels: Sequence[str], steps: Sequence[Step]) -> list[Case]:
+def cases(channels: Sequence[Channel], steps: Sequence[Step]) -> list[Case]:
     """The worst and a typical case, on runs that no fit has seen if there are any."""
     first, last = records_of(steps[0].rung), records_of(steps[-1].rung)
     comparison = steps[0].comparison
@@ -81,7 +84,7 @@ def _by_ratio(comparison: Comparison) -> list[tuple[str, int]]:
 
 
 def _case(
-    title: str, channel: str, column: int, first: Record, last: Record, comparison: Comparison
+    title: str, channel: Channel, column: int, first: Record, last: Record, comparison: Comparison
 ) -> Case:
     band, time = first.band, first.run.time_s
 
@@ -92,13 +95,15 @@ def _case(
     return Case(
         title,
         first.run.id,
-        channel,
+        channel.name,
+        channel.quantity,
+        channel.unit,
         band.rate_hz,
         time,
         measured,
         before,
         after,
-        float(comparison.floor.noise_rms_m_s2[column]),
+        float(comparison.floor.noise_rms[column]),
         _loudest(measured - before, round(WINDOW_S * band.rate_hz)),
     )
 

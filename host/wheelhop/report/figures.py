@@ -18,7 +18,7 @@ from wheelhop.compare import Breakdown, Locking, Slice
 from wheelhop.diagnose import Step
 from wheelhop.report.cases import Case
 from wheelhop.report.svg import COLOURS, STYLE
-from wheelhop.report.words import judged, significant
+from wheelhop.report.words import judged, significant, squared
 
 Array = NDArray[np.float64]
 
@@ -108,10 +108,10 @@ def _draw_time(upper: Axes, lower: Axes, case: Case, added: str) -> None:
     if added:
         upper.plot(time, case.after[part], color=AFTER, label=f"with {added}")
         lower.plot(time, (case.measured - case.after)[part], color=AFTER)
-    lower.axhspan(-2 * case.noise_rms_m_s2, 2 * case.noise_rms_m_s2, color=RULE, linewidth=0)
+    lower.axhspan(-2 * case.noise_rms, 2 * case.noise_rms, color=RULE, linewidth=0)
     upper.tick_params(axis="x", labelbottom=False, length=0)
-    upper.set_ylabel("acceleration, m/s²")
-    lower.set_ylabel("residual, m/s²")
+    upper.set_ylabel(f"{case.quantity}, {case.unit}")
+    lower.set_ylabel(f"residual, {case.unit}")
     lower.set_xlabel("time, s")
     lower.set_xlim(time[0], time[-1])
     for axes, count in ((upper, 5), (lower, 3)):
@@ -128,8 +128,8 @@ def _draw_spectrum(axes: Axes, case: Case, compared: bool) -> None:
         axes.plot(frequency, power, color=colour, linewidth=width)
         lowest = min(lowest, float(power[1:].min()))
     bandwidth = _bandwidth(case)
-    if case.noise_rms_m_s2 > 0:
-        level = case.noise_rms_m_s2**2 / bandwidth[1]
+    if case.noise_rms > 0:
+        level = case.noise_rms**2 / bandwidth[1]
         axes.axhline(level, **DASHED)
         lowest = 0.2 * level
     top = float(_spectrum(case.measured, case.rate_hz)[1].max())
@@ -141,7 +141,7 @@ def _draw_spectrum(axes: Axes, case: Case, compared: bool) -> None:
     axes.set_yscale("log")
     axes.set_ylim(lowest, 3 * top)
     axes.set_xlabel("frequency, Hz")
-    axes.set_ylabel("power density, (m/s²)²/Hz")
+    axes.set_ylabel(f"power density, {squared(case.unit)}/Hz")
 
 
 def _spectrum(values: Array, rate_hz: float) -> tuple[Array, Array]:
@@ -208,10 +208,11 @@ def _draw_motions(axes: Axes, before: Breakdown, after: Breakdown | None) -> Non
 
 def _draw_locking(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
     axes.set_title("locked to")
+    locked = (("the drive", AFTER), *LOCKED[1:]) if before.on_rig else LOCKED
     bars = [("baseline", before)] if after is None else [("before", before), ("after", after)]
     for i, (_, where) in enumerate(bars):
         bottom = 0.0
-        for share, (_, colour) in zip(_locking_shares(where.locking), LOCKED, strict=True):
+        for share, (_, colour) in zip(_locking_shares(where.locking), locked, strict=True):
             axes.bar(i, 100 * share, 0.62, bottom=bottom, color=colour, linewidth=0)
             bottom += 100 * share
     axes.set_xticks(range(len(bars)), [name for name, _ in bars])
@@ -221,7 +222,7 @@ def _draw_locking(axes: Axes, before: Breakdown, after: Breakdown | None) -> Non
     axes.set_ylim(0, 100)
     axes.set_ylabel("share of the residual, %")
     x = max(len(bars) - 1, 0) + 0.5
-    for k, (name, colour) in enumerate(LOCKED):
+    for k, (name, colour) in enumerate(locked):
         axes.add_patch(Rectangle((x, 8 + 14 * k), 0.14, 7, color=colour, linewidth=0))
         axes.text(x + 0.22, 11.5 + 14 * k, name, va="center")
 

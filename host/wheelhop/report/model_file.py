@@ -11,7 +11,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from wheelhop.campaign import Campaign
+from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Step
 from wheelhop.effects import Effect
 from wheelhop.report.words import form_of
@@ -36,10 +36,12 @@ def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequenc
 def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Document:
     last = steps[-1]
     floor = last.comparison.floor
+    on_rig = isinstance(campaign, ComponentCampaign)
+    tables = _tables(vehicle, last)
     return {
         "format": FORMAT,
         "campaign": campaign.title,
-        "vehicle_name": vehicle.name,
+        **({} if on_rig else {"vehicle_name": vehicle.name}),
         "written_by": f"wheelhop {version('wheelhop')}",
         "floor": {
             "error_fit": floor.error_fit,
@@ -55,7 +57,7 @@ def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Do
             for step in steps
         ],
         "effect": [_effect(effect, last, campaign) for effect in last.rung.model.effects],
-        "vehicle": _vehicle(vehicle, last),
+        **(tables if on_rig else {"vehicle": tables}),
         "channel": _channels(campaign, last),
         "run": [{"id": run.id} | _run(last, run.id) for run in campaign.runs],
     }
@@ -80,13 +82,14 @@ def _with_sd(values: Mapping[str, tuple[float, float]]) -> dict[str, float]:
     found: dict[str, float] = {}
     for name, (value, deviation) in values.items():
         found[name] = value
-        if isfinite(deviation):
+        if isfinite(deviation) and deviation > 0:
             found[f"{name}_uncertainty"] = deviation
     return found
 
 
-def _vehicle(vehicle: Vehicle, step: Step) -> Document:
-    """The tables of vehicle.toml; what was not fitted keeps its nominal value and uncertainty."""
+def _tables(vehicle: Vehicle, step: Step) -> Document:
+    """The tables of vehicle.toml, or [component] and what the rig showed, [rig]; what was not
+    fitted keeps its nominal value and uncertainty."""
     tables: dict[str, Any] = {}
     for key, nominal in vehicle.values.items():
         *groups, name = key.split(".")

@@ -6,9 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.metadata import version
 
-import numpy as np
-
-from wheelhop.campaign import Campaign
+from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
 from wheelhop.diagnose import Diagnosis, Step
 from wheelhop.effects import Effect
@@ -28,24 +26,28 @@ from wheelhop.report.words import (
 
 def ladder(steps: Sequence[Step]) -> str:
     """The error falling to the floor."""
+    own = "how each one began is" if _on_rig(steps) else "each one’s own speed and start are"
     drawing = inline(figures.ladder_figure(steps), "ladder", "error of every model")
     return section(
         "The error, from the baseline to the floor",
         figure(
             drawing,
             "E = √(Σ|measured − modelled|² / Σ|measured|²) over runs and channels in band, on a"
-            " logarithmic scale. Runs held out take no part in any fit, except that each one’s own"
-            " speed and start are found, and charged for.",
+            f" logarithmic scale. Runs held out take no part in any fit, except that {own} found,"
+            " and charged for.",
         ),
         tables.ladder_table(steps),
     )
 
 
+def _on_rig(steps: Sequence[Step]) -> bool:
+    return steps[0].comparison.breakdown.on_rig
+
+
 def traces(campaign: Campaign, steps: Sequence[Step]) -> str:
     """Measured against modelled, in time and frequency."""
-    names = [channel.name for channel in campaign.channels]
     parts = []
-    for i, case in enumerate(cases(names, steps)):
+    for i, case in enumerate(cases(campaign.channels, steps)):
         drawing = inline(
             figures.case_figure(case, listed(steps[-1].added)),
             f"case{i}",
@@ -61,11 +63,12 @@ def traces(campaign: Campaign, steps: Sequence[Step]) -> str:
 def _case_caption(case: Case, campaign: Campaign) -> str:
     run = next(run for run in campaign.runs if run.id == case.run_id)
     role = "fitted" if run.role == "fit" else "held out"
+    drive = f"{track_words(run.track)}, {run.speed_m_s * 3.6:.3g} km/h"
+    about = run.id if isinstance(run, RigRun) else f"{run.id} ({drive})"
     return (
         f"In band. Left: the {WINDOW_S:g} s with the largest baseline residual; grey is"
         f" ±2 standard deviations of the noise. Right: power density of the whole run, dashed the"
-        f" noise floor. Run {run.id} ({track_words(run.track)}, {run.speed_m_s * 3.6:.3g} km/h),"
-        f" {role}."
+        f" noise floor. Run {about}, {role}."
     )
 
 
@@ -79,14 +82,15 @@ def where(steps: Sequence[Step]) -> str:
     )
     drawing = figures.where_figure(first.breakdown, last.breakdown if compared else None)
     words = "Orange: baseline. Blue: last model. Dashed: noise floor. " if compared else ""
+    road = "is coherent with the drive" if _on_rig(steps) else "repeats with the road"
     return section(
         "Where it fails",
         bullets(describe(first.breakdown)),
         maps,
         figure(
             inline(drawing, "where", "residual by band, by motion, and what it is locked to"),
-            f"{words}Right: the residual’s sum of squares shared out between what repeats with the"
-            " road, lines at a fixed frequency, neither, and the noise expected.",
+            f"{words}Right: the residual’s sum of squares shared out between what {road}, lines at"
+            " a fixed frequency, neither, and the noise expected.",
         ),
         paragraph("What the last model leaves:", "soft") if compared else "",
         bullets(describe(last.breakdown)) if compared else "",
@@ -136,7 +140,7 @@ def model(campaign: Campaign, steps: Sequence[Step]) -> str:
             tables.effect_parameters_table(effect, step, campaign),
         ]
     parts += [
-        "<h3>The vehicle</h3>",
+        f"<h3>The {'component' if isinstance(campaign, ComponentCampaign) else 'vehicle'}</h3>",
         paragraph(
             "Intervals are two standard deviations and hold as far as the model is right. The"
             " drawing shows the fitted interval; the shaded bar is the nominal one."
@@ -157,10 +161,8 @@ def method(campaign: Campaign, steps: Sequence[Step]) -> str:
     """What was computed from what."""
     low, high = campaign.band_hz
     floor = steps[-1].comparison.floor
-    rms = float(np.sqrt(np.nanmean(floor.noise_rms_m_s2**2)))
-    source = {"noise_rms_m_s2": "stated in campaign.toml"}.get(
-        floor.source, "estimated from the quietest parts of records and residuals"
-    )
+    estimated = "estimated from the quietest parts of records and residuals"
+    source = "stated in campaign.toml" if floor.is_stated else estimated
     averaging = ""
     if campaign.averaging_s:
         averaging = f", each the mean over {campaign.averaging_s * 1e3:g} ms"
@@ -170,7 +172,7 @@ def method(campaign: Campaign, steps: Sequence[Step]) -> str:
         ("Channels", ", ".join(channel.name for channel in campaign.channels)),
         ("Samples", f"{campaign.sample_rate_hz:g} Hz{averaging}"),
         ("Band", f"{low:g} to {high:g} Hz"),
-        ("Noise floor", f"{rms:.3g} m/s² rms per channel in band, {source}"),
+        ("Noise floor", f"{floor.pooled_rms:.3g} {floor.unit} rms per channel in band, {source}"),
         ("Floor as E", f"{percent(floor.error)} over all runs"),
         ("Computed by", f"wheelhop {version('wheelhop')}"),
     ]

@@ -8,7 +8,7 @@ from math import isfinite
 
 import numpy as np
 
-from wheelhop.campaign import Campaign
+from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
 from wheelhop.diagnose import Ranked, Step
 from wheelhop.effects import Effect
 from wheelhop.fit import Free
@@ -161,27 +161,41 @@ def _moved(free: Free, value: float, deviation: float) -> str:
 
 
 def runs_table(campaign: Campaign, step: Step) -> str:
-    """Every run: role, track, nominal and fitted speed, error."""
+    """Every run: role, what it drove over or what the rig imposed, error."""
     where = {part.name: part for part in step.comparison.breakdown.run}
     rows = []
     for run in campaign.runs:
-        own = step.rung.model.runs.get(run.id, {})
-        fitted = own.get("speed_m_s")
         part = where[run.id]
         rows.append(
             [
                 escape(run.id),
                 "fitted" if run.role == "fit" else "held out",
-                escape(track_words(run.track)),
-                f"{run.speed_m_s * 3.6:.3g}",
-                "–" if fitted is None else f"{fitted * 3.6:.2f}",
+                *(_motion(run) if isinstance(run, RigRun) else _drive(run, step)),
                 f"{len(run.time_s) / campaign.sample_rate_hz:.1f}",
                 percent(part.error),
                 percent(part.floor),
             ]
         )
-    headings = ["run", "role", "track", "nominal km/h", "fitted km/h", "s", "error E", "floor"]
-    return table(headings, rows, "lllrrrrr")
+    about = ["track", "nominal km/h", "fitted km/h"]
+    if isinstance(campaign, ComponentCampaign):
+        about = [f"{campaign.drive} imposed", "largest m", "largest N"]
+    return table(["run", "role", *about, "s", "error E", "floor"], rows, "lllrrrrr")
+
+
+def _drive(run: Run, step: Step) -> list[str]:
+    """Track, nominal and fitted speed."""
+    fitted = step.rung.model.runs.get(run.id, {}).get("speed_m_s")
+    return [
+        escape(track_words(run.track)),
+        f"{run.speed_m_s * 3.6:.3g}",
+        "–" if fitted is None else f"{fitted * 3.6:.2f}",
+    ]
+
+
+def _motion(run: RigRun) -> list[str]:
+    """What the rig did, and the largest displacement and force."""
+    kind = "" if run.force.any() else "none: free decay"
+    return [kind, *(significant(float(np.abs(y).max())) for y in (run.displacement, run.force))]
 
 
 def ladder_table(steps: Sequence[Step]) -> str:

@@ -16,6 +16,8 @@ UNITS = {
     "_N_m": "N/m",
     "_m_s": "m/s",
     "_1_kg": "1/kg",
+    "_1_m2": "1/m²",
+    "_kg_m": "kg m",
     "_1_m": "1/m",
     "_hz": "Hz",
     "_kg": "kg",
@@ -171,6 +173,11 @@ def _grouped(value: float, decimals: int) -> str:
 def unit_of(name: str) -> str:
     """The unit a name ends in; empty for a pure number."""
     return next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
+
+
+def squared(unit: str) -> str:
+    """The square of a unit."""
+    return f"({unit})²" if "/" in unit else f"{unit}²"
 
 
 def label_of(name: str) -> str:

@@ -2,6 +2,20 @@
 
 from wheelhop.simulate.frequency import frequency_response, linear_response
 from wheelhop.simulate.model import Model
+from wheelhop.simulate.rig import RigSimulator
 from wheelhop.simulate.run import Response, RunSimulator
+from wheelhop.simulate.simulator import Simulator, drive_of, make_simulator
+from wheelhop.simulate.unevenness import HeightSeries
 
-__all__ = ["Model", "Response", "RunSimulator", "frequency_response", "linear_response"]
+__all__ = [
+    "HeightSeries",
+    "Model",
+    "Response",
+    "RigSimulator",
+    "RunSimulator",
+    "Simulator",
+    "drive_of",
+    "frequency_response",
+    "linear_response",
+    "make_simulator",
+]

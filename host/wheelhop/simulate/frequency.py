@@ -23,6 +23,38 @@ def frequency_response(system: System, frequency_hz: ArrayLike) -> ComplexArray:
     return np.asarray(-(omega**2) * (system.output @ np.linalg.solve(dynamic, driven)))
 
 
+class ForceResponse:
+    """What applied forces do to a mechanism without force laws, at rest before.
+
+    Parameters
+    ----------
+    system
+        The mechanism; its force laws are left out.
+    n, memory
+        Number of samples of the forces, and after how many more an impulse is forgotten.
+    period_s
+        Time between samples; forces must hold nothing above half their rate.
+    window_s
+        Accelerations are means over this window.
+    """
+
+    def __init__(
+        self, system: System, n: int, memory: int, period_s: float, window_s: float
+    ) -> None:
+        self._n = fft.next_fast_len(n + memory, real=True)
+        frequency = fft.rfftfreq(self._n, period_s)
+        omega = 2 * np.pi * frequency[:, None, None]
+        dynamic = system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
+        moved = system.output @ np.linalg.solve(dynamic, system.force.astype(complex))
+        self._response = -(omega**2) * np.sinc(frequency * window_s)[:, None, None] * moved
+
+    def __call__(self, force: Array) -> Array:
+        """Accelerations (n, c), m/s², for histories (n, k), N."""
+        spectrum = fft.rfft(force, self._n, axis=0)
+        moved = np.einsum("fck,fk->fc", self._response, spectrum)
+        return np.asarray(fft.irfft(moved, self._n, axis=0)[: len(force)])
+
+
 def linear_response(system: System, height: Array, step_s: float) -> Array:
     """Accelerations (T, c), m/s², for prescribed motions (T, m), m, by the discrete Fourier
     transform: the motion is taken to repeat after T steps."""

@@ -33,6 +33,11 @@ def _no_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> t
     return 0.0, z
 
 
+def padded(laws: tuple[Law, ...]) -> tuple[Law, ...]:
+    """A tuple of laws of one of the few lengths that are compiled."""
+    return laws + (_no_force,) * (-len(laws) % SLOTS if laws else SLOTS)
+
+
 @numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _integrate(  # type: ignore[no-untyped-def]
     a, b, e, p, r, g, port_law, laws, law_par, out, u, du, w, q0, dt, first, stride,
@@ -216,9 +221,7 @@ def integrate(
     if reach > len(height) - 1 or first < floor(0.5 * window_s / step_s) + 1:
         raise ValueError("the samples do not lie inside the integrated span")
     inverse = np.linalg.inv(system.mass)
-    laws: tuple[Law, ...] | None = None
-    if system.laws:
-        laws = system.laws + (_no_force,) * (-len(system.laws) % SLOTS)
+    laws = padded(system.laws) if system.laws else None
     y: Array = _integrate(
         -inverse @ np.hstack([system.stiffness, system.damping]),
         inverse @ np.hstack([system.input_stiffness, system.input_damping]),

@@ -1,16 +1,20 @@
-"""A model: the numbers of a vehicle and the effects added to it."""
+"""A model: the numbers of a vehicle, or of a component, and the effects added to it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wheelhop.campaign import Channel
 from wheelhop.effects import Effect, Parameter
-from wheelhop.vehicle import Drive, System, baseline
+from wheelhop.vehicle import Drive, System, baseline, component
 from wheelhop.vehicle.full_car import body_inertia
 
 Values = Mapping[str, float]
+ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -21,11 +25,19 @@ class Model:
     "channel.imu.x_m" for a sensor whose place is estimated, "dry-friction.front_N" for an effect's
     parameter. ``runs`` holds, for each run's id, what that run leaves free: "speed_m_s",
     "start_m" (x of the front axle at time_s = 0) and effects' own, prefixed like the others.
+    ``heights`` holds the coefficients (2, k), m, of a run's `HeightSeries`, where an effect adds
+    heights nobody knows.
     """
 
     values: Values
     effects: tuple[Effect, ...] = ()
     runs: Mapping[str, Values] = field(default_factory=dict)
+    heights: Mapping[str, ComplexArray] = field(default_factory=dict)
+
+    @property
+    def random_heights(self) -> Effect | None:
+        """The effect that adds heights nobody knows; of several the first counts."""
+        return next((effect for effect in self.effects if effect.has_random_heights), None)
 
     def theta(self, effect: Effect, run_id: str | None = None) -> dict[str, float]:
         """An effect's own parameters by their short names, those of one run included."""
@@ -44,6 +56,10 @@ class Model:
         """The same model with some of one run's numbers changed."""
         return replace(self, runs={**self.runs, run_id: {**self.runs.get(run_id, {}), **changes}})
 
+    def with_heights(self, heights: Mapping[str, ComplexArray]) -> Model:
+        """The same model with other heights on top of the track in some runs."""
+        return replace(self, heights={**self.heights, **heights})
+
     def with_effect(self, effect: Effect, parameters: Sequence[Parameter]) -> Model:
         """Add an effect, absent at first: amplitudes at their absent value, shapes at a start."""
         start = {
@@ -54,19 +70,22 @@ class Model:
     def without_effect(self, effect_id: str) -> Model:
         """The model with one effect and all its numbers taken out."""
         prefix = f"{effect_id}."
+        effects = tuple(e for e in self.effects if e.id != effect_id)
         return Model(
             values={k: v for k, v in self.values.items() if not k.startswith(prefix)},
-            effects=tuple(e for e in self.effects if e.id != effect_id),
+            effects=effects,
             runs={
                 run: {k: v for k, v in values.items() if not k.startswith(prefix)}
                 for run, values in self.runs.items()
             },
+            heights=self.heights if any(e.has_random_heights for e in effects) else {},
         )
 
     def system(self, channels: Sequence[Channel], drive: Drive) -> System:
         """The equations of motion, with the outputs of `channels`."""
-        parts = baseline(self.values, channels, drive)
+        on_rig = drive == "rig"
+        parts = component(self.values) if on_rig else baseline(self.values, channels, drive)
         for effect in self.effects:
-            if drive == "road" or not effect.needs_road:
+            if drive != "axles" or not effect.needs_road:
                 effect.modify(self.theta(effect), self.values, parts)
-        return parts.system(body_inertia(self.values))
+        return parts.system(() if on_rig else body_inertia(self.values))

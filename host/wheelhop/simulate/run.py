@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +11,21 @@ from scipy import interpolate
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
+from wheelhop.simulate.frequency import ForceResponse
 from wheelhop.simulate.integrator import integrate
 from wheelhop.simulate.model import Model
-from wheelhop.track import Envelope, Track, make_track, wheel_envelope
+from wheelhop.simulate.unevenness import HeightSeries
+from wheelhop.track import Wheel, WheelPath, make_track
 from wheelhop.vehicle import CORNERS, Drive, System, axle_name, corner_position
 
 Array = NDArray[np.float64]
 
 STEP_S = 0.0025
 """Longest step of the integration, 1/40 of a period of wheel hop; effects may ask for less."""
+
+KINK, KINKED_STEP_S = 0.05, 0.000625
+"""Where the slope of the wheel's path jumps by more than this, no step hits the jump, and shorter
+steps are taken: 2.5 ms leave an error of 18 % of the noise on sharp washboards, these 2 %."""
 
 FADE_S = 1.0
 """The road rises from flat over this time at the beginning of the run-up."""
@@ -33,6 +38,19 @@ PATH_KEYS = (
 )
 """The vehicle's numbers on which the wheels' path depends."""
 
+BEFORE_S, AFTER_S = 1.2, 0.2
+"""So much before and after the record is known to sensors, which may remember or read late."""
+
+REMEMBERED_S, REMEMBERED_M = 0.7, 3.0
+"""Unknown heights begin this long before the record, and this far behind the front wheels: what
+the vehicle remembers, and a wheelbase."""
+
+REACH = 1.08
+"""A run's speed lies within this factor of the nominal one, or nearly so."""
+
+MOVING_PLACES = ("track", "speed", "wheel", "sensor")
+"""Where effects change the prescribed motion; faults of sensors do where axles are measured."""
+
 KEPT_MOTIONS = 12
 
 INITIAL = ("heave", "pitch", "roll")
@@ -43,14 +61,27 @@ INITIAL = ("heave", "pitch", "roll")
 class Response:
     """What a model says a run should have measured.
 
-    ``acceleration`` is (n, n_channels), m/s², at the run's samples, in the channels' order; NaN
+    ``record`` is (n, n_channels) at the run's samples, in the channels' order and units; NaN
     columns are not predicted. ``position_m`` (n,) is the x of the front axle at each sample, None
     when the track is unknown.
     """
 
     run_id: str
-    acceleration: Array
+    record: Array
     position_m: Array | None
+
+
+@dataclass(eq=False)
+class _Integrated:
+    """The last model that was integrated, the motion of the ground, the accelerations, so many per
+    sample, and what applied forces do to it."""
+
+    model: Model
+    system: System
+    height: Array
+    per_sample: int
+    acceleration: Array
+    response: ForceResponse | None = None
 
 
 class RunSimulator:
@@ -69,9 +100,10 @@ class RunSimulator:
         self.drive: Drive = "axles" if run.track.kind == "unknown" else "road"
         period = 1.0 / campaign.sample_rate_hz
         self._margin = math.ceil(campaign.averaging_s / period) + 1
-        self._lead = self._margin
+        self._lead, self._before, self._after = self._margin, 0, 0
         if self.drive == "road":
-            self._lead = max(self._margin, math.ceil(run_up_s / period))
+            self._before, self._after = math.ceil(BEFORE_S / period), math.ceil(AFTER_S / period)
+            self._lead = max(self._margin + self._before, math.ceil(run_up_s / period))
         self.setting = RunSetting(
             run.id,
             run.speed_m_s,
@@ -81,17 +113,40 @@ class RunSimulator:
             self.drive == "road",
         )
         self._track = make_track(run.track) if self.drive == "road" else None
+        self.series = self._series()
         self._last: tuple[object, Array] | None = None
+        self._integrated: _Integrated | None = None
+        self._step_s: float | None = None
         self._motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
+
+    def _series(self) -> HeightSeries | None:
+        """Heights for as long a way as the record shows, at any speed believed of the run."""
+        if not self.setting.on_road or self.run.speed_m_s <= 0:
+            return None
+        seconds = self.setting.end_s - self.setting.record_start_s + REMEMBERED_S
+        length = REACH * self.run.speed_m_s * seconds + REMEMBERED_M
+        waves = REACH * self.campaign.band_hz[1] * length / self.run.speed_m_s
+        return HeightSeries(length, math.ceil(waves))
 
     def _stride(self, model: Model) -> int:
         """Integration steps per sample."""
-        longest = min([STEP_S, *(effect.longest_step_s for effect in model.effects)])
+        if self._step_s is None:
+            self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
+        longest = min([self._step_s, *(effect.longest_step_s for effect in model.effects)])
         return math.ceil(1.0 / (self.campaign.sample_rate_hz * longest) - 1e-9)
+
+    def _kinked(self, model: Model) -> bool:
+        """Whether a rigid wheel's path has kinks on this track."""
+        if self._track is None:
+            return False
+        x = self._path(model, self._times(1, 1))[0]
+        wheels = (self._wheel(model, i, x[:, i]) for i in CORNERS)
+        return any(wheel.rigid().sharpest_kink > KINK for wheel in wheels)
 
     def _times(self, stride: int, per_step: int) -> Array:
         """The instants of the integration's steps, or of their halves (per_step = 2)."""
-        steps = (self._lead + len(self.run.time_s) - 1 + self._margin) * stride * per_step
+        samples = self._lead + len(self.run.time_s) - 1 + self._after + self._margin
+        steps = samples * stride * per_step
         period = 1.0 / self.campaign.sample_rate_hz
         index = np.arange(steps + 1) / (stride * per_step) - self._lead
         return np.asarray(self.run.time_s[0] + index * period)
@@ -101,64 +156,107 @@ class RunSimulator:
         """Length after which the run's track repeats; None if it does not, or is not known."""
         return None if self._track is None else self._track.period_m
 
+    @property
+    def _sensed(self) -> int:
+        """Sample periods known to the sensors."""
+        return self._before + len(self.run.time_s) - 1 + self._after
+
     def acts(self, effect: Effect) -> bool:
-        """Whether the effect can act in this run: upstream of measured axles nothing does."""
-        return self.drive == "road" or not effect.needs_road
+        """Whether the effect can act in this run."""
+        return effect.acts_in(self.setting)
 
     def simulate(self, model: Model, system: System) -> Response:
         """Response of `model`, whose equations of motion for this run's drive are `system`."""
-        return Response(self.run.id, self.accelerations(model, system), self._position(model))
+        return Response(self.run.id, self.record(model, system), self._position(model))
 
-    def accelerations(self, model: Model, system: System) -> Array:
+    def record(self, model: Model, system: System) -> Array:
         """Accelerations (n, n_channels), m/s², as the instrument gives them."""
-        acceleration = self._mechanics(model, system)
+        # A sensor's faults act before its signal is sampled: on every step of the integration.
+        per_sample = self._stride(model) if any(e.place == "sensor" for e in model.effects) else 1
+        acceleration = self._mechanics(model, system, per_sample)
+        rate_hz = self.campaign.sample_rate_hz * per_sample
         for effect in filter(self.acts, model.effects):
-            acceleration = effect.sense(
-                model.theta(effect, self.run.id),
-                acceleration,
-                self.campaign.channels,
-                self.campaign.sample_rate_hz,
-            )
-        return acceleration
+            theta = model.theta(effect, self.run.id)
+            acceleration = effect.sense(theta, acceleration, self.campaign.channels, rate_hz)
+        first, last = self._before, self._before + len(self.run.time_s) - 1
+        return acceleration[first * per_sample : last * per_sample + 1 : per_sample]
 
-    def _mechanics(self, model: Model, system: System) -> Array:
-        """True accelerations; those of the last model are kept, for what only sensors change."""
-        key = _without_sensors(model, self.run.id)
+    def _mechanics(self, model: Model, system: System, per_sample: int) -> Array:
+        """True accelerations, so many per sample, some before and after the record included; those
+        of the last model are kept, for what only sensors change."""
+        key = (per_sample, _without_sensors(model, self.run.id))
         if self.drive == "road" and self._last is not None and self._last[0] == key:
             return self._last[1]
         stride = self._stride(model)
         height, rate = self._motion(model, stride)
-        time_s = self._times(stride, 2)
-        histories = [
-            history
-            for effect in filter(self.acts, model.effects)
-            for history in effect.forces(model.theta(effect, self.run.id), self.setting, time_s)
-        ]
-        acceleration = integrate(
-            system,
-            height,
-            rate,
-            np.stack(histories, axis=1) if histories else np.zeros((len(time_s), 0)),
-            initial=self._initial(model, system),
-            step_s=1.0 / (self.campaign.sample_rate_hz * stride),
-            first=self._lead * stride,
-            stride=stride,
-            # Measured axle motion is averaged already, and averaging commutes with the model.
-            window_s=self.campaign.averaging_s if self.drive == "road" else 0.0,
-            n_samples=len(self.run.time_s),
-        )
+        acceleration = self._superposed(model, system, height, per_sample)
+        if acceleration is None:
+            acceleration = integrate(
+                system,
+                height,
+                rate,
+                self._forces(model, system, self._times(stride, 2)),
+                initial=self._initial(model, system),
+                step_s=1.0 / (self.campaign.sample_rate_hz * stride),
+                first=(self._lead - self._before) * stride,
+                stride=stride // per_sample,
+                # Measured axle motion is averaged already, and averaging commutes with the model.
+                window_s=self.campaign.averaging_s if self.drive == "road" else 0.0,
+                n_samples=self._sensed * per_sample + 1,
+            )
+            self._integrated = _Integrated(model, system, height, per_sample, acceleration)
         self._last = (key, acceleration)
         return acceleration
 
+    def _superposed(
+        self, model: Model, system: System, height: Array, per_sample: int
+    ) -> Array | None:
+        """What was integrated last plus the response to the change of the applied forces, where
+        nothing else changed and no force law forbids it: derivatives of a force's history cost
+        next to nothing."""
+        last = self._integrated
+        if last is None or last.system is not system or last.height is not height:
+            return None
+        if last.per_sample != per_sample or system.laws or self.drive == "axles":
+            return None
+        time_s = self._times(per_sample, 1)
+        change = self._forces(model, system, time_s) - self._forces(last.model, system, time_s)
+        if last.response is None:
+            last.response = ForceResponse(
+                system,
+                len(time_s),
+                self._lead * per_sample,
+                1.0 / (self.campaign.sample_rate_hz * per_sample),
+                self.campaign.averaging_s,
+            )
+        first = (self._lead - self._before) * per_sample
+        return last.acceleration + last.response(change)[first : first + len(last.acceleration)]
+
+    def _forces(self, model: Model, system: System, time_s: Array) -> Array:
+        """Applied forces (T, k), N."""
+        if not system.force.shape[1]:
+            return np.zeros((len(time_s), 0))
+        way, speed = self._path(model, time_s)
+        histories = [
+            history
+            for effect in filter(self.acts, model.effects)
+            for history in effect.forces(
+                model.theta(effect, self.run.id), self.setting, time_s, way, speed
+            )
+        ]
+        return np.stack(histories, axis=1)
+
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
         """Prescribed motions and rates (T, 4), m and m/s; the last few are kept."""
-        upstream = [e for e in model.effects if e.needs_road or e.place == "sensor"]
+        upstream = [e for e in model.effects if e.place in MOVING_PLACES]
+        own = model.runs.get(self.run.id, {})
         key = tuple(
             [
                 float(stride),
                 *(model.values[k] for k in PATH_KEYS),
-                *model.runs.get(self.run.id, {}).items(),
-                *((e.id, k, v) for e in upstream for k, v in model.theta(e).items()),
+                *(item for item in own.items() if "." not in item[0]),
+                *((e, *model.theta(e, self.run.id).items()) for e in upstream),
+                _heights(model, self.run.id),
             ]
         )
         if key not in self._motions:
@@ -185,19 +283,30 @@ class RunSimulator:
                 x, rate = x + extra[0], rate + extra[1]
         return x, rate
 
-    def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
+    def way(self, model: Model) -> Array:
+        """Distance (n, 4), m, each wheel has come along the track at the run's samples."""
+        return self._path(model, self.run.time_s)[0]
+
+    def _wheel(self, model: Model, corner: int, way_m: Array) -> Wheel:
         assert self._track is not None
+        radius = model.values[f"wheel.{axle_name(corner)}.radius_m"]
+        y = corner_position(model.values, corner)[1]
+        return Wheel(self._track, y, radius, *_span(way_m))
+
+    def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         x, speed = self._path(model, time_s)
+        if not np.isfinite(x).all():  # a fit that runs away: what it leads to costs infinitely much
+            return np.full_like(x, np.nan), np.full_like(x, np.nan)
         height, rate = np.empty_like(x), np.empty_like(x)
         for i in CORNERS:
-            envelope = _envelope(
-                self._track,
-                corner_position(model.values, i)[1],
-                model.values[f"wheel.{axle_name(i)}.radius_m"],
-                *_span(x[:, i]),
-            )
-            height[:, i], slope = envelope.height_and_slope(x[:, i])
+            wheel = self._wheel(model, i, x[:, i])
+            height[:, i], slope = _wheel_path(model, i, wheel).height_and_slope(x[:, i])
             rate[:, i] = slope * speed[:, i]
+        if self.series is not None and self.run.id in model.heights:
+            # From the run's own start on: heights under the wheels stay where the start moves.
+            way = x - model.runs.get(self.run.id, {}).get("start_m", 0.0)
+            more, slopes = self.series.at(model.heights[self.run.id], way)
+            height, rate = height + more, rate + slopes * speed
         ramp = np.clip((time_s - time_s[0]) / FADE_S, 0.0, 1.0)[:, None]
         fade, fade_rate = ramp**2 * (3 - 2 * ramp), 6 * ramp * (1 - ramp) / FADE_S
         return height * fade, rate * fade + height * fade_rate
@@ -205,9 +314,10 @@ class RunSimulator:
     def _axles(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         """Measured axle accelerations, twice integrated and free of drift."""
         channels = self.campaign.channels
-        measured = self.run.acceleration
+        measured = self.run.record
         for effect in model.effects:
-            measured = effect.restore(model.theta(effect, self.run.id), measured, channels)
+            theta = model.theta(effect, self.run.id)
+            measured = effect.restore(theta, measured, channels, self.campaign.sample_rate_hz)
         corner = {c.corner: i for i, c in enumerate(channels) if c.is_axle}
         columns = [corner[i] for i in CORNERS]
         inside = np.clip(time_s, self.run.time_s[0], self.run.time_s[-1])
@@ -216,7 +326,7 @@ class RunSimulator:
             acceleration.antiderivative(1)(inside),
             acceleration.antiderivative(2)(inside),
         )
-        drift = _slow_part(time_s, height, 1.0 / self.campaign.band_hz[0])
+        drift = slow_part(time_s, height, 1.0 / self.campaign.band_hz[0])
         return height - drift(time_s), velocity - drift(time_s, 1)
 
     def _initial(self, model: Model, system: System) -> Array:
@@ -232,7 +342,7 @@ class RunSimulator:
     def _position(self, model: Model) -> Array | None:
         if self._track is None:
             return None
-        return np.asarray(self._path(model, self.run.time_s)[0][:, :2].mean(axis=1))
+        return np.asarray(self.way(model)[:, :2].mean(axis=1))
 
 
 def _without_sensors(model: Model, run_id: str) -> object:
@@ -240,10 +350,16 @@ def _without_sensors(model: Model, run_id: str) -> object:
     sensors = tuple(f"{e.id}." for e in model.effects if e.place == "sensor")
     values = {k: v for k, v in model.values.items() if not k.startswith(sensors)}
     own = {k: v for k, v in model.runs.get(run_id, {}).items() if not k.startswith(sensors)}
-    return values, own, [e for e in model.effects if e.place != "sensor"]
+    effects = [e for e in model.effects if e.place != "sensor"]
+    return values, own, effects, _heights(model, run_id)
 
 
-def _slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSpline:
+def _heights(model: Model, run_id: str) -> bytes:
+    """The heights of a run, to be compared."""
+    return model.heights[run_id].tobytes() if run_id in model.heights else b""
+
+
+def slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSpline:
     """Least-squares cubic spline with knots one period of the band's lower edge apart: it follows
     what drifts, constants of integration included, and leaves what lies in band. Unlike a filter
     it has no transient at the ends."""
@@ -258,6 +374,10 @@ def _span(x: Array) -> tuple[float, float]:
     return math.floor(x.min() / 5.0 - 0.2) * 5.0, math.ceil(x.max() / 5.0 + 0.2) * 5.0
 
 
-@lru_cache(maxsize=512)
-def _envelope(track: Track, y_m: float, radius_m: float, low_m: float, high_m: float) -> Envelope:
-    return wheel_envelope(track, y_m, radius_m, low_m, high_m)
+def _wheel_path(model: Model, corner: int, wheel: Wheel) -> WheelPath:
+    """What an effect makes of the wheel's path, else that of a rigid wheel."""
+    for effect in model.effects:
+        path = effect.wheel_path(model.theta(effect), corner, wheel)
+        if path is not None:
+            return path
+    return wheel.rigid()

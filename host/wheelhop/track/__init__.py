@@ -3,5 +3,6 @@
 from wheelhop.track.envelope import Envelope, wheel_envelope
 from wheelhop.track.profiles import make_track
 from wheelhop.track.track import Track
+from wheelhop.track.wheel import Wheel, WheelPath
 
-__all__ = ["Envelope", "Track", "make_track", "wheel_envelope"]
+__all__ = ["Envelope", "Track", "Wheel", "WheelPath", "make_track", "wheel_envelope"]

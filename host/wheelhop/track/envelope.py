@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -71,6 +72,41 @@ class Envelope:
         height = ((c3 * t + c2) * t + c1) * t + c[..., 0]
         return height, ((3.0 * c3 * t + 2.0 * c2) * t + c1) / self._step_m
 
+    def height_and_area(self, x: ArrayLike) -> tuple[Array, Array]:
+        """h at x and ∫h dx up to there, m and m², from a point that is the same for every x."""
+        row, t = self._locate(x)
+        c = self._area[0].take(row, axis=0)
+        area = (((c[..., 4] * t + c[..., 3]) * t + c[..., 2]) * t + c[..., 1]) * t + c[..., 0]
+        h = self._height.take(row, axis=0)
+        height = ((h[..., 3] * t + h[..., 2]) * t + h[..., 1]) * t + h[..., 0]
+        cells = len(self._split)
+        place = (np.asarray(x, dtype=np.float64) - self._origin_m) / self._step_m
+        if self._periodic:
+            return height, area + np.floor(place / cells) * self._area[1]
+        return height, area + (place - np.clip(place, 0.0, cells)) * self._step_m * height
+
+    @cached_property
+    def sharpest_kink(self) -> float:
+        """Largest jump of the slope where the contact jumps from one point to another."""
+        cells, split = len(self._split), self._split[:, None]
+        left, right = (
+            (self._slope[rows] * split ** np.arange(3)).sum(axis=1)
+            for rows in (slice(None, cells), slice(cells, None))
+        )
+        inside = (self._split > 0.0) & (self._split < 1.0)
+        return float(np.abs(right - left)[inside].max(initial=0.0))
+
+    @cached_property
+    def _area(self) -> tuple[Array, float]:
+        """Polynomials (2 · cells, 5) of ∫h dx from the origin of the table, and their end value."""
+        cells, split = len(self._split), self._split[:, None]
+        gain = self._height * (self._step_m / np.arange(1.0, 5.0))
+        at_split = (gain * np.tile(split, (2, 1)) ** np.arange(1, 5)).sum(axis=1)
+        change = at_split[:cells] - at_split[cells:]
+        start = np.cumsum(np.concatenate([[0.0], change + gain[cells:].sum(axis=1)]))
+        constant = np.concatenate([start[:-1], start[:-1] + change])
+        return np.column_stack([constant, gain]), float(start[-1])
+
     def _locate(self, x: ArrayLike) -> tuple[NDArray[np.intp], Array]:
         """Row of the polynomial that holds at x, and the place in its cell, 0 to 1."""
         x = np.asarray(x, dtype=np.float64)
@@ -98,6 +134,7 @@ def wheel_envelope(
     A track that repeats within this range is tabulated for one period and known for every x.
     Heights are good to 1e-6 m, to 1e-5 m on ground as rough as cobbles; slopes to 1e-5, but for
     the few cells (of 0.5 mm on washboards) where two contacts are about to become one: 3e-3.
+    A wheel without radius is a point that follows the ground.
     Raises ValueError if a step is as high as the radius: a rigid wheel cannot climb it.
     """
     period = track.period_m
@@ -105,8 +142,9 @@ def wheel_envelope(
         origin, length, periodic = 0.0, period, True
         x_min_m, x_max_m = -math.inf, math.inf
     else:  # out of a finite track's reach the ground is flat, and the ends of the table hold
-        origin = min(max(x_min_m, track.start_m - 1.01 * radius_m), x_max_m)
-        end = max(min(x_max_m, track.end_m + 1.01 * radius_m), origin)
+        reach = 1.01 * radius_m + 10 * _COARSE_M
+        origin = min(max(x_min_m, track.start_m - reach), x_max_m)
+        end = max(min(x_max_m, track.end_m + reach), origin)
         length, periodic = max(end - origin, _FINE_M), False
     cells = math.ceil(length / (_FINE_M if length < 1 else _COARSE_M))
     step = length / cells
@@ -128,6 +166,9 @@ class _Contact:
 def _roll(track: Track, y: float, radius: float, x: Array) -> _Contact:
     """The wheel's contact at equally spaced x."""
     step = float(x[1] - x[0])
+    if radius == 0.0:
+        ground = track.elevation(x, y)
+        return _Contact(np.zeros_like(x), ground, np.gradient(ground, step))
     z, disc = _within_reach(track, y, radius, x, step)
     index, centre, behind, ahead = _highest(z, disc, len(x))
     # The parabola through the three samples about the highest gives the contact between them.

@@ -1,6 +1,7 @@
 """Vehicles: their numbers and their equations of motion."""
 
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, between
+from wheelhop.vehicle.component import component, is_component
 from wheelhop.vehicle.full_car import (
     CORNERS,
     Drive,
@@ -15,27 +16,36 @@ from wheelhop.vehicle.full_car import (
     suspension,
     tyre,
 )
-from wheelhop.vehicle.struts import Strut, ends, struts
+from wheelhop.vehicle.motion import Motion
+from wheelhop.vehicle.nominal import read_nominal
+from wheelhop.vehicle.struts import COMPONENT, Strut, Usual, ends, pairs, struts
 from wheelhop.vehicle.vehicle import Vehicle, read_vehicle
 
 __all__ = [
+    "COMPONENT",
     "CORNERS",
     "Assembly",
     "Body",
     "Coordinate",
     "Drive",
     "Law",
+    "Motion",
     "Strut",
     "System",
+    "Usual",
     "Vehicle",
     "axle",
     "axle_name",
     "baseline",
     "between",
     "body_corner",
+    "component",
     "corner_position",
     "ends",
     "ground",
+    "is_component",
+    "pairs",
+    "read_nominal",
     "read_vehicle",
     "static_load",
     "static_tyre_load",

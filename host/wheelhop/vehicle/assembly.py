@@ -81,16 +81,22 @@ class System:
 
 @dataclass
 class Assembly:
-    """Collects parts, then makes the :class:`System`."""
+    """Collects parts, then makes the :class:`System`. With a rigid body its heave, pitch and roll
+    are the first free coordinates."""
 
     prescribed: tuple[str, ...]
-    _free: list[str] = field(default_factory=lambda: ["heave", "pitch", "roll"])
+    rigid_body: bool = True
+    _free: list[str] = field(default_factory=list)
     _modes: list[tuple[str, Callable[[float, float], float]]] = field(default_factory=list)
     _masses: list[tuple[Row, float]] = field(default_factory=list)
     _springs: list[tuple[Row, float, float]] = field(default_factory=list)
     _laws: list[tuple[Row, Law, tuple[float, ...]]] = field(default_factory=list)
     _forces: list[Row] = field(default_factory=list)
     _outputs: list[Row | None] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        if self.rigid_body:
+            self._free += ["heave", "pitch", "roll"]
 
     def add_coordinate(self, name: str) -> Coordinate:
         """A new free coordinate (a vertical displacement, metres)."""
@@ -141,18 +147,19 @@ class Assembly:
         n = len(self._free) + len(self.prescribed)
         return np.array([self._vector(row) for row in rows]).reshape(len(rows), n)
 
-    def system(self, body_inertia: tuple[float, float, float]) -> System:
+    def system(self, body_inertia: tuple[float, ...] = ()) -> System:
         """Form the matrices.
 
         Parameters
         ----------
         body_inertia
-            Mass (kg), pitch and roll inertia (kg m²) of the sprung body.
+            Mass (kg), pitch and roll inertia (kg m²) of the sprung body, if there is one.
         """
         n = len(self._free)
         masses = self._stack([row for row, _ in self._masses])
         m = masses.T @ (np.array([value for _, value in self._masses])[:, None] * masses)
-        m[:3, :3] += np.diag(body_inertia)
+        rigid = len(body_inertia)
+        m[:rigid, :rigid] += np.diag(body_inertia)
         springs = self._stack([row for row, _, _ in self._springs])
         k = springs.T @ (np.array([value for _, value, _ in self._springs])[:, None] * springs)
         c = springs.T @ (np.array([value for _, _, value in self._springs])[:, None] * springs)

@@ -14,8 +14,9 @@ from typing import Literal
 from wheelhop.campaign import Channel
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Row, between
 
-Drive = Literal["road", "axles"]
-"""What moves the vehicle: the ground under the wheels, or the measured motion of the axles."""
+Drive = Literal["road", "axles", "rig"]
+"""What moves the model: the ground under the wheels, the measured motion of the axles, or, of a
+component, the rig."""
 
 CORNERS = (0, 1, 2, 3)
 """Front left, front right, rear left, rear right."""

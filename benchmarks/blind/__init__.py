@@ -1,0 +1,1 @@
+"""The blind benchmark: does wheelhop name physics it was not told about?"""

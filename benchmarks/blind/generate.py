@@ -1,0 +1,197 @@
+"""Campaigns from cases: vehicle, noise, strength and truth, from the case's seed alone."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.blind.outside import OUTSIDE
+from benchmarks.blind.plan import Case
+from benchmarks.blind.recipes import RECIPES
+from benchmarks.blind.strength import (
+    Hidden,
+    Unreachable,
+    Wanted,
+    baseline_over_floor,
+    own_part,
+    seek,
+)
+from benchmarks.blind.vehicles import car_of, rougher, varied
+from benchmarks.blind.work import Work, write_json
+from tests.truth import Preset, write_campaign
+from tests.truth.effect import Effect
+
+CLEAR, IN_COMPANY, WEAK = (2.2, 20.0), (2.2, 10.0), (1.25, 1.45)
+"""What the fitted baseline leaves on held-out runs, over the floor: aims are drawn from here, for
+several effects at once each for itself."""
+CLEAR_FROM, WEAK_WITHIN = 2.0, (1.2, 1.5)
+NEARLY = 1.4  # a clear strength may miss its aim by this factor
+
+SEVERITY, LEAST_SEVERITY, MOST_SEVERITY = (0.8, 1.2), 0.15, 3.0
+STEEPER, STEEPENINGS = 1.4, 3  # tracks, where an effect cannot be made strong enough
+NOISE_RMS = (0.05, 0.25)  # m/s^2
+LEAST_SHARE = 0.2
+"""What the runs fitted must show of an effect, held-out runs showing 1: from nothing, nothing can
+be learnt. Not asked of effects without a number to fit."""
+TYPICAL_RATIO, TYPICAL_NOISE = 4.0, 0.1  # at the amount 1
+
+
+@dataclass
+class _Scene:
+    """A vehicle, its tracks and its noise."""
+
+    case: Case
+    preset: Preset
+    noise_rms: float
+    severity: float
+    folder: Path
+    fitted_over_floor: float = 1.0  # of the campaign looked at last
+
+    def ratio(self, effects: Sequence[Effect], *, short: bool, draft: bool) -> float:
+        """Write the campaign and look at it as a user would: baseline over floor, held out."""
+        write_campaign(
+            self.folder,
+            rougher(self.preset, self.severity),
+            effects,
+            seed=self.case.campaign_seed,
+            short=short,
+            noise_rms=self.noise_rms,
+            draft=draft,
+        )
+        held_out, self.fitted_over_floor = baseline_over_floor(self.folder)
+        return held_out
+
+    def draw(self, name: str) -> Hidden:
+        """The effect's shape, the same whenever it is asked for on the same tracks."""
+        rng = np.random.default_rng([self.case.campaign_seed, 1 + self.case.hidden.index(name)])
+        car = car_of(rougher(self.preset, self.severity), self.case.campaign_seed)
+        return (RECIPES | OUTSIDE)[name](rng, car)
+
+
+def generate(case: Case, work: Work) -> dict[str, Any]:
+    """Make the case's campaign unless it is there; returns what is in its truth's JSON."""
+    begin = time.perf_counter()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "campaign"
+        try:
+            made = _make(case, folder, work.short)
+        except Unreachable as error:
+            made = {"unreachable": str(error)}
+        else:
+            _store(case, folder, work)
+    made |= {
+        "kind": case.kind,
+        "hidden": list(case.hidden),
+        "preset": case.preset,
+        "seed": case.campaign_seed,
+        "seconds": round(time.perf_counter() - begin, 1),
+    }
+    write_json(work.truth_json(case.campaign), made)
+    return made
+
+
+def _store(case: Case, folder: Path, work: Work) -> None:
+    truth, campaign = work.truth_toml(case.campaign), work.campaign(case.campaign)
+    truth.parent.mkdir(parents=True, exist_ok=True)
+    shutil.move(folder / "truth.toml", truth)
+    shutil.rmtree(campaign, ignore_errors=True)
+    campaign.parent.mkdir(parents=True, exist_ok=True)
+    shutil.move(folder, campaign)
+
+
+def _make(case: Case, folder: Path, short: bool) -> dict[str, Any]:
+    rng = np.random.default_rng([case.campaign_seed, 0])
+    preset = varied(case.preset, rng)
+    noise = float(f"{_between(NOISE_RMS, rng):.3g}")
+    scene = _Scene(case, preset, noise, float(rng.uniform(*SEVERITY)), folder)
+    wanted = _wanted(case, rng)
+    # What only rougher tracks make stronger comes first: the others live on its tracks.
+    order = sorted(case.hidden, key=lambda name: not scene.draw(name).by_severity)
+    found = {name: _find(scene, name, wanted) for name in order}
+    if len(found) == 1:
+        hidden, amount = found[case.hidden[0]]
+        amount, ratio = _seek(scene, hidden, wanted, amount, short=short, draft=False)
+        found[case.hidden[0]] = hidden, amount
+    else:
+        effects = [found[name][0].at(found[name][1]) for name in case.hidden]
+        ratio = scene.ratio(effects, short=short, draft=False)
+    truth = tomllib.loads((folder / "truth.toml").read_text())
+    return {
+        "aim": round(wanted.aim, 3),
+        "baseline_over_floor": round(ratio, 4),
+        "fitted_over_floor": round(scene.fitted_over_floor, 4),
+        "oracle_rel_validate": truth["oracle_rel_validate"],
+        "amounts": {name: found[name][1] for name in case.hidden},
+        "severity": scene.severity,
+        "noise_rms_m_s2": noise,
+    }
+
+
+def _wanted(case: Case, rng: np.random.Generator) -> Wanted:
+    if case.kind == "weak":
+        return Wanted(float(rng.uniform(*WEAK)), *WEAK_WITHIN)
+    aim = _between(IN_COMPANY if len(case.hidden) > 1 else CLEAR, rng)
+    return Wanted(aim, max(CLEAR_FROM, aim / NEARLY), aim * NEARLY)
+
+
+def _between(bounds: tuple[float, float], rng: np.random.Generator) -> float:
+    """Log-uniform."""
+    return float(np.exp(rng.uniform(*np.log(bounds))))
+
+
+def _find(scene: _Scene, name: str, wanted: Wanted) -> tuple[Hidden, float]:
+    """The effect and the amount of it that shows as much as wanted on the short run set, on
+    steeper tracks if need be: where it cannot be so strong, or hardly shows on the runs fitted."""
+    start = own_part(wanted.aim) / own_part(TYPICAL_RATIO) * scene.noise_rms / TYPICAL_NOISE
+    for _ in range(STEEPENINGS + 1):
+        hidden = scene.draw(name)
+        try:
+            amount, ratio = _seek(scene, hidden, wanted, start, short=True, draft=True)
+        except Unreachable as error:
+            if hidden.by_severity:
+                raise
+            why = str(error)
+        else:
+            share = own_part(scene.fitted_over_floor) / own_part(ratio)
+            if hidden.by_severity or share > LEAST_SHARE:
+                return hidden, amount
+            why = f"{share:.2g} as strong on the runs fitted as on those held out"
+        scene.severity *= STEEPER
+    raise Unreachable(why)
+
+
+def _seek(
+    scene: _Scene,
+    hidden: Hidden,
+    wanted: Wanted,
+    start: float,
+    *,
+    short: bool,
+    draft: bool,
+) -> tuple[float, float]:
+    """Amount and ratio; the campaign left in the scene's folder is the one that has them."""
+    if not hidden.by_severity:
+        return seek(
+            lambda amount: scene.ratio([hidden.at(amount)], short=short, draft=draft),
+            wanted,
+            start,
+            (1e-4, hidden.most),
+        )
+
+    def on_tracks(severity: float) -> float:
+        scene.severity = severity
+        return scene.ratio([hidden.at(1.0)], short=short, draft=draft)
+
+    bounds = (LEAST_SEVERITY, MOST_SEVERITY)
+    any_clear = wanted if wanted.high < CLEAR_FROM else replace(wanted, low=CLEAR_FROM, high=inf)
+    _, ratio = seek(on_tracks, any_clear, scene.severity, bounds)
+    return 1.0, ratio

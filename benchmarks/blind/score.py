@@ -1,0 +1,102 @@
+"""Was the answer right? One outcome per case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from benchmarks.blind.plan import Case
+
+CONFIDENT = 0.5
+"""Below this, a wrong first entry is no claim."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was true, what was said, and what follows; a crash is an answer that is wrong."""
+
+    name: str
+    kind: str
+    hidden: tuple[str, ...]
+    preset: str
+    verdict: tuple[str, ...]
+    confidence: float
+    ranking: tuple[str, ...]  # ids, best first
+    baseline_over_floor: float
+    error_over_floor: float  # last rung's error_validate over that of the true model (its noise)
+    seconds: float
+    complaint: str = ""
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """Effects in the verdict."""
+        return tuple(v for v in self.verdict if v not in ("none", "unknown"))
+
+    @property
+    def first_is_right(self) -> bool:
+        """What `confidence` is about: an effect that is there, or rightly none or unknown."""
+        if not self.verdict:
+            return False
+        if self.kind in ("outside", "without"):
+            return self.verdict[0] == "unknown"
+        return self.verdict[0] in (self.hidden or ("none",))
+
+    @property
+    def exact(self) -> bool:
+        """All that is hidden is named, and nothing else."""
+        return set(self.named) == set(self.hidden) and bool(self.verdict)
+
+    @property
+    def among_three(self) -> bool:
+        """The one hidden effect is among the first three of the ranking."""
+        return set(self.hidden) <= set(self.ranking[:3])
+
+    @property
+    def passed(self) -> bool:
+        """As the table counts: see README.md."""
+        if not self.verdict:
+            return False
+        if self.kind in ("clear", "weak"):
+            return self.first_is_right
+        if self.kind == "none":
+            return self.verdict == ("none",)
+        if self.kind == "two":
+            return self.exact
+        if self.kind == "four":
+            return len(self.named) >= 3 and set(self.named) <= set(self.hidden)
+        return self.verdict[0] in ("unknown", "none") or self.confidence < CONFIDENT
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain, with what follows from it."""
+        return asdict(self) | {
+            "passed": self.passed,
+            "exact": self.exact,
+            "first_is_right": self.first_is_right,
+        }
+
+
+def outcome(
+    case: Case,
+    made: Mapping[str, Any],
+    ended: Mapping[str, Any],
+    diagnosis: Mapping[str, Any] | None,
+) -> Outcome:
+    """From the truth's JSON, how the program ended, and what it wrote."""
+    spoke = diagnosis is not None and ended["status"] == 0
+    said = diagnosis if spoke and diagnosis is not None else {}
+    ladder = said.get("ladder") or [{}]
+    error = ladder[-1].get("error_validate")
+    return Outcome(
+        name=case.name,
+        kind=case.kind,
+        hidden=case.hidden,
+        preset=case.preset,
+        verdict=tuple(said.get("verdict", ())),
+        confidence=float(said.get("confidence", 1.0)),
+        ranking=tuple(r["effect"] for r in said.get("ranking", ())),
+        baseline_over_floor=float(made["baseline_over_floor"]),
+        error_over_floor=float("inf") if error is None else error / made["oracle_rel_validate"],
+        seconds=float(ended["seconds"]),
+        complaint=str(ended["complaint"]),
+    )

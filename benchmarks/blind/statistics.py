@@ -1,0 +1,170 @@
+"""What many outcomes say together: rates, reliability, errors, times, and the targets."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite, sqrt
+
+import numpy as np
+
+from benchmarks.blind.score import Outcome
+
+Z = 1.96  # two-sided 95 %
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A share of right answers with its 95 % interval (Wilson's score interval: E. B. Wilson,
+    Probable inference, J. Am. Stat. Assoc. 22 (1927) 209) and its target."""
+
+    label: str
+    right: int
+    of: int
+    target: float
+    at_least: bool = True  # or at most
+
+    @property
+    def rate(self) -> float:
+        """Observed; NaN where nothing was asked."""
+        return self.right / self.of if self.of else float("nan")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Of the true rate."""
+        return wilson(self.right, self.of)
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the target is met; None where nothing was asked."""
+        if not self.of:
+            return None
+        return self.rate >= self.target if self.at_least else self.rate <= self.target
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number that should not exceed its target."""
+
+    label: str
+    value: float
+    target: float
+    digits: int = 2
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the target is met; None where nothing was asked."""
+        return None if np.isnan(self.value) else self.value <= self.target
+
+
+@dataclass(frozen=True)
+class Decile:
+    """Verdicts given with about the same confidence, and how many of their first entries hold."""
+
+    low: float
+    high: float
+    claimed: float  # mean
+    right: int
+    of: int
+
+    @property
+    def met(self) -> bool:
+        """Within 10 points, as far as so few verdicts can tell."""
+        low, high = wilson(self.right, self.of)
+        return low - RELIABLE <= self.claimed <= high + RELIABLE
+
+    @property
+    def within(self) -> bool:
+        """Within 10 points as it stands."""
+        return abs(self.claimed - self.right / self.of) <= RELIABLE + 1e-9
+
+
+RELIABLE = 0.10
+
+
+def wilson(right: int, of: int) -> tuple[float, float]:
+    """95 % interval of a probability, from `right` successes."""
+    if of == 0:
+        return 0.0, 1.0
+    p, spread = right / of, Z**2 / of
+    middle = (p + spread / 2.0) / (1.0 + spread)
+    half = Z / (1.0 + spread) * sqrt(p * (1.0 - p) / of + spread / (4.0 * of))
+    return max(middle - half, 0.0), min(middle + half, 1.0)
+
+
+def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
+    """The table's rates with their targets."""
+
+    def rate(
+        label: str,
+        kinds: str,
+        right: Callable[[Outcome], bool],
+        target: float,
+        at_least: bool = True,
+    ) -> Rate:
+        chosen = [o for o in outcomes if o.kind in kinds.split()]
+        return Rate(label, sum(map(right, chosen)), len(chosen), target, at_least)
+
+    return [
+        rate("clear, single: top-1", "clear", lambda o: o.passed, 0.95),
+        rate("clear, single: top-3", "clear", lambda o: o.among_three, 0.99),
+        rate("clear, single: named alone", "clear", lambda o: o.exact, 0.0),
+        rate("weak, single: top-1", "weak", lambda o: o.passed, 0.80),
+        rate("weak, single: top-3", "weak", lambda o: o.among_three, 0.95),
+        rate("weak, single: named alone", "weak", lambda o: o.exact, 0.0),
+        rate("false alarms on none", "none", lambda o: not o.passed, 0.05, at_least=False),
+        rate("outside the library", "outside", lambda o: o.passed, 0.90),
+        rate("taken out of the library", "without", lambda o: o.passed, 0.90),
+        rate("two: both, no third", "two", lambda o: o.passed, 0.85),
+        rate("four: three or more, none wrong", "four", lambda o: o.passed, 0.70),
+    ]
+
+
+def figures(outcomes: Sequence[Outcome], short: bool) -> list[Figure]:
+    """Errors over the true model's floor, and times."""
+    single = [o.error_over_floor for o in outcomes if o.kind in ("clear", "weak", "none")]
+    every = [o.error_over_floor for o in outcomes if o.kind in ("two", "four")]
+    seconds = [o.seconds for o in outcomes if o.kind in ("clear", "weak")]
+    longest = inf if short else 60.0
+    return [
+        Figure("error / floor, single and none: median", _median(single), 1.05, 3),
+        Figure("error / floor, single and none: worst", max(single, default=np.nan), 1.3, 3),
+        Figure("error / floor, two and four: median", _median(every), inf, 3),
+        Figure("error / floor, two and four: worst", max(every, default=np.nan), inf, 3),
+        Figure("seconds per campaign, single: median", _median(seconds), longest, 1),
+        Figure("seconds per campaign, single: longest", max(seconds, default=np.nan), longest, 1),
+    ]
+
+
+def reliability(outcomes: Sequence[Outcome]) -> list[Decile]:
+    """All answers by tenths of confidence; empty tenths are left out."""
+    table = []
+    for tenth in range(10):
+        low, high = tenth / 10.0, (tenth + 1) / 10.0
+        inside = [
+            o for o in outcomes if low <= o.confidence < high or (o.confidence == 1.0 == high)
+        ]
+        if inside:
+            claimed = float(np.mean([o.confidence for o in inside]))
+            right = sum(o.first_is_right for o in inside)
+            table.append(Decile(low, high, claimed, right, len(inside)))
+    return table
+
+
+def confusion(outcomes: Sequence[Outcome]) -> dict[str, Counter[str]]:
+    """What was said first, by what was true: single effects, none, and whatever has no name."""
+    rows: dict[str, Counter[str]] = {}
+    for o in outcomes:
+        if o.kind in ("two", "four"):
+            continue
+        truth = o.hidden[0] if o.hidden else "none"
+        if o.kind == "without":
+            truth = f"without {truth}"
+        rows.setdefault(truth, Counter())[o.verdict[0] if o.verdict else "no answer"] += 1
+    return rows
+
+
+def _median(values: Sequence[float]) -> float:
+    finite = [v for v in values if isfinite(v)]
+    return float(np.median(values)) if finite else float("nan")

@@ -1,0 +1,113 @@
+"""A component's campaign: one strut, damper or mount on a rig, its numbers in campaign.toml."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign.common import Entry, band, check_entries, column, entry, frozen
+from wheelhop.campaign.keys import Table
+from wheelhop.campaign.recordings import check_time, read_columns
+from wheelhop.campaign.types import (
+    CampaignError,
+    Channel,
+    ComponentCampaign,
+    RigDrive,
+    RigRun,
+    TrackSpec,
+)
+
+FORCE = Channel("force", "rig", quantity="force", unit="N")
+DISPLACEMENT = Channel("displacement", "rig", quantity="displacement", unit="m")
+MEASURED = {"displacement": FORCE, "force": DISPLACEMENT}
+"""What is measured, by what the rig imposes."""
+
+COMPONENT_KEYS = ("mass_kg", "stiffness_N_m", "damping_N_s_m")
+TOP_KEYS = ("format", "kind", "title", "sample_rate_hz", "band_hz", "drive", "component", "run")
+COLUMNS = ("time_s", "displacement_m", "force_N")
+VELOCITY = "velocity_m_s"
+RECORDED = f"a component's recording holds {', '.join(COLUMNS)} and, if recorded, {VELOCITY}"
+
+
+def read_component(top: Table, folder: Path) -> ComponentCampaign:
+    """Read the campaign.toml of a component, and its recordings.
+
+    Raises `CampaignError`, one line naming file, key or row, and remedy, for every mistake.
+    """
+    drive: RigDrive = (
+        "force" if top.text("drive", choices=tuple(MEASURED)) == "force" else "displacement"
+    )
+    channel = MEASURED[drive]
+    noise_key = f"noise_rms_{channel.unit}"
+    top.only((*TOP_KEYS, noise_key))
+    rate = top.number("sample_rate_hz", above=0.0)
+    empty = ComponentCampaign(
+        folder=folder,
+        title=top.text("title"),
+        vehicle_file=top.file,
+        sample_rate_hz=rate,
+        band_hz=band(top, rate),
+        averaging_s=0.0,
+        noise_rms=top.number(noise_key, above=0.0) if noise_key in top else None,
+        channels=(channel,),
+        runs=(),
+        drive=drive,
+        **_component(top.table("component")),
+    )
+    entries = []
+    for table in top.tables("run", "id"):
+        table.only(("id", "file", "role"))
+        entries.append(entry(table, folder))
+    check_entries(top, entries)
+    return replace(empty, runs=tuple(_run(item, rate, drive) for item in entries))
+
+
+def _component(table: Table) -> dict[str, dict[str, float]]:
+    """Nominal values and uncertainties by their keys."""
+    stated = [f"{key}_uncertainty" for key in COMPONENT_KEYS]
+    table.only((*COMPONENT_KEYS, *stated, "relative_uncertainty"))
+    relative = table.number("relative_uncertainty", above=0.0)
+    nominal = {key: table.number(key, at_least=0.0) for key in COMPONENT_KEYS}
+    uncertainty = {
+        key: table.number(f"{key}_uncertainty", relative * value, at_least=0.0)
+        for key, value in nominal.items()
+    }
+    return {"nominal": nominal, "uncertainty": uncertainty}
+
+
+def _run(item: Entry, rate_hz: float, drive: RigDrive) -> RigRun:
+    names, values = read_columns(item.file)
+    for name in names:
+        if name not in (*COLUMNS, VELOCITY):
+            raise CampaignError(f"{item.file}: unexpected column {name}; {RECORDED}")
+    time_s, displacement, force = (
+        frozen(values[:, column(item.file, names, name, RECORDED)]) for name in COLUMNS
+    )
+    check_time(item.file, time_s, rate_hz)
+    _check_moving(item, displacement, force, drive)
+    return RigRun(
+        **vars(item),
+        speed_m_s=0.0,
+        track=TrackSpec("none", {}),
+        time_s=time_s,
+        record=frozen((force if drive == "displacement" else displacement)[:, None]),
+        drive=drive,
+        displacement=displacement,
+        force=force,
+        velocity=frozen(values[:, names.index(VELOCITY)]) if VELOCITY in names else None,
+    )
+
+
+def _check_moving(
+    item: Entry, displacement: NDArray[np.float64], force: NDArray[np.float64], drive: str
+) -> None:
+    """A force of zero is a free decay; everything else that never changes says nothing."""
+    columns = {"displacement_m": displacement}
+    if drive == "displacement":
+        columns["force_N"] = force
+    for name, values in columns.items():
+        if not np.ptp(values) > 0.0:
+            raise CampaignError(
+                f"{item.file}: {name} never changes: there is nothing to compare; leave the run out"
+            )

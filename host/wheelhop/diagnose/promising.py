@@ -1,0 +1,37 @@
+"""Which of the effects screened are worth simulating in full."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wheelhop.diagnose.confirm import Rung
+from wheelhop.diagnose.judge import MATERIAL, at_noise
+from wheelhop.diagnose.screen import Screened
+from wheelhop.fit import Workshop
+
+CONFIRMED = 5
+"""At least so many effects are simulated in full on every rung."""
+
+REACH = 0.5
+"""And every one that screening expects to explain this share of what the best explains."""
+
+
+def worth_simulating(
+    workshop: Workshop, rung: Rung, screened: Sequence[Screened], at_least: int = CONFIRMED
+) -> list[Screened]:
+    """The most promising effects, the best first.
+
+    Effects that even by screening could take nothing material out of the residual are left alone.
+    """
+    noise = rung.fit.size * workshop.noise**2
+    promising = [
+        s for s in screened if s.score > 0 and s.gain * rung.fit.sigma**2 > MATERIAL / 4 * noise
+    ]
+    reach = REACH * promising[0].gain if promising else 0.0
+    chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= reach]
+    if not at_noise(rung, workshop.noise):
+        # What has no number to fit may show in held-out runs alone: only there the wheels leave
+        # the ground. Of sensors screening already says all.
+        switches = [s for s in screened if s.freedom == 0 and s.variant.effect.place != "sensor"]
+        chosen += [s for s in switches if s not in chosen]
+    return chosen

@@ -1,0 +1,65 @@
+"""The driver is not bolted to the frame: the upper body sways sideways."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+from wheelhop.campaign import Channel
+from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.vehicle import Assembly, between
+from wheelhop.vehicle.assembly import Coordinate
+
+ARM_M = 0.3
+"""Radius of gyration, about the roll axis, of what sways: half an upper body's height."""
+
+
+class DriverRocking(Effect):
+    """Part of the body's roll inertia sits on a torsional spring and damper."""
+
+    id = "driver-rocking"
+    place = "body"
+    title = "the driver sways laterally on a torsional restraint (roll)"
+    equation = (
+        r"I_d \ddot\phi_d = -k (\phi_d - \phi) - c (\dot\phi_d - \dot\phi),"
+        r"\ k = I_d (2\pi f)^2,\ c = 4\pi \zeta f I_d"
+    )
+    source = (
+        "one-mass model of the seated human in the lateral direction: T. E. Fairley, M. J. Griffin,"
+        " J. Sound Vib. 139 (1990) 299 (resonances near 0.7 and 2 Hz, 1.5 Hz with a backrest)"
+    )
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """Roll inertia that sways, and the resonance of the restraint."""
+        inertia = vehicle.get("driver.mass_kg", 75.0) * ARM_M**2
+        return (
+            Parameter(
+                "inertia_kg_m2",
+                "kg·m²",
+                "roll inertia that sways, part of body.roll_inertia_kg_m2",
+                inertia,
+                lower=0.0,
+                upper=0.8 * vehicle["body.roll_inertia_kg_m2"],
+            ),
+            Parameter(
+                "freq_hz",
+                "Hz",
+                "resonance of the driver on the restraint",
+                1.5,
+                lower=0.5,
+                upper=15.0,
+                starts=(1.2, 2.2, 3.8, 6.5),
+            ),
+            Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
+        )
+
+    def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
+        """Move the inertia from the body to the restraint."""
+        inertia, omega = theta["inertia_kg_m2"], 2 * pi * theta["freq_hz"]
+        if inertia < 1e-6 * vehicle["body.roll_inertia_kg_m2"]:
+            return
+        body, driver = Coordinate("roll"), parts.add_coordinate("driver roll")
+        parts.add_mass(((1.0, body),), -inertia)
+        parts.add_mass(((1.0, driver),), inertia)
+        damping = 2 * theta["zeta"] * inertia * omega
+        parts.add_spring(between(driver, body), inertia * omega**2, damping)

@@ -1,0 +1,121 @@
+"""A channel's sensor moves against the point it should measure: its mount resonates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from wheelhop.campaign import Channel
+from wheelhop.effects.base import Array, Effect, Parameter, Probe, Values
+from wheelhop.effects.transfer import transferred
+
+FREQUENCIES_HZ = np.geomspace(8.0, 120.0, 80)
+DAMPING_RATIOS = (0.02, 0.05, 0.1, 0.2, 0.4)
+
+USUAL_DAMPING = 0.1
+"""Start for a mount whose resonance lies beyond what the record can show."""
+
+
+class SensorMount(Effect):
+    """The sensor's mass on the mount's spring and damper: the sensor reads its own motion."""
+
+    id = "sensor-mount"
+    place = "sensor"
+    title = "a channel's mount resonates"
+    equation = (
+        r"y = H a,\quad H = \frac{1 + 2\zeta i\omega/\omega_r}"
+        r"{1 + 2\zeta i\omega/\omega_r - \omega^2/\omega_r^2},\quad \omega_r = 2\pi f"
+    )
+    source = (
+        "mechanical mounting of accelerometers, ISO 5348:2021; transmissibility of a one-mass"
+        " system, e.g. S. Rao, Mechanical Vibrations, eq. 3.68"
+    )
+
+    def __init__(self, channel: str = "") -> None:
+        self.channel = channel
+
+    def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
+        """Any channel."""
+        return [c.name for c in channels]
+
+    def with_choice(self, choice: str) -> SensorMount:
+        """This fault in the channel `choice`."""
+        return SensorMount(choice)
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """On or off, and the mount's resonance; it begins where `shape_starts` finds it."""
+        return (
+            Parameter("loose", "1", "1: the mount gives way", 1.0, upper=1.0, switch=True),
+            Parameter(
+                "freq_hz",
+                "Hz",
+                "resonance of the sensor on its mount",
+                20.0,
+                lower=5.0,
+                upper=300.0,
+                starts=(35.0,),
+            ),
+            Parameter("zeta", "1", "its damping ratio", 0.1, lower=0.005, upper=1.0, starts=(0.1,)),
+        )
+
+    def shape_starts(self, probe: Probe) -> Sequence[Values]:
+        """The resonance that turns what the model says of the channel into what was measured."""
+        column = [c.name for c in probe.channels].index(self.channel)
+        frequency, zeta = (
+            a.ravel() for a in np.meshgrid(FREQUENCIES_HZ, DAMPING_RATIOS, indexing="ij")
+        )
+        misfit, nyquist_hz = np.zeros(len(frequency)), np.inf
+        for setting in probe.settings:
+            time = probe.time_s(setting.run_id)
+            step = (time[-1] - time[0]) / (len(time) - 1)
+            nyquist_hz = min(nyquist_hz, 0.5 / step)
+            measured = fft.rfft(probe.measured(setting.run_id)[:, column])
+            modelled = fft.rfft(probe.modelled(setting.run_id, {})[:, column])
+            factor = _transmissibility(fft.rfftfreq(len(time), step), frequency, zeta)
+            misfit += np.sum(np.abs(measured[:, None] - factor * modelled[:, None]) ** 2, axis=0)
+        best = int(np.argmin(misfit))
+        damping = zeta[best] if frequency[best] < nyquist_hz else USUAL_DAMPING
+        return [{"freq_hz": float(frequency[best]), "zeta": float(damping)}]
+
+    def sense(
+        self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
+        """The motion of the sensor, by the share `loose`."""
+        return self._through(theta, acceleration, channels, rate_hz, 1.0)
+
+    def restore(
+        self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
+        """The motion of the point it sits on."""
+        return self._through(theta, measured, channels, rate_hz, -1.0)
+
+    def _through(
+        self,
+        theta: Values,
+        record: Array,
+        channels: Sequence[Channel],
+        rate_hz: float,
+        power: float,
+    ) -> Array:
+        i = [c.name for c in channels].index(self.channel)
+        shape = np.array([theta["freq_hz"]]), np.array([theta["zeta"]])
+
+        def factor(frequency_hz: Array) -> NDArray[np.complex128]:
+            mount = 1.0 + theta["loose"] * (_transmissibility(frequency_hz, *shape) - 1.0)
+            return np.asarray(mount**power)
+
+        changed = np.array(record)
+        changed[:, i : i + 1] = transferred(record[:, i : i + 1], rate_hz, factor)
+        return changed
+
+
+def _transmissibility(
+    frequency_hz: Array, resonance_hz: Array, zeta: Array
+) -> NDArray[np.complex128]:
+    """H at each frequency (f,) for each mount (m,): (f, m)."""
+    ratio = frequency_hz[:, None] / resonance_hz
+    damper = 1.0 + 2j * zeta * ratio
+    return np.asarray(damper / (damper - ratio**2))

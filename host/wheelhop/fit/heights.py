@@ -1,0 +1,123 @@
+"""Unknown heights of the ground, eliminated from a least-squares problem run by run.
+
+Of heights a with the prior variance s² (of real and imaginary part) in a record d = G a + noise
+the ridge (Wiener) estimate is â = (GᴴG + σ²/s²)⁻¹ Gᴴ d. It leaves R = I − G (GᴴG + σ²/s²)⁻¹ Gᴴ
+times any column of a linear problem, and with R as its metric the problem has no heights any more:
+dᵀR d = ‖d − G â‖² + σ² ‖â/s‖². The estimate spends tr(I − R) degrees of freedom (T. Hastie,
+R. Tibshirani, J. Friedman, The Elements of Statistical Learning, 2009, eq. 3.50).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from wheelhop.effects import Effect
+from wheelhop.fit.ground import Ground
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+Values = Mapping[str, float]
+
+LEAST_VARIANCE_M2 = 1e-24
+"""Heights of a picometre can be divided by."""
+
+
+@dataclass(frozen=True, eq=False)
+class Heights:
+    """The heights of one run: where they are, what is believed of them, and the noise.
+
+    ``coefficients`` (2k,), m, left and then right path; ``variance`` (2k,), m², of the real and of
+    the imaginary part of each; ``sigma``, standard deviation of the noise of one in-band
+    coefficient.
+    """
+
+    ground: Ground
+    coefficients: ComplexArray
+    variance: Array
+    sigma: float
+
+    def believed(self, effect: Effect, theta: Values, sigma: float) -> Heights:
+        """The same heights; what is believed of them is what the effect's density says."""
+        series = self.ground.series
+        density = effect.height_density(theta, series.wave_number_rad_m)
+        variance = np.maximum(density * series.step_rad_m, LEAST_VARIANCE_M2)
+        return replace(self, variance=np.tile(variance, 2), sigma=sigma)
+
+    def settled(self) -> Heights:
+        """These heights without the large matrices that led to them, 20 MB a run."""
+        light = replace(self, ground=self.ground.anew())
+        light.__dict__.update(freedom=self.freedom, log_volume=self.log_volume)
+        return light
+
+    @property
+    def penalty(self) -> float:
+        """Distance from what is believed, squared: Σ |a|²/s²."""
+        whitened = np.abs(self.coefficients) / np.sqrt(self.variance)
+        return float(whitened @ whitened)
+
+    @cached_property
+    def freedom(self) -> float:
+        """Degrees of freedom that the estimate spends."""
+        lower, count = self._factor[0], len(self.variance)
+        inverse = linalg.solve_triangular(lower, np.eye(count), lower=True, check_finite=False)
+        return 2.0 * float(count - np.sum(np.abs(inverse) ** 2))
+
+    @cached_property
+    def log_volume(self) -> float:
+        """Twice the logarithm of the share of the prior's volume that the record leaves."""
+        return -4.0 * float(np.log(np.diag(self._factor[0]).real).sum())
+
+    def step(self, slope: ComplexArray) -> ComplexArray:
+        """Gauss–Newton's step (2k,) of the heights alone, Gᴴ times the residual being `slope`."""
+        deviation = np.sqrt(self.variance)
+        pull = deviation * slope / self.sigma**2 - self.coefficients / deviation
+        return np.asarray(deviation * self._solved(pull[:, None])[:, 0])
+
+    def absorbed(self, projected: ComplexArray) -> ComplexArray:
+        """Heights (2k, m) that stand in for columns whose projections Gᴴ X are given."""
+        deviation = np.sqrt(self.variance)[:, None]
+        return np.asarray(deviation * self._solved(deviation * projected) / self.sigma**2)
+
+    def freed(self, columns: Array) -> Array:
+        """What heights leave of columns (size, m): R times the columns, frequency by frequency.
+        Leaks between frequencies are neglected, which is good enough to screen."""
+        left = self._remainder @ self.ground.complex_of(columns)
+        left = left.reshape(-1, columns.shape[1])
+        return np.concatenate([left.real, left.imag])
+
+    def contribution(self) -> Array:
+        """What the heights contribute to the record, (size,), to first order."""
+        return self.ground.apply(self.coefficients[:, None])[:, 0]
+
+    def _solved(self, right: ComplexArray) -> ComplexArray:
+        return np.asarray(linalg.cho_solve(self._factor, right, check_finite=False))
+
+    @cached_property
+    def _remainder(self) -> ComplexArray:
+        """R (f, c, c) at the band's frequencies."""
+        ground = self.ground
+        wave = 2 * np.pi * ground.bench.band.frequency_hz / ground.speed_m_s
+        count = ground.series.count
+        variance = np.interp(wave, ground.series.wave_number_rad_m, self.variance[:count])
+        density = variance / ground.series.step_rad_m
+        gain = (ground.coefficient_variance * density / self.sigma**2)[:, None, None]
+        response = ground.response(wave)
+        adjoint = response.conj().transpose(0, 2, 1)
+        inner = np.linalg.inv(np.eye(2) + gain * (adjoint @ response))
+        return np.asarray(np.eye(response.shape[1]) - response @ (gain * inner) @ adjoint)
+
+    @cached_property
+    def _factor(self) -> tuple[ComplexArray, bool]:
+        """Cholesky factor of I + s GᴴG s / σ²."""
+        deviation = np.sqrt(self.variance) / self.sigma
+        matrix = self.ground.square * np.outer(deviation, deviation)
+        matrix[np.diag_indices_from(matrix)] += 1.0
+        lower: ComplexArray
+        lower, flag = linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+        return lower, flag

@@ -1,0 +1,120 @@
+"""A fitted model, run by run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.fit.heights import Heights
+from wheelhop.fit.parameters import Free
+from wheelhop.fit.workshop import Bench
+from wheelhop.simulate import Model
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """Of one run's model with respect to the shared parameters, the first `shared` columns, and
+    its own: (size, g + r), per `Free.scale`."""
+
+    matrix: Array
+    shared: int
+
+    @cached_property
+    def square(self) -> Array:
+        """JᵀJ (g + r, g + r)."""
+        return self.matrix.T @ self.matrix
+
+
+@dataclass(frozen=True, eq=False)
+class RunFit:
+    """One run at the solution: its own parameters, residual (size,) and derivatives; and the
+    unknown heights of its ground, if an effect adds any."""
+
+    bench: Bench
+    own: tuple[Free, ...]
+    residual: Array
+    derivatives: Derivatives
+    heights: Heights | None = None
+
+    @property
+    def shared_jacobian(self) -> Array:
+        """Derivatives (size, g) with respect to the shared parameters, per `Free.scale`."""
+        return self.derivatives.matrix[:, : self.derivatives.shared]
+
+    @property
+    def own_jacobian(self) -> Array:
+        """Derivatives (size, r) with respect to the run's own parameters, per `Free.scale`."""
+        return self.derivatives.matrix[:, self.derivatives.shared :]
+
+    @property
+    def rss(self) -> float:
+        """Σ residual²."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom this run was given for itself."""
+        return len(self.own) + (0.0 if self.heights is None else self.heights.freedom)
+
+    @property
+    def data(self) -> Array:
+        """The residual (size,) with what heights contribute put back, to first order."""
+        if self.heights is None:
+            return self.residual
+        return self.residual + self.heights.contribution()
+
+    def freed(self, columns: Array) -> Array:
+        """What heights would leave of columns (size, m)."""
+        return columns if self.heights is None else self.heights.freed(columns)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted model.
+
+    ``covariance`` (g, g) is that of the shared parameters, in the order of ``shared``.
+    ``sigma`` is the standard deviation used for one in-band coefficient, ``log_volume`` half the
+    logarithm of prior over posterior precision of all parameters.
+    """
+
+    model: Model
+    shared: tuple[Free, ...]
+    runs: tuple[RunFit, ...]
+    covariance: Array
+    sigma: float
+    cost: float
+    log_volume: float
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of the evidence by Laplace's method, up to a constant of the data.
+
+        Likelihood at the best fit times the share of the prior volume the data leave (D. MacKay,
+        Information Theory, Inference, and Learning Algorithms, eq. 28.7).
+        """
+        return -0.5 * self.cost - self.size * float(np.log(self.sigma)) + self.log_volume
+
+    @property
+    def rss(self) -> float:
+        """Σ residual² over the runs fitted."""
+        return sum(run.rss for run in self.runs)
+
+    @property
+    def error(self) -> float:
+        """E over the runs fitted: √(Σ residual² / Σ measured²)."""
+        return float(np.sqrt(self.rss / sum(run.bench.energy for run in self.runs)))
+
+    @property
+    def size(self) -> int:
+        """Number of in-band data."""
+        return sum(run.bench.size for run in self.runs)
+
+    def uncertainty(self, name: str) -> float:
+        """Standard deviation of a shared parameter, in its unit."""
+        i = [free.name for free in self.shared].index(name)
+        return float(np.sqrt(self.covariance[i, i]))

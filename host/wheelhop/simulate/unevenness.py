@@ -1,0 +1,58 @@
+"""Heights nobody knows, on top of the track: a Fourier series along the way of each side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import interpolate
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+POINTS_PER_WAVE = 16
+"""Of the table on the shortest wave: cubic interpolation is then good to 1e-4 of it."""
+
+
+@dataclass(frozen=True)
+class HeightSeries:
+    """h(u) = Re Σ a_k exp(i κ_k u), κ_k = 2π k / length, k = 1 … count, at the way u of a run.
+
+    Front and rear wheels of a side meet the same heights. ``coefficients`` are (2, count), m: left
+    and right. With E|a_k|² = 2 S(κ_k) Δκ the heights have the spectral density S.
+    """
+
+    length_m: float
+    count: int
+
+    @property
+    def step_rad_m(self) -> float:
+        """Distance Δκ of the wave numbers."""
+        return 2 * np.pi / self.length_m
+
+    @property
+    def wave_number_rad_m(self) -> Array:
+        """The wave numbers κ (count,)."""
+        return np.asarray(self.step_rad_m * np.arange(1, self.count + 1))
+
+    def drawn(self, density_m3: Array, rng: np.random.Generator) -> ComplexArray:
+        """Coefficients of heights that have this spectral density at the wave numbers."""
+        parts = rng.normal(size=(2, self.count, 2)) @ np.array([1.0, 1.0j])
+        return np.asarray(parts * np.sqrt(density_m3 * self.step_rad_m))
+
+    def at(self, coefficients: ComplexArray, way_m: Array) -> tuple[Array, Array]:
+        """Heights (T, 4), m, under the four wheels at their ways (T, 4), m, and their slopes."""
+        points = POINTS_PER_WAVE * self.count
+        lines = np.zeros((2, points // 2 + 1), dtype=np.complex128)
+        lines[:, 1 : self.count + 1] = coefficients * (points / 2)
+        slopes = lines * (1j * self.step_rad_m * np.arange(lines.shape[1]))
+        table = np.fft.irfft(lines, points)[:, np.arange(points + 1) % points]
+        rise = np.fft.irfft(slopes, points)[:, np.arange(points + 1) % points]
+        place = np.linspace(0.0, self.length_m, points + 1)
+        height, slope = np.empty_like(way_m), np.empty_like(way_m)
+        for side in (0, 1):
+            spline = interpolate.CubicHermiteSpline(place, table[side], rise[side])
+            way = way_m[:, side::2] % self.length_m
+            height[:, side::2], slope[:, side::2] = spline(way), spline(way, 1)
+        return height, slope

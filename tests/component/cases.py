@@ -1,0 +1,120 @@
+"""Every law of the suspension hidden in a component, and what a diagnosis should call it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from tests.component.rig import Component
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import Diagnosis, diagnose
+from wheelhop.effects import load_effects
+from wheelhop.vehicle import read_nominal
+
+LIBRARY = load_effects()
+DAMPER = Component()
+"""On a rig that imposes displacement: nothing of it moves but what is measured."""
+
+OSCILLATOR = Component(mass_kg=5.0, damping_N_s_m=120.0)
+"""On a rig that imposes a force: 10 Hz, a tenth of critical damping."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A law of `rig.HIDDEN` with its numbers for either drive; the effect it is, in which form, and
+    the effect's parameters that are known from them."""
+
+    hidden: str
+    numbers: Mapping[str, Mapping[str, float]]
+    effect: str
+    form: str = ""
+    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def component(self, drive: str) -> Component:
+        base = DAMPER if drive == "displacement" else OSCILLATOR
+        return replace(base, hidden=self.hidden, numbers=self.numbers[drive])
+
+
+def either(**numbers: float) -> dict[str, dict[str, float]]:
+    """The same numbers whatever the rig imposes."""
+    return {"displacement": numbers, "force": numbers}
+
+
+AIR_N = 900.0
+CASES = {
+    "cubic": Case(
+        "cubic-spring",
+        either(cubic_N_m3=3e7),
+        "progressive-spring",
+        "cubic",
+        either(strut_N_m3=3e7),
+    ),
+    "air": Case(
+        "air-spring",
+        either(load_N=AIR_N),
+        "progressive-spring",
+        "air",
+        either(strut_N=AIR_N, strut_1_m=20000.0 / (1.3 * AIR_N)),
+    ),
+    "bump-stop": Case(
+        "bump-stop",
+        either(clearance_m=0.010, stop_N_m=40000.0),
+        "bump-stop",
+        "compression",
+        either(stiffness_N_m=40000.0, clearance_m=0.010),
+    ),
+    "asymmetric-damper": Case(
+        "asymmetric-damper",
+        either(asymmetry=0.35),
+        "asymmetric-damper",
+        "",
+        {"displacement": {"strut_N_s_m": 525.0}, "force": {"strut_N_s_m": 42.0}},
+    ),
+    "digressive-damper": Case(
+        "digressive-damper",
+        {
+            "displacement": {"knee_m_s": 0.1, "slope_ratio": 0.4},
+            "force": {"knee_m_s": 0.2, "slope_ratio": 0.4},
+        },
+        "digressive-damper",
+        "",
+        {
+            "displacement": {"strut_loss": 0.6, "knee_m_s": 0.1},
+            "force": {"strut_loss": 0.6, "knee_m_s": 0.2},
+        },
+    ),
+    "dry-friction": Case(
+        "dry-friction",
+        {
+            "displacement": {"coulomb_N": 40.0, "joint_N_m": 8e5},
+            "force": {"coulomb_N": 15.0, "joint_N_m": 4e5},
+        },
+        "dry-friction",
+        "",
+        {
+            "displacement": {"strut_N": 40.0, "presliding_N_m": 8e5},
+            "force": {"strut_N": 15.0, "presliding_N_m": 4e5},
+        },
+    ),
+    "backlash": Case(
+        "backlash",
+        {"displacement": {"gap_m": 0.002}, "force": {"gap_m": 0.001}},
+        "backlash",
+        "",
+        {"displacement": {"gap_m": 0.002, "middle_m": 0.0}, "force": {"gap_m": 0.001}},
+    ),
+    "mount-bushing": Case(
+        "mount-bushing",
+        either(mount_N_m=60000.0, mount_N_s_m=150.0),
+        "mount-bushing",
+        "",
+        either(strut_m_N=1 / 60000.0, relaxation_s=0.0025),
+    ),
+}
+
+
+def diagnosed(folder: Path) -> Diagnosis:
+    """The diagnosis of a campaign folder; one thread, as tests run beside each other."""
+    campaign = read_campaign(folder)
+    return diagnose(campaign, read_nominal(campaign), LIBRARY, jobs=1)

@@ -1,0 +1,35 @@
+"""Exchange: a wrong effect on the ladder makes way for the right one."""
+
+from tests import truth
+from tests.diagnose.cases import CASES, LIBRARY
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.added import fit_with
+from wheelhop.diagnose.exchange import exchange
+from wheelhop.vehicle import read_vehicle
+
+FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
+
+
+def quiet(text):
+    pass
+
+
+def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
+    """Friction and a wrong gain are hidden, the ladder has come by a digressive damper and the
+    gain: friction takes the damper's place, and then nothing is exchanged any more."""
+    hidden = {**CASES["dry-friction"].hidden, **CASES["sensor-gain"].hidden}
+    folder = truth.make_campaign(tmp_path, seed=104, effects=hidden, short=True)
+    campaign = read_campaign(folder)
+    base = fit_baseline(campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=quiet)
+    library = {name: LIBRARY[name] for name in FEW}
+    wrong = fit_with(base, [library["digressive-damper"], library["sensor-gain"]], quiet)[-1]
+
+    first = exchange(base.workshop, wrong, {}, library, quiet)
+    assert first.rung is not None
+    assert {e.id for e in first.rung.model.effects} == {"dry-friction", "sensor-gain"}
+
+    second = exchange(base.workshop, first.rung, {}, library, quiet)
+    assert second.rung is None
+    assert set(second.margins) == {"dry-friction", "sensor-gain"}
+    assert min(second.margins.values()) > 0.0

@@ -1,0 +1,155 @@
+"""The blind benchmark: honest strengths, honest scores, and the whole way on two campaigns."""
+
+import json
+from math import sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchmarks.blind import without
+from benchmarks.blind.__main__ import main
+from benchmarks.blind.outside import OUTSIDE
+from benchmarks.blind.plan import EFFECTS, FIRST_SEED, plan
+from benchmarks.blind.recipes import RECIPES
+from benchmarks.blind.score import Outcome
+from benchmarks.blind.statistics import rates, reliability, wilson
+from benchmarks.blind.strength import Unreachable, Wanted, seek
+from benchmarks.blind.vehicles import Car
+from tests.truth import PRESETS
+from wheelhop.cli import diagnose
+
+
+def answer(kind, hidden, verdict, confidence=0.9, ranking=(), error=1.0):
+    return Outcome("x", kind, hidden, "atv", verdict, confidence, ranking, 3.0, error, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "hidden", "verdict", "confidence", "passed"),
+    [
+        ("clear", ("backlash",), ("backlash",), 0.9, True),
+        ("clear", ("backlash",), ("backlash", "unknown"), 0.9, True),
+        ("clear", ("backlash",), ("dry-friction",), 0.9, False),
+        ("weak", ("backlash",), ("none",), 0.9, False),
+        ("weak", ("backlash",), (), 1.0, False),  # the program gave no answer
+        ("none", (), ("none",), 0.9, True),
+        ("none", (), ("backlash",), 0.1, False),
+        ("none", (), ("unknown",), 0.9, False),
+        ("outside", ("damper-fade",), ("unknown",), 0.9, True),
+        ("outside", ("damper-fade",), ("dry-friction", "unknown"), 0.4, True),
+        ("outside", ("damper-fade",), ("dry-friction", "unknown"), 0.6, False),
+        ("without", ("backlash",), ("dry-friction",), 0.9, False),
+        ("two", ("backlash", "bump-stop"), ("bump-stop", "backlash"), 0.9, True),
+        ("two", ("backlash", "bump-stop"), ("bump-stop",), 0.9, False),
+        ("two", ("backlash", "bump-stop"), ("bump-stop", "backlash", "sensor-gain"), 0.9, False),
+        ("four", EFFECTS[:4], (*EFFECTS[:3], "unknown"), 0.9, True),
+        ("four", EFFECTS[:4], EFFECTS[:2], 0.9, False),
+        ("four", EFFECTS[:4], (*EFFECTS[:3], "sensor-gain"), 0.9, False),
+    ],
+)
+def test_an_answer_is_counted_as_it_should_be(kind, hidden, verdict, confidence, passed):
+    assert answer(kind, hidden, verdict, confidence).passed is passed
+
+
+def test_rates_and_their_intervals():
+    assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)
+    assert wilson(0, 20) == pytest.approx((0.0, 0.1611), abs=1e-4)
+    hidden, wrong = ("backlash",), ("dry-friction", "bump-stop", "sensor-gain", "backlash")
+    outcomes = [answer("clear", hidden, hidden, ranking=hidden)] * 19
+    outcomes += [answer("clear", hidden, ("dry-friction",), ranking=wrong)]
+    top_1, top_3, *_ = rates(outcomes)
+    assert (top_1.rate, top_1.met, top_3.rate, top_3.met) == (0.95, True, 0.95, False)
+
+
+def test_boasting_is_found_out():
+    """99 % claimed and half of it right; 50 % claimed and half of it right."""
+    hidden = ("backlash",)
+    half = [hidden, ("dry-friction",)] * 20
+    boasting = [answer("clear", hidden, verdict, 0.99) for verdict in half]
+    modest = [answer("clear", hidden, verdict, 0.5) for verdict in half]
+    low, high = reliability([*boasting, *modest])
+    assert low.met and low.within
+    assert not high.met and not high.within
+
+
+@given(
+    power=st.floats(0.6, 3.0),
+    visible=st.floats(0.05, 50.0),
+    aim=st.floats(1.25, 10.0),
+)
+def test_the_amount_is_found_that_shows_as_much_as_wanted(power, visible, aim):
+    """Where an effect's part of the residual grows with any power of its amount."""
+
+    def measure(amount):
+        return sqrt(1.0 + (visible * amount**power) ** 2)
+
+    wanted = Wanted(aim, aim / 1.03, aim * 1.03)
+    amount, ratio = seek(measure, wanted, 1.0, (1e-4, 1e3))
+    assert wanted.low <= ratio == measure(amount) <= wanted.high
+    with pytest.raises(Unreachable):
+        seek(lambda amount: 1.0 + 0.1 * amount / (1.0 + amount), Wanted(3.0, 2.0, 4.0), 1.0, (1, 9))
+
+
+def test_every_effect_of_the_library_is_asked_for():
+    assert set(RECIPES) == set(EFFECTS) == set(diagnose.load_effects())
+
+
+def test_development_never_looks_at_published_seeds():
+    every = [case for name in FIRST_SEED for case in plan(FIRST_SEED[name], 2, EFFECTS)]
+    assert len({case.name for case in every}) == len(every)
+    dev = {case.seed for case in plan(FIRST_SEED["dev"], 5, EFFECTS)}
+    published = {case.seed for case in plan(FIRST_SEED["published"], 5, EFFECTS)}
+    assert max(dev) < 2000 and min(published) >= 5000
+
+
+@pytest.mark.parametrize("name", [*RECIPES, *OUTSIDE])
+def test_every_recipe_makes_its_effect_at_any_amount(name):
+    """From hardly any to the most; the shape depends on nothing but the random numbers."""
+    vehicle = dict(PRESETS["passenger-car"].vehicle)
+    corner = np.array([1.0, 1.0, 0.8, 0.8])
+    car = Car(vehicle, 2000.0 * corner, 0.03 * corner, corner, 0.01, np.full(8, 20.0))
+    for seed in range(20):
+        hidden, again = (
+            (RECIPES | OUTSIDE)[name](np.random.default_rng(seed), car) for _ in range(2)
+        )
+        for amount in (1e-3, 1.0, hidden.most):
+            effect = hidden.at(amount)
+            assert effect.id == name
+            assert effect == again.at(amount)
+        assert hidden.by_severity or hidden.at(1e-3) != hidden.at(hidden.most)
+
+
+def test_an_effect_is_taken_out_of_the_library(monkeypatch):
+    monkeypatch.setattr(without, "main", lambda argv: sorted(diagnose.load_effects()))
+    whole = set(diagnose.load_effects())
+    assert whole - set(without.ask_without("dry-friction", [])) == {"dry-friction"}
+
+
+def test_the_whole_way(tmp_path, capsys):
+    """One campaign, rightly diagnosed; then a wrong answer is put in its place."""
+
+    def blind(command):
+        chosen = ["--short", "--work", str(tmp_path), "--effects", "sensor-gain"]
+        assert main([command, *chosen, "--kinds", "clear"]) == 0
+        return capsys.readouterr().out
+
+    blind("generate")
+    (campaign,) = (tmp_path / "short" / "campaigns").iterdir()
+    assert not list(campaign.rglob("truth*"))
+    (made,) = (tmp_path / "short" / "truth").glob("*.json")
+    assert json.loads(made.read_text())["baseline_over_floor"] >= 2.0
+
+    assert "[1/1]" in blind("run")
+    assert blind("run") == ""  # nothing is done twice
+    assert "said" not in blind("table").split("failures")[1]
+    results = tmp_path / "short" / "results" / "latest"
+    table = json.loads((results / "table.json").read_text())
+    assert (table["rates"][0]["right"], table["rates"][0]["met"]) == (1, True)
+    assert (results / "confusion.png").stat().st_size > 5000
+
+    said = next(f for f in results.glob("*-clear-*.json") if not f.name.endswith("run.json"))
+    said.write_text(json.dumps(json.loads(said.read_text()) | {"verdict": ["backlash"]}))
+    assert "said backlash" in blind("table").split("failures")[1]
+    table = json.loads((results / "table.json").read_text())
+    assert (table["rates"][0]["right"], table["rates"][0]["met"]) == (0, False)
