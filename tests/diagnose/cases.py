@@ -60,12 +60,28 @@ CASES = {
         {"progressive-spring": {"cubic_front_N_m3": 4e6, "cubic_rear_N_m3": 2.5e6}},
         {"form": "cubic", "front_N_m3": 4e6, "rear_N_m3": 2.5e6},
     ),
+    "bump-stop": Case(
+        {"bump-stop": {"clearance_m": 0.02, "stiffness_N_m": 3e4}},
+        {"form": "compression", "stiffness_N_m": 3e4, "clearance_m": 0.02},
+    ),
     "asymmetric-damper": Case({"asymmetric-damper": {"asymmetry": 0.35}}),
     "digressive-damper": Case(
         {"digressive-damper": {"knee_m_s": 0.15, "slope_ratio": 0.4}},
         {"front_loss": 0.6, "rear_loss": 0.6, "knee_m_s": 0.15},
     ),
     "dry-friction": Case({"dry-friction": FRICTION}, {"front_N": 75.0, "rear_N": 55.0}),
+    "mount-bushing": Case(
+        {"mount-bushing": {"stiffness_N_m": 1e5, "damping_N_s_m": 200.0}},
+        {"front_m_N": 1e-5, "rear_m_N": 1e-5, "relaxation_s": 0.002},
+    ),
+    "anti-roll-bar": Case(
+        {"anti-roll-bar": {"stiffness_front_N_m": 2000.0, "stiffness_rear_N_m": 1000.0}},
+        {"front_N_m": 2000.0, "rear_N_m": 1000.0},
+    ),
+    "corner-asymmetry": Case(
+        {"corner-asymmetry": {"corner": 3.0, "stiffness_change": 0.2, "damping_change": -0.2}},
+        {"form": "rear", "spring_excess": 0.2 / 2.2, "damper_excess": -0.2 / 1.8},
+    ),
     "driver-seat": Case({"driver-seat": SEAT}, SEAT),
     "engine-vibration": Case({"engine-vibration": ENGINE}, {"force_N": 60.0, "freq_hz": 22.0}),
     "frame-twist": Case(
