@@ -3,7 +3,7 @@
 
 bin := .venv/bin
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
@@ -15,6 +15,12 @@ lint: .venv/installed-test
 	$(bin)/ruff check
 	$(bin)/ruff format --check
 	$(bin)/mypy
+
+firmware:
+	tools/build_firmware.sh nano mega
+
+firmware-budget: .venv/installed-test
+	$(bin)/python tools/firmware_budget.py
 
 clean:
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build dist wheelhop-demo

@@ -25,7 +25,7 @@ def test_each_column_is_read_later_than_the_one_before(frequency, delay):
     found = EFFECTS["sensor-skew"].sense({"delay_s": delay}, record, CHANNELS, RATE)
     for j in range(8):
         expected = np.cos(phase + 2 * np.pi * frequency * j * delay)
-        np.testing.assert_allclose(found[INSIDE, j], expected[INSIDE], atol=3e-3)
+        np.testing.assert_allclose(found[INSIDE, j], expected[INSIDE], atol=0.01)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 3.0), st.sampled_from([*NAMES, "all"]))

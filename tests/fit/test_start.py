@@ -81,7 +81,7 @@ def test_on_a_random_road(seed):
     on_road = type(campaign.runs[0])(**{**vars(campaign.runs[0]), "track": road})
     campaign = type(campaign)(**{**vars(campaign), "runs": (on_road,)})
     recorded = noisy(simulated(campaign, model_of(ATV, flat))["run"], seed)
-    measured = type(on_road)(**{**vars(on_road), "acceleration": recorded, "speed_m_s": NOMINAL})
+    measured = type(on_road)(**{**vars(on_road), "record": recorded, "speed_m_s": NOMINAL})
     campaign = type(campaign)(**{**vars(campaign), "runs": (measured,)})
     model = model_of(believed(seed), {})
     found = find_start(campaign, measured, model, model.system(CHANNELS, "road"))
