@@ -38,15 +38,19 @@ fi
 # The firmware's tests build it and run it on a simulated board; without these they are skipped.
 firmware="gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev libelf-dev dosfstools mtools"
 firmware="$firmware clang-format cppcheck"
-case "$1" in *test*)
+
+install_firmware_tools() {
     missing=
     for package in $firmware; do
         dpkg -s "$package" >/dev/null 2>&1 || missing="$missing $package"
     done
-    if [ -n "$missing" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-        apt-get update -qq
-        DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
-    elif [ -n "$missing" ]; then
-        echo "wheelhop: the firmware's tests are skipped; they need: sudo apt-get install$missing" >&2
-    fi ;;
-esac
+    [ -n "$missing" ] || return 0
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq &&
+        DEBIAN_FRONTEND=noninteractive \
+            apt-get install -y -qq --no-install-recommends $missing >/dev/null; then
+        return 0
+    fi
+    echo "wheelhop: the firmware's tests will be skipped; they need: sudo apt-get install$missing" >&2
+}
+
+case "$1" in *test*) install_firmware_tools ;; esac
