@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from tests.campaign.build import edit, write_campaign
-from wheelhop.cli import main as cli
-from wheelhop.cli.main import main
+from wheelhop.cli.main import BROKEN_PIPE, main
+from wheelhop.cli.parser import make_parser
 
-COMMANDS = ("check", "compare", "diagnose", "add", "demo", "version")
+COMMANDS = ("check", "compare", "diagnose", "add", "demo", "flash", "version")
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_a_reader_that_stops_reading_is_no_error(folder, words):
     with subprocess.Popen(command, cwd=folder, **pipes) as process:
         process.stdout.close()
         assert process.stderr.read() == b""
-    assert process.returncode == cli.BROKEN_PIPE
+    assert process.returncode == BROKEN_PIPE
 
 
 def test_a_fault_of_the_program_is_not_taken_for_one_of_the_user(monkeypatch, folder):
@@ -108,7 +108,7 @@ def test_every_command_is_a_module_and_has_help(command, capsys):
 
 
 def test_options_of_diagnose_and_compare():
-    parse = cli._parser().parse_args
+    parse = make_parser().parse_args
     compare = parse(
         ["compare", "c", "--add", "dry-friction", "--add", "tyre-lift-off", "--json", "x.json"]
     )
@@ -130,7 +130,7 @@ def test_version_is_printed_both_ways(capsys):
 def test_help_answers_at_once_because_it_loads_no_room():
     heavy = "numpy", "scipy", "numba", "matplotlib", "rich", "wheelhop.campaign"
     code = (
-        "import sys; from wheelhop.cli.main import _parser; _parser().format_help(); "
+        "import sys; from wheelhop.cli.parser import make_parser; make_parser().format_help(); "
         f"print([name for name in {heavy!r} if name in sys.modules])"
     )
     best = 9.0

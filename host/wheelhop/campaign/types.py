@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.logger.error import InputError
+
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")
 RigDrive = Literal["displacement", "force"]
@@ -15,12 +17,8 @@ RigDrive = Literal["displacement", "force"]
 UNIT_IN_KEYS = {"m/s²": "m_s2"}
 
 
-class CampaignError(ValueError):
-    """Input a user can correct; ``str(error)`` is the one line that says where, what and how."""
-
-    def __init__(self, line: str) -> None:
-        # What is quoted from a file may hold line ends or terminal codes.
-        super().__init__("".join(char if char.isprintable() else "?" for char in line))
+class CampaignError(InputError):
+    """The campaign's files, or what was asked of them."""
 
 
 @dataclass(frozen=True)
