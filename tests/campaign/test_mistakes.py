@@ -89,7 +89,7 @@ IN_CAMPAIGN_TOML = {
     "wrong place": ("[[run]]", '[channels]\nA1 = "A5"\n[[run]]', ["[channels]: A1", '"body"']),
     "place of one": ("[[run]]", "[channels]\nA1 = [0.1]\n[[run]]", ["A1", "two numbers"]),
     "no channels": ("[[run]]", "[channels]\n[[run]]", ["[channels]", "is empty"]),
-    "other formats": ("runs/slow.csv", "vehicle.toml", ["vehicle.toml", ".csv or .parquet"]),
+    "other formats": ("runs/slow.csv", "vehicle.toml", ["vehicle.toml", "wheelhop convert"]),
 }
 
 
@@ -216,13 +216,6 @@ def test_no_folder_no_campaign_toml_or_a_file(folder):
     assert_says(complaint(folder / "campaign.toml"), "give the folder that holds campaign.toml")
     (folder / "campaign.toml").rename(folder / "Campaign.tml")
     assert_says(complaint(folder), "campaign.toml", "no such file", "'Campaign.tml'?")
-
-
-@pytest.mark.parametrize("suffix", [".mf4", ".hop"])
-def test_formats_that_cannot_be_read_yet(folder, suffix):
-    (folder / "runs/slow.csv").rename(folder / f"runs/slow{suffix}")
-    edit(folder / "campaign.toml", "slow.csv", f"slow{suffix}")
-    assert_says(complaint(folder), f"slow{suffix}", "cannot be read yet", "convert it to .csv")
 
 
 def test_parquet_without_pyarrow(folder, monkeypatch):

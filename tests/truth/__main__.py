@@ -21,7 +21,7 @@ def main() -> None:
     parser.add_argument("--noise-rms", type=float, default=0.1, help="in band, m/s2")
     given = parser.parse_args()
     try:
-        effects = {name: dict(map(_assignment, values)) for name, *values in given.effect}
+        effects = {name: dict(map(assignment, values)) for name, *values in given.effect}
         folder = make_campaign(
             given.out,
             seed=given.seed,
@@ -35,7 +35,7 @@ def main() -> None:
     print(folder)
 
 
-def _assignment(text: str) -> tuple[str, float | str]:
+def assignment(text: str) -> tuple[str, float | str]:
     key, equals, value = text.partition("=")
     if not equals:
         raise ValueError(f"{text!r} is not KEY=VALUE")
@@ -45,4 +45,5 @@ def _assignment(text: str) -> tuple[str, float | str]:
         return key, value
 
 
-main()
+if __name__ == "__main__":
+    main()

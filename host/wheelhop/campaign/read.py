@@ -25,6 +25,7 @@ TOP_KEYS = (
     *("format", "kind", "title", "vehicle", "sample_rate_hz", "band_hz", "averaging_ms"),
     *("noise_rms_m_s2", "channels", "run"),
 )
+CONSTANTS_FILE = "calibration.toml"
 LONGEST_AVERAGING = 3.0  # sample periods
 NOT_RECORDED = "if it was not recorded, list under [channels] in campaign.toml those that were"
 
@@ -121,8 +122,10 @@ def _drive(run: Table, folder: Path) -> _Drive:
 def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
     channels = campaign.channels
     runs: list[Run] = []
+    beside = campaign.folder / CONSTANTS_FILE
+    constants = beside if beside.is_file() else None
     for drive in drives:
-        columns, values = read_columns(drive.file)
+        columns, values = read_columns(drive.file, constants)
         if not campaign.channels:
             _check_only_points(drive.file, columns)
         if not runs:
@@ -135,7 +138,20 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
         time_s = frozen(values[:, wanted[0]])
         check_time(drive.file, time_s, campaign.sample_rate_hz)
         runs.append(Run(**vars(drive), time_s=time_s, record=frozen(values[:, wanted[1:]])))
+    if constants is not None:
+        channels = _with_uncertainty(channels, constants)
     return replace(campaign, channels=channels, runs=tuple(runs))
+
+
+def _with_uncertainty(channels: tuple[Channel, ...], file: Path) -> tuple[Channel, ...]:
+    from wheelhop.calibration import read_constants  # a campaign without constants does without
+    from wheelhop.campaign.recorded import scale_uncertainty
+
+    constants = read_constants(file)
+    return tuple(
+        replace(channel, scale_uncertainty=scale_uncertainty(constants, channel.name))
+        for channel in channels
+    )
 
 
 def _in_order_of(

@@ -1,4 +1,4 @@
-"""Recordings on disk (.csv, .parquet) as columns of numbers, and the check of their time stamps."""
+"""Recordings on disk as columns of numbers, and the check of their time stamps."""
 
 import math
 from pathlib import Path
@@ -8,31 +8,35 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign.keys import read_text
 from wheelhop.campaign.types import CampaignError
+from wheelhop.logger.recording import CODE
 
-NOT_YET = {".mf4": "ASAM MDF 4", ".hop": "the logger's own"}
+RECORDINGS = (".hop", ".mf4")
 SHORTEST_S = 2.0
 STEP_TOLERANCE = 0.01  # of the sample period
 RATE_TOLERANCE = 1e-3
 STAMP_DIGITS = range(7)  # decimals that time stamps may be rounded to
 
 
-def read_columns(file: Path) -> tuple[list[str], NDArray[np.float64]]:
+def read_columns(
+    file: Path, constants: Path | None = None
+) -> tuple[list[str], NDArray[np.float64]]:
     """Names (n_columns) and finite values (n_rows, n_columns) of a recording.
 
-    Raises `CampaignError` that names the file and the row for anything else than a full table of
-    numbers under one row of distinct names.
+    A log of codes needs the file of its sensors' constants. Raises `CampaignError` that names the
+    file and the row for anything else than a full table of numbers under one row of distinct names.
     """
     suffix = file.suffix.lower()
     if suffix == ".csv":
         names, values = _read_csv(file)
     elif suffix == ".parquet":
         names, values = _read_parquet(file)
-    elif suffix in NOT_YET:
-        raise CampaignError(
-            f"{file}: {NOT_YET[suffix]} format cannot be read yet: convert it to .csv"
-        )
+    elif suffix in RECORDINGS:
+        names, values = _read_recording(file, constants)
     else:
-        raise CampaignError(f"{file}: recordings are .csv or .parquet, not '{file.suffix}'")
+        raise CampaignError(
+            f"{file}: recordings are .csv, .parquet, .mf4 or .hop, not '{file.suffix}': "
+            "wheelhop convert makes one of the others"
+        )
     _check_names(file, names)
     if not np.isfinite(values).all():
         row, column = np.argwhere(~np.isfinite(values))[0]
@@ -181,6 +185,19 @@ def _read_parquet(file: Path) -> tuple[list[str], NDArray[np.float64]]:
             raise CampaignError(f"{file}: column {field.name} holds {field.type}, not numbers")
     columns = [column.to_numpy().astype(np.float64) for column in table.columns]
     return list(table.column_names), np.column_stack(columns) if columns else np.empty((0, 0))
+
+
+def _read_recording(file: Path, constants: Path | None) -> tuple[list[str], NDArray[np.float64]]:
+    from wheelhop.campaign.recorded import read_recording  # csv files do without these rooms
+
+    recording = read_recording(file, constants)
+    if any(channel.unit == CODE for channel in recording.channels):
+        raise CampaignError(
+            f"{file}: holds codes, and the campaign has no calibration.toml to make them m/s²: "
+            "copy the one of this logger beside campaign.toml"
+        )
+    names = ["time_s", *(channel.name for channel in recording.channels)]
+    return names, np.column_stack([recording.time_s - recording.start_s, recording.values])
 
 
 def _check_names(file: Path, names: list[str]) -> None:

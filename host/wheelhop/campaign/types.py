@@ -28,7 +28,8 @@ class Channel:
     `point` is "A1".."A4" (wheel axles), "B1".."B4" (suspension-to-body points), "body-xy" (on the
     sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
     sprung body, position unknown), or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
-    right.
+    right. `scale_uncertainty` is the standard uncertainty of the channel's gain, relative, as its
+    calibration states it; 0 if nothing is stated.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Channel:
     y_m: float | None = None
     quantity: str = "acceleration"
     unit: str = "m/s²"
+    scale_uncertainty: float = 0.0
 
     @property
     def corner(self) -> int | None:

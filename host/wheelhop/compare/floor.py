@@ -1,4 +1,4 @@
-"""The noise floor: what the sensors' noise alone would leave of the residual."""
+"""The noise floor: what the sensors alone, their noise and their scales, leave of the residual."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold nois
 
 @dataclass(frozen=True)
 class Floor:
-    """E that noise alone would leave, over all compared runs and over those of each role.
+    """E that the sensors alone would leave, over all compared runs and over those of each role.
 
     ``source`` is the key under which the campaign states the noise ("noise_rms_m_s2"), or
     "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel, in
@@ -54,7 +54,12 @@ class Floor:
 
 
 def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
-    """sqrt(Σ noise² / Σ measured²) in band, noise from the campaign or estimated."""
+    """sqrt(Σ (noise² + (u · measured)²) / Σ measured²) in band.
+
+    The noise is stated by the campaign or estimated; u is the standard uncertainty of a channel's
+    scale, where a calibration states it.
+    """
+    scale = np.array([channel.scale_uncertainty for channel in campaign.channels])
     if campaign.noise_rms is not None:
         source = campaign.noise_key
         noise = np.full(len(campaign.channels), campaign.noise_rms)
@@ -64,6 +69,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     def error(role: str | None) -> float:
         chosen = [r for r in records if role in (None, r.run.role)]
         expected = sum(float(r.band.n * np.sum(noise[r.predicted] ** 2)) for r in chosen)
+        expected += sum(float(np.sum((r.measured * scale)[:, r.predicted] ** 2)) for r in chosen)
         measured = sum(float(np.sum(r.measured**2)) for r in chosen)
         return float(np.sqrt(expected / measured)) if measured > 0.0 else float("nan")
 

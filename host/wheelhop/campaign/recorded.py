@@ -1,0 +1,53 @@
+"""From any recording on disk to what a campaign holds: m/s², at true time."""
+
+from pathlib import Path
+
+import numpy as np
+
+from wheelhop.calibration import Constants, nominal_constants, read_constants
+from wheelhop.calibration.constants import NOMINAL_CORNER_HZ
+from wheelhop.exchange import read
+from wheelhop.logger import correct_clock, correct_sensor
+from wheelhop.logger.recording import CODE, Recording
+
+CROSS_AXIS = 0.01  # ADXL326, Analog Devices, data sheet rev. 0, table 1
+
+
+def read_recording(
+    file: Path, constants_file: Path | None = None, nominal: bool = False
+) -> Recording:
+    """Read a recording; codes become m/s² if there are constants, or if `nominal` ones will do.
+
+    The error of the logger's clock, where it was measured, and the sensors' own low-pass are
+    undone; the averaging of each sample is not, since the model averages, too. Raises
+    ExchangeError, LoggerError or CalibrationError.
+    """
+    recording = read(file)
+    if recording.notes.get("clock_ppm"):
+        recording = correct_clock(recording)
+    if constants_file is not None:
+        return _calibrated(recording, read_constants(constants_file))
+    if nominal and any(channel.unit == CODE for channel in recording.channels):
+        names = [channel.name for channel in recording.channels]
+        return _calibrated(recording, nominal_constants(names))
+    return recording
+
+
+def scale_uncertainty(constants: Constants, channel: str) -> float:
+    """Standard uncertainty of what a channel shows, in proportion to the motion; 0 if unknown.
+
+    That of its gain, and what it shows of motion across its axis: ±1 % by the data sheet, taken as
+    rectangular (GUM 4.3.7), of motion about as large as that along it.
+    """
+    if channel not in {sensor.channel for sensor in constants.sensors}:
+        return 0.0
+    gain = constants.of(channel).gain
+    return float(np.hypot(gain.relative / 2, CROSS_AXIS / np.sqrt(3)))
+
+
+def _calibrated(recording: Recording, constants: Constants) -> Recording:
+    calibrated = constants.apply(recording)
+    corners = [constants.of(channel.name).corner_hz for channel in recording.channels]
+    # Gravity does not tell the corner; without one every body resonance would come out too low.
+    known = [corner.value if corner else NOMINAL_CORNER_HZ for corner in corners]
+    return correct_sensor(calibrated, known)

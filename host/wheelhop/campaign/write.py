@@ -1,0 +1,216 @@
+"""From recordings to a campaign on disk; what is written has been read back strictly."""
+
+import json
+import re
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from wheelhop.campaign.read import read_campaign
+from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
+from wheelhop.logger.recording import ACCELERATION, Recording
+
+DEFAULT_BAND_HZ = (0.5, 30.0)
+TOP_OF_BAND = 0.4  # of the sample rate, where 30 Hz is too much
+FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
+
+VEHICLE = """\
+format = 1
+name = "{title}"
+# Replace every number below: they are those of a student-built ATV.
+relative_uncertainty = 0.30    # one standard deviation; KEY_uncertainty beside a KEY overrides it
+
+[geometry]
+wheelbase_m = 1.42
+track_width_m = 1.18           # between the left and right contact points
+cg_to_front_axle_m = 0.80
+cg_height_m = 0.52
+
+[body]                         # sprung: driver, engine and battery included
+mass_kg = 228.0
+pitch_inertia_kg_m2 = 62.0
+roll_inertia_kg_m2 = 25.0
+
+[suspension.front]             # per wheel, acting vertically at the wheel
+stiffness_N_m = 10500.0
+damping_N_s_m = 630.0
+[suspension.rear]
+stiffness_N_m = 6500.0
+damping_N_s_m = 590.0
+
+[wheel.front]
+unsprung_mass_kg = 15.0
+tyre_stiffness_N_m = 40000.0
+tyre_damping_N_s_m = 200.0
+radius_m = 0.279
+[wheel.rear]
+unsprung_mass_kg = 12.5
+tyre_stiffness_N_m = 40000.0
+tyre_damping_N_s_m = 200.0
+radius_m = 0.279
+
+[driver]
+mass_kg = 70.0
+x_m = -0.10                    # ahead of the body's centre of mass
+y_m = 0.0
+[engine]
+mass_kg = 40.0
+x_m = -0.45
+y_m = 0.0
+"""
+
+
+@dataclass(frozen=True)
+class NewRun:
+    """How a run was driven, as campaign.toml says it; `track` holds `kind` and its other keys."""
+
+    id: str
+    role: str
+    speed_kmph: float
+    track: Mapping[str, str | float]
+    source: str = ""
+
+
+def new_campaign(
+    folder: Path,
+    title: str,
+    like: Recording,
+    places: Mapping[str, str | Sequence[float]],
+    vehicle: Path | None = None,
+) -> None:
+    """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
+
+    Sample rate, averaging and channels are those of the recording `like`; `places` says where
+    channels sit that its points do not tell. Without `vehicle` a sample file is written. Raises
+    CampaignError if there is a campaign already, or a channel has no place.
+    """
+    file = folder / "campaign.toml"
+    if file.exists():
+        raise CampaignError(f"{file}: there is a campaign already; campaign add adds runs to it")
+    rate = like.rate_hz
+    high = DEFAULT_BAND_HZ[1] if DEFAULT_BAND_HZ[1] < rate / 2 else TOP_OF_BAND * rate
+    lines = [
+        "format = 1",
+        f"title = {json.dumps(title, ensure_ascii=False)}",
+        'vehicle = "vehicle.toml"',
+        f"sample_rate_hz = {rate!r}",
+        f"band_hz = [{DEFAULT_BAND_HZ[0]}, {high:g}]",
+        f"averaging_ms = {like.averaging_s * 1e3:g}",
+        *_channel_lines(like, places),
+    ]
+    (folder / "runs").mkdir(parents=True, exist_ok=True)
+    target = folder / "vehicle.toml"
+    if vehicle is not None:
+        shutil.copyfile(vehicle, target)
+    elif not target.exists():
+        target.write_text(VEHICLE.format(title=title.replace('"', "'")), encoding="utf-8")
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
+    """Write a recording into `folder`/runs and its [[run]] into campaign.toml; return the file.
+
+    The campaign is then read as a whole; if that fails everything is as before, and the
+    CampaignError says why. Raises CampaignError too for codes instead of m/s², and for a gap.
+    """
+    if not FILE_NAME.fullmatch(run.id):
+        raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
+    _check_samples(recording, run.source or run.id)
+    toml = folder / "campaign.toml"
+    try:
+        before = toml.read_text(encoding="utf-8")
+    except OSError as error:
+        raise CampaignError(f"{toml}: {error.strerror}; begin with campaign new") from None
+    file = folder / "runs" / f"{run.id}.csv"
+    if file.exists():
+        raise CampaignError(f"{file}: there is a recording of this name: choose another --id")
+    try:
+        file.parent.mkdir(exist_ok=True)
+        _write_csv(file, recording)
+        toml.write_text(before.rstrip("\n") + "\n\n" + _run_lines(recording, run), encoding="utf-8")
+        read_campaign(folder)
+    except BaseException as error:
+        toml.write_text(before, encoding="utf-8")
+        file.unlink(missing_ok=True)
+        if isinstance(error, CampaignError) and 'has role = "fit"' in str(error):
+            raise CampaignError(
+                f"{toml}: the first run must be one to fit: --role fit (validate comes later)"
+            ) from None
+        raise
+    return file
+
+
+def cut(recording: Recording, from_s: float | None, to_s: float | None) -> Recording:
+    """The rows of a recording between two instants of its own time, seconds."""
+    time_s = recording.time_s
+    low = time_s[0] if from_s is None else from_s
+    high = time_s[-1] if to_s is None else to_s
+    rows = np.flatnonzero((time_s >= low - 1e-9) & (time_s <= high + 1e-9))
+    if not len(rows):
+        raise CampaignError(
+            f"{low:g} … {high:g} s lies outside the recording, {time_s[0]:g} … {time_s[-1]:g} s"
+        )
+    return recording.after(
+        f"cut to {low:g} … {high:g} s",
+        values=recording.values[rows],
+        start_s=float(time_s[rows[0]]),
+    )
+
+
+def _check_samples(recording: Recording, name: str) -> None:
+    for channel in recording.channels:
+        if channel.unit != ACCELERATION:
+            raise CampaignError(
+                f"{name}: channel {channel.name} is in '{channel.unit}', a campaign takes m/s²: "
+                "give its constants with --calibration, or --nominal to do without"
+            )
+    missing = np.flatnonzero(recording.missing)
+    if len(missing):
+        raise CampaignError(
+            f"{name}: {len(missing)} samples are missing, the first at "
+            f"{recording.time_s[missing[0]]:.3f} s; cut the run before or after (--from, --to)"
+        )
+
+
+def _channel_lines(like: Recording, places: Mapping[str, str | Sequence[float]]) -> list[str]:
+    """[channels], unless the recording holds the eight points under their names and no more."""
+    names = [channel.name for channel in like.channels]
+    for name in places:
+        if name not in names:
+            raise CampaignError(f"{name}: no such channel; the recording has {', '.join(names)}")
+    placed = {c.name: places.get(c.name, c.point or c.name) for c in like.channels}
+    if not places and set(names) == set(AXLE_POINTS + BODY_POINTS):
+        return []
+    lines = ["", "[channels]"]
+    for name, place in placed.items():
+        if isinstance(place, str) and place not in (*AXLE_POINTS, *BODY_POINTS, "body"):
+            raise CampaignError(
+                f"channel {name}: where does it sit? --place {name}=A1 (A1…A4, B1…B4, body, or x,y)"
+            )
+        lines.append(f"{json.dumps(name)} = {json.dumps(place)}")
+    return lines
+
+
+def _run_lines(recording: Recording, run: NewRun) -> str:
+    lines = [f"# {step}" for step in ([run.source] if run.source else []) + [*recording.history]]
+    lines += [
+        "[[run]]",
+        f'id = "{run.id}"',
+        f'file = "runs/{run.id}.csv"',
+        f"role = {json.dumps(run.role)}",
+        f"speed_kmph = {run.speed_kmph!r}",
+        *(f"track.{key} = {json.dumps(value)}" for key, value in run.track.items()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _write_csv(file: Path, recording: Recording) -> None:
+    names = ["time_s", *(channel.name for channel in recording.channels)]
+    time_s = np.arange(len(recording.values)) / recording.rate_hz
+    table = np.column_stack([time_s, recording.values])
+    form = ["%.6f"] + ["%.6g"] * (len(names) - 1)
+    with file.open("w", encoding="utf-8", newline="\n") as out:
+        np.savetxt(out, table, fmt=form, delimiter=",", header=",".join(names), comments="")

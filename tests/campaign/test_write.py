@@ -1,0 +1,121 @@
+"""Recordings become a campaign that reads back; what fails leaves everything as it was."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
+from wheelhop.logger.recording import Channel, Recording
+from wheelhop.vehicle import read_nominal
+
+POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
+WASHBOARD = {"kind": "washboard", "amplitude_mm": 15, "pitch_mm": 400}
+
+
+def recording_of(names=POINTS, rows=1024, rate_hz=100.0, unit="m/s²") -> Recording:
+    values = np.random.default_rng(1).normal(0, 3, (rows, len(names)))
+    return Recording(values, rate_hz, tuple(Channel(n, unit) for n in names), averaging_s=0.01)
+
+
+def run_of(name="slow", role="fit", **changes) -> NewRun:
+    return NewRun(**{"id": name, "role": role, "speed_kmph": 7.5, "track": WASHBOARD} | changes)
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    new_campaign(tmp_path / "c", "our car", recording_of(), {})
+    return tmp_path / "c"
+
+
+def test_a_campaign_of_two_runs_reads_back(folder):
+    recording = recording_of()
+    add_run(folder, recording, run_of())
+    add_run(folder, cut(recording, 2.0, 6.0), run_of("fast", "validate", speed_kmph=20.0))
+    campaign = read_campaign(folder)
+    assert campaign.title == "our car" and campaign.averaging_s == 0.01
+    assert [(run.id, run.role) for run in campaign.runs] == [("slow", "fit"), ("fast", "validate")]
+    slow, fast = campaign.runs
+    assert slow.track.values == {"amplitude_m": 0.015, "pitch_m": 0.4}
+    assert np.allclose(slow.record, recording.values, rtol=1e-5)
+    assert np.allclose(fast.record, recording.values[200:601], rtol=1e-5)
+    assert read_nominal(campaign)["body.mass_kg"] > 0
+
+
+def test_sensors_elsewhere_must_say_where_they_are(tmp_path):
+    dash = recording_of(("A1", "A2", "dash", "imu"))
+    with pytest.raises(CampaignError, match="channel dash: where does it sit"):
+        new_campaign(tmp_path / "c", "t", dash, {"imu": "body"})
+    new_campaign(tmp_path / "c", "t", dash, {"imu": "body", "dash": [0.35, 0.0]})
+    add_run(tmp_path / "c", dash, run_of())
+    places = {c.name: c.point for c in read_campaign(tmp_path / "c").channels}
+    assert places == {"A1": "A1", "A2": "A2", "dash": "body-xy", "imu": "body"}
+
+
+def test_a_clock_that_was_corrected_gives_an_odd_rate(tmp_path):
+    late = recording_of(rate_hz=99.7312)
+    new_campaign(tmp_path / "c", "t", late, {})
+    add_run(tmp_path / "c", late, run_of())
+    assert read_campaign(tmp_path / "c").sample_rate_hz == 99.7312
+
+
+BAD_RUNS = {
+    "misspelt track": (run_of(track={"kind": "washbord"}), recording_of(), "washboard"),
+    "missing key": (run_of(track={"kind": "washboard"}), recording_of(), "amplitude_mm"),
+    "unknown role": (run_of(role="test"), recording_of(), "fit"),
+    "first to validate": (run_of(role="validate"), recording_of(), "--role fit"),
+    "id that is a path": (run_of("../x"), recording_of(), "letters, digits"),
+    "codes": (run_of(), recording_of(unit="code"), "--calibration"),
+    "too short": (run_of(), recording_of(rows=50), "at least 2 s"),
+    "another rate": (run_of(), recording_of(rate_hz=200.0), "sample_rate_hz"),
+    "a channel too few": (run_of(), recording_of(POINTS[:7]), "A4 is missing"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_RUNS)
+def test_what_fails_leaves_everything_as_it_was(case, folder):
+    run, recording, words = BAD_RUNS[case]
+    before = content(folder)
+    with pytest.raises(CampaignError, match=words):
+        add_run(folder, recording, run)
+    assert content(folder) == before
+
+
+def test_a_gap_is_named_with_its_time_and_can_be_cut_off(folder):
+    recording = recording_of()
+    recording.values[700] = np.nan
+    with pytest.raises(CampaignError, match=r"1 samples are missing, the first at 7\.000 s"):
+        add_run(folder, recording, run_of())
+    add_run(folder, cut(recording, None, 6.99), run_of())
+    assert len(read_campaign(folder).runs[0].time_s) == 700
+
+
+def test_nothing_is_overwritten(folder):
+    add_run(folder, recording_of(), run_of())
+    before = content(folder)
+    with pytest.raises(CampaignError, match="another --id"):
+        add_run(folder, recording_of(), run_of())
+    with pytest.raises(CampaignError, match="campaign already"):
+        new_campaign(folder, "t", recording_of(), {})
+    assert content(folder) == before
+
+
+@given(low=st.floats(-5, 15), high=st.floats(-5, 15))
+def test_cutting_keeps_samples_at_their_instants(low, high):
+    recording = recording_of(rows=800)
+    wanted = (recording.time_s >= low - 1e-9) & (recording.time_s <= high + 1e-9)
+    if not wanted.any():
+        with pytest.raises(CampaignError, match="outside"):
+            cut(recording, low, high)
+        return
+    piece = cut(recording, low, high)
+    assert np.array_equal(piece.values, recording.values[wanted])
+    assert np.allclose(piece.time_s, recording.time_s[wanted], rtol=0, atol=1e-9)
+    assert piece.history[-1].startswith("cut to")
