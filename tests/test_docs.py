@@ -11,7 +11,7 @@ import pytest
 from tests.component import rig
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
-from wheelhop.cli.main import _parser
+from wheelhop.cli.parser import make_parser
 from wheelhop.diagnose import diagnose, fit_baseline
 from wheelhop.diagnose.screen import screen
 from wheelhop.effects import load_effects
@@ -70,7 +70,7 @@ def test_commands_on_a_page_are_commands_of_wheelhop(page):
         if len(words) == 1:  # the command is mentioned, not called
             words.append("--help")
         try:
-            arguments = _parser().parse_args(words)
+            arguments = make_parser().parse_args(words)
         except SystemExit as stop:
             assert stop.code == 0, line
         else:

@@ -209,10 +209,10 @@ def test_the_first_run_says_that_it_compiles(tmp_path, monkeypatch, capsys):
 
 
 def test_demo_tells_the_story_and_leaves_model_and_report(tmp_path, monkeypatch, capsys):
-    def small(folder):
+    def small(folder, console):
         write_small_campaign(folder)
 
-    monkeypatch.setattr("wheelhop.cli.demo.copy_example", small)
+    monkeypatch.setattr("wheelhop.cli.demo.record_day", small)
     folder = tmp_path / "demo"
     assert main(["demo", str(folder)]) == 0
     out = capsys.readouterr().out

@@ -9,10 +9,14 @@ from pathlib import Path
 import pytest
 
 from tests.campaign.build import edit, write_campaign
-from wheelhop.cli.main import BROKEN_PIPE, main
+from wheelhop.campaign import CampaignError
+from wheelhop.cli.main import BROKEN_PIPE, main, module_of
 from wheelhop.cli.parser import make_parser
 
-COMMANDS = ("check", "compare", "diagnose", "add", "demo", "flash", "version")
+COMMANDS = (
+    *("check", "compare", "diagnose", "add", "demo", "flash", "version"),
+    *("campaign", "convert", "import", "info", "decode", "recover"),
+)
 
 
 @pytest.fixture
@@ -100,7 +104,7 @@ def test_a_fault_of_the_program_is_not_taken_for_one_of_the_user(monkeypatch, fo
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_is_a_module_and_has_help(command, capsys):
-    assert callable(import_module(f"wheelhop.cli.{command}").run)
+    assert callable(import_module(f"wheelhop.cli.{module_of(command)}").run)
     with pytest.raises(SystemExit) as end:
         main([command, "--help"])
     assert end.value.code == 0
@@ -142,13 +146,16 @@ def test_help_answers_at_once_because_it_loads_no_room():
     assert best < 1.0  # 0.1 s on a laptop core
 
 
-def test_demo_copies_the_example_and_starts_afresh_every_time(tmp_path, monkeypatch, capsys):
-    from wheelhop.cli.demo import copy_example
+def test_the_demo_takes_its_own_folder_afresh_and_no_other(tmp_path):
+    from wheelhop.cli.demo import make_folder
 
     folder = tmp_path / "demo"
-    copy_example(folder)
+    make_folder(folder)
+    (folder / "turned.hop").write_bytes(b"")
     (folder / "campaign.toml").write_text("spoilt")
-    copy_example(folder)
-    assert main(["check", str(folder)]) == 0
-    assert "open-dry-friction" in capsys.readouterr().out
-    assert not (folder / "truth.toml").exists()
+    make_folder(folder)
+    assert list(folder.iterdir()) == []
+    (folder / "thesis.docx").write_text("precious")
+    with pytest.raises(CampaignError, match="not from a demo"):
+        make_folder(folder)
+    assert (folder / "thesis.docx").exists()

@@ -9,6 +9,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from importlib import import_module
+from keyword import iskeyword
 from pathlib import Path
 
 from wheelhop.cli.parser import BAD_INPUT, make_parser
@@ -45,7 +46,7 @@ def _run(arguments: Namespace) -> int:
             _check_output(output)
         if arguments.command in COMPUTING:
             import_module("wheelhop.cli.progress").announce_compilation()
-        command = import_module(f"wheelhop.cli.{arguments.command.replace('-', '_')}")
+        command = import_module(f"wheelhop.cli.{module_of(arguments.command)}")
         status: int = command.run(arguments)
         return status
     except InputError as error:
@@ -54,6 +55,12 @@ def _run(arguments: Namespace) -> int:
         if isinstance(error, BrokenPipeError) or error.filename is None:
             raise
         return _complain(f"{error.filename}: {error.strerror}", BAD_INPUT)
+
+
+def module_of(command: str) -> str:
+    """The module of this room that a command is; `import` cannot be the name of one."""
+    name = command.replace("-", "_")
+    return f"{name}_" if iskeyword(name) else name
 
 
 def _check_output(file: Path | None) -> None:

@@ -75,8 +75,105 @@ def make_parser() -> argparse.ArgumentParser:
     flash.add_argument(
         "--old-bootloader", action="store_true", help="for Nanos of before 2018 (57600 baud)"
     )
+    _make_logs(commands)
+    convert = commands.add_parser("convert", help="write a recording in another format")
+    convert.add_argument("source", metavar="FILE", type=Path, help="the recording")
+    convert.add_argument(
+        "target", metavar="NEW", type=Path, help="what to write: .csv, .parquet, .mf4, .uff"
+    )
+    convert.add_argument("--force", action="store_true", help="replace a file that exists")
+    _make_import(commands.add_parser("import", help="read recordings of other recorders, into SI"))
+    _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
     commands.add_parser("version", help="print the version")
     return parser
+
+
+def _make_logs(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    info = commands.add_parser("info", help="tell all about a log of the logger")
+    info.add_argument("files", metavar="LOG", nargs="+", type=Path, help="a .HOP file")
+    decode = commands.add_parser("decode", help="turn a log into CSV, Parquet, MDF4 or UFF")
+    decode.add_argument("files", metavar="LOG", nargs="+", type=Path, help="a .HOP file")
+    decode.add_argument(
+        "--out", metavar="FILE|FOLDER", type=Path, help="where to (default: beside the log)"
+    )
+    decode.add_argument("--format", choices=("csv", "parquet", "mf4", "uff"), help="default csv")
+    decode.add_argument("--calibration", metavar="FILE.toml", type=Path, help="make it m/s²")
+    decode.add_argument(
+        "--sensor-hz",
+        metavar="HZ",
+        type=_positive,
+        help="undo the sensors' low-pass (default: that of the calibration)",
+    )
+    decode.add_argument("--raw", action="store_true", help="undo nothing")
+    decode.add_argument("--scans", metavar="FIRST:STOP", type=_scans, help="only these")
+    recover = commands.add_parser("recover", help="save what is whole of a damaged log or card")
+    recover.add_argument("file", metavar="FILE", type=Path, help="a log, or the image of a card")
+    recover.add_argument(
+        "--into", metavar="FOLDER", type=Path, default=Path("recovered"), help="default ./recovered"
+    )
+    for command in (info, decode, recover):
+        command.add_argument(
+            "--header-from",
+            metavar="LOG",
+            type=Path,
+            help="a log with the same settings, if the header is damaged",
+        )
+
+
+def _make_import(command: argparse.ArgumentParser) -> None:
+    command.add_argument("files", metavar="FILE", nargs="+", type=Path)
+    command.add_argument("--map", metavar="MAP.toml", type=Path, help="what the columns are")
+    command.add_argument(
+        "--out", metavar="FOLDER", type=Path, default=Path(), help="where to write (default .)"
+    )
+    command.add_argument("--to", choices=(".csv", ".parquet", ".mf4", ".uff"), default=".csv")
+    command.add_argument(
+        "--draft", action="store_true", help="print a mapping made from the file's look"
+    )
+    command.add_argument("--force", action="store_true", help="replace files that exist")
+
+
+def _make_campaign(command: argparse.ArgumentParser) -> None:
+    actions = command.add_subparsers(dest="action", metavar="ACTION", required=True)
+    stretches = actions.add_parser("stretches", help="show where a recording was driven")
+    new = actions.add_parser("new", help="begin a campaign in FOLDER, for recordings like this one")
+    add = actions.add_parser("add", help="add a run to the campaign in FOLDER")
+    for action in (new, add):
+        action.add_argument("folder", metavar="FOLDER", type=Path, help="the campaign's folder")
+    for action in (stretches, new, add):
+        action.add_argument("recording", metavar="RECORDING", type=Path, help=".hop, .csv, .mf4 …")
+        action.add_argument(
+            "--calibration", metavar="FILE.toml", type=Path, help="constants of the sensors"
+        )
+        action.add_argument(
+            "--nominal", action="store_true", help="do without: take the data sheet's, ±10 %%"
+        )
+    new.add_argument("--title", help="what was recorded (default: the folder's name)")
+    new.add_argument("--vehicle", metavar="FILE.toml", type=Path, help="vehicle.toml to copy")
+    new.add_argument(
+        "--place",
+        metavar="CHANNEL=PLACE",
+        action="append",
+        default=[],
+        help="where a channel sits: A1…A4, B1…B4, body, or x,y in m from the centre of mass",
+    )
+    add.add_argument("--id", required=True, help="name of the run, such as washboard-slow")
+    add.add_argument("--speed-kmph", metavar="V", type=float, required=True, help="nominal speed")
+    add.add_argument(
+        "--track",
+        metavar=("KIND", "KEY=VALUE"),
+        nargs="+",
+        default=["unknown"],
+        help="such as washboard amplitude_mm=15 pitch_mm=400 (default unknown)",
+    )
+    add.add_argument(
+        "--role", choices=("fit", "validate"), default="fit", help="default fit; validate judges"
+    )
+    add.add_argument("--from", dest="from_s", metavar="S", type=float, help="begin, s")
+    add.add_argument("--to", dest="to_s", metavar="S", type=float, help="end, s")
+    add.add_argument(
+        "--stretch", metavar="N", type=_count, help="the N-th of wheelhop campaign stretches"
+    )
 
 
 def _campaign(command: argparse.ArgumentParser) -> None:
@@ -98,3 +195,20 @@ def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 up")
     return int(text)
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0")
+    return value
+
+
+def _scans(text: str) -> tuple[int, int]:
+    first, _, stop = text.partition(":")
+    if not (first.isdecimal() and stop.isdecimal() and int(first) < int(stop)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not FIRST:STOP, two whole numbers")
+    return int(first), int(stop)

@@ -49,9 +49,7 @@ class Recording:
 
     def __post_init__(self) -> None:
         if self.values.ndim != 2 or self.values.shape[1] != len(self.channels):
-            raise ValueError(
-                f"values {self.values.shape}, expected (n, {len(self.channels)}): a column a channel"
-            )
+            raise ValueError(f"values {self.values.shape}, expected (n, {len(self.channels)})")
 
     @property
     def time_s(self) -> NDArray[np.float64]:
@@ -61,8 +59,7 @@ class Recording:
     @property
     def missing(self) -> NDArray[np.bool_]:
         """(n,) True where a sample is missing."""
-        gone: NDArray[np.bool_] = np.isnan(self.values).any(axis=1)
-        return gone
+        return np.asarray(np.isnan(self.values).any(axis=1))
 
     def after(self, step: str, **changes: object) -> "Recording":
         """Return the recording with `changes` of its fields, and the `step` that made them."""

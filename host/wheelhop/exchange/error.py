@@ -1,0 +1,49 @@
+"""What a user can mend in a file, and the one place where a library's exception becomes a line."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
+from importlib import import_module
+from io import StringIO
+from pathlib import Path
+from types import ModuleType
+
+from wheelhop.logger.error import InputError
+
+LONGEST_REASON = 160  # characters of what a library says
+
+
+class ExchangeError(InputError):
+    """A file that cannot be read or written, or a mapping that does not fit it."""
+
+
+def need(module: str, extra: str, file: Path) -> ModuleType:
+    """Import an optional library; raises `ExchangeError` with the pip command if it is missing."""
+    try:
+        return import_module(module)
+    except ImportError:
+        raise ExchangeError(
+            f"{file}: {file.suffix} needs {module.partition('.')[0]}: "
+            f"pip install 'wheelhop[{extra}]'"
+        ) from None
+
+
+@contextmanager
+def guarded(file: Path, what: str) -> Iterator[None]:
+    """Whatever a library raises over a damaged file is an `ExchangeError` of one line.
+
+    Libraries meet bytes that their authors never saw, and then raise anything, or print
+    what they think of it.
+    """
+    try:
+        with warnings.catch_warnings(), redirect_stdout(StringIO()):
+            warnings.simplefilter("ignore")
+            yield
+    except InputError:
+        raise
+    except Exception as error:
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+        reason = reason[:LONGEST_REASON] or type(error).__name__
+        raise ExchangeError(f"{file}: cannot {what}: {reason}") from None
