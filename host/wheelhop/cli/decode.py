@@ -1,0 +1,101 @@
+"""`wheelhop decode`: a log becomes a table of codes, or of m/s² where it is calibrated."""
+
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from wheelhop.calibration import Constants, read_constants
+from wheelhop.cli.progress import stages
+from wheelhop.exchange import write
+from wheelhop.logger import (
+    Log,
+    LoggerError,
+    Recording,
+    correct_clock,
+    correct_sensor,
+    correct_window,
+    read_log,
+)
+from wheelhop.logger.correct import TAPS
+
+MARGIN = 2 * TAPS  # scans on either side that two filters look at
+PART_SCANS = 4_000_000
+"""A longer session becomes several files, since half a gigabyte of samples is enough at a time."""
+
+
+def run(arguments: Namespace) -> int:
+    """Decode one log after the other, and say what was done; raises what the rooms raise."""
+    constants = read_constants(arguments.calibration) if arguments.calibration else None
+    like = read_log(arguments.header_from) if arguments.header_from else None
+    for file in arguments.files:
+        target = _target(arguments, file)
+        with stages() as stage:
+            stage(f"checking {file}")
+            log = read_log(file, header_from=like)
+            for path, recording in _parts(log, target, arguments, constants, stage):
+                stage(f"writing {path}")
+                write(recording, path)
+                _tell(file, path, recording)
+    return 0
+
+
+def _target(arguments: Namespace, file: Path) -> Path:
+    out: Path | None = arguments.out
+    if out is None:
+        return file.with_suffix(f".{arguments.format or 'csv'}")
+    if out.suffix and not out.is_dir():
+        if len(arguments.files) > 1 or arguments.format:
+            raise LoggerError(f"{out}: one file for several logs or formats: give a folder")
+        return out
+    out.mkdir(parents=True, exist_ok=True)
+    return out / f"{file.stem}.{arguments.format or 'csv'}"
+
+
+def _parts(
+    log: Log,
+    target: Path,
+    arguments: Namespace,
+    constants: Constants | None,
+    stage: Callable[[str], None],
+) -> Iterator[tuple[Path, Recording]]:
+    first, stop = arguments.scans or (0, log.due)
+    stop = min(stop, log.due)
+    if first >= stop:
+        raise LoggerError(f"{log.name}: there are {log.due} scans in it, none from {first} on")
+    many = stop - first > PART_SCANS
+    for number, begin in enumerate(range(first, stop, PART_SCANS), start=1):
+        end = min(begin + PART_SCANS, stop)
+        stage(f"decoding {log.name}: scans {begin} to {end - 1}")
+        from_, to = max(begin - MARGIN, 0), min(end + MARGIN, log.due)
+        recording = _corrected(log.recording(from_, to), arguments, constants)
+        part = replace(
+            recording,
+            values=recording.values[begin - from_ : end - from_],
+            start_s=recording.start_s + (begin - from_) / recording.rate_hz,
+        )
+        name = f"{target.stem}-{number:03d}{target.suffix}" if many else target.name
+        yield target.with_name(name), part
+
+
+def _corrected(
+    recording: Recording, arguments: Namespace, constants: Constants | None
+) -> Recording:
+    corners: list[float | None] = [arguments.sensor_hz] * len(recording.channels)
+    if constants is not None:
+        recording = constants.apply(recording)
+        if not arguments.sensor_hz:
+            found = [constants.of(channel.name).corner_hz for channel in recording.channels]
+            corners = [corner.value if corner else None for corner in found]
+    if arguments.raw:
+        return recording
+    recording = correct_sensor(correct_window(recording), corners)
+    return correct_clock(recording) if recording.notes.get("clock_ppm") else recording
+
+
+def _tell(file: Path, path: Path, recording: Recording) -> None:
+    missing = int(recording.missing.sum())
+    gone = f", {missing} missing (rows of NaN)" if missing else ""
+    print(f"{file} -> {path}: {len(recording.values)} scans{gone}")
+    for step in recording.history:
+        print(f"  {step}", flush=True)

@@ -1,0 +1,226 @@
+"""`Log`: what a log file of the logger holds, found without believing anything it says."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.logger.block import (
+    BLOCK_BYTES,
+    FIELDS,
+    scan_bytes,
+    scans_per_block,
+    unpack_scans,
+)
+from wheelhop.logger.error import LoggerError
+from wheelhop.logger.recording import CODE, Channel, Recording
+from wheelhop.logger.settings import (
+    CONVERSION_S,
+    Settings,
+    number,
+    parse_settings,
+)
+from wheelhop.logger.survey import Progress, Verdict, open_source, pieces
+
+POINTS = frozenset(f"{end}{corner}" for end in "AB" for corner in range(1, 5))
+MOST_INVENTED_BYTES = 1 << 30  # of rows without a sample, beyond which a gap is not believed
+
+
+class Gap(NamedTuple):
+    """Scans in no good block: `scans` from number `first` on, noticed at byte `offset`."""
+
+    first: int
+    scans: int
+    offset: int
+
+
+class Damage(NamedTuple):
+    """`blocks` blocks in a row inside the session, from byte `offset` on, that are not good."""
+
+    offset: int
+    blocks: int
+    verdict: Verdict
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """A session in a file. `source` is the file (or its bytes), `name` what errors call it.
+
+    `header` and `summary` map keys to texts as in SPEC.md; the header is empty where block 0 is
+    damaged, the summary None where the session was not closed. `blocks` (n,) are the facts of the
+    good data blocks. `due` counts the scans that should be there: without a summary, those up to
+    the last good block.
+    """
+
+    source: Path | bytes
+    name: str
+    session: int
+    header: Mapping[str, str]
+    summary: Mapping[str, str] | None
+    blocks: NDArray[np.void]
+    due: int
+    lost: int
+    late: int
+    damage: tuple[Damage, ...]
+    end_block: int  # number of the first block behind the session
+    behind: int  # blocks from there to the end of the file
+    spare_bytes: int  # behind the last whole block
+
+    @property
+    def settings(self) -> Settings:
+        """Rate and channels. Raises LoggerError where the header is damaged."""
+        return parse_settings(self.header, self.name)
+
+    @property
+    def written(self) -> int:
+        """Scans in good blocks."""
+        return int(self.blocks["count"].sum())
+
+    @property
+    def missing(self) -> int:
+        """Scans in no good block: lost by the logger, or damaged since."""
+        return self.due - self.written
+
+    @property
+    def gaps(self) -> tuple[Gap, ...]:
+        """Where scans are missing."""
+        first, count = self.blocks["first_scan"], self.blocks["count"]
+        begins = np.append(0, first + count)
+        ends = np.append(first, self.due)
+        offsets = np.append(self.blocks["block"], self.end_block - 1) * BLOCK_BYTES
+        return tuple(
+            Gap(int(begins[i]), int(ends[i] - begins[i]), int(offsets[i]))
+            for i in np.flatnonzero(ends > begins)
+        )
+
+    @property
+    def clock_ppm(self) -> float | None:
+        """Error of the logger's clock, the later of two measurements; None: never measured."""
+        values = {**self.header, **(self.summary or {})}
+        return number(values, "clock_ppm") if values.get("clock_ppm") else None
+
+    @property
+    def start_unix_s(self) -> float | None:
+        """True time of the first conversion, seconds since 1970; None: nobody told the logger."""
+        return number(self.header, "unix_s") or None
+
+    def scans(
+        self, first: int = 0, stop: int | None = None, progress: Progress = lambda done: None
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.uint16]]]:
+        """Yield scans `first` … `stop` − 1 in pieces: numbers (m,) and sums (m, channels).
+
+        A piece is of 1 MiB of file at most, whatever its length. Raises LoggerError where the
+        header is damaged, or the file changes meanwhile.
+        """
+        channels = len(self.settings.inputs)
+        size, capacity = scan_bytes(channels), scans_per_block(channels)
+        stop = self.due if stop is None else stop
+        ends = self.blocks["first_scan"] + self.blocks["count"]
+        begin = int(np.searchsorted(ends, first, "right"))
+        blocks = self.blocks[begin : np.searchsorted(self.blocks["first_scan"], stop)]
+        done = 0
+        with open_source(self.source) as file:
+            for number, raw in pieces(file, int(blocks["block"][0])) if len(blocks) else ():
+                upto = int(np.searchsorted(blocks["block"], number + len(raw)))
+                facts = blocks[done:upto]
+                if not len(facts):
+                    continue
+                fields = raw.view(FIELDS)[:, 0][facts["block"] - number]
+                self._check_same(facts, fields)
+                if fields["payload"][0, int(facts["count"][0]) * size :].any():
+                    raise LoggerError(
+                        f"{self.name}: byte {int(facts['block'][0]) * BLOCK_BYTES}: holds more than"
+                        f" {channels} channels: the header is not of this session"
+                    )
+                numbers = facts["first_scan"][:, None] + np.arange(capacity)
+                there = np.arange(capacity) < facts["count"][:, None]
+                there &= (numbers >= first) & (numbers < stop)
+                stored = fields["payload"][:, : capacity * size].reshape(-1, size)
+                if not there.all():
+                    numbers, stored = numbers[there], stored[there.ravel()]
+                yield numbers.ravel(), unpack_scans(stored, channels)
+                done = upto
+                progress(done / len(blocks))
+                if done == len(blocks):
+                    return
+        if done < len(blocks):
+            raise LoggerError(f"{self.name}: became shorter while it was read: try again")
+
+    def _check_same(self, facts: NDArray[np.void], fields: NDArray[np.void]) -> None:
+        same = (fields["first_scan"] == facts["first_scan"]) & (fields["count"] == facts["count"])
+        same &= fields["session"] == self.session
+        if not same.all():
+            offset = int(facts["block"][~same][0]) * BLOCK_BYTES
+            raise LoggerError(f"{self.name}: byte {offset}: changed while it was read: try again")
+
+    def recording(
+        self, first: int = 0, stop: int | None = None, progress: Progress = lambda done: None
+    ) -> Recording:
+        """Return scans `first` … `stop` − 1, all by default, in codes; missing ones are NaN.
+
+        Raises LoggerError where the header is damaged, or where gaps would fill the memory.
+        """
+        settings = self.settings
+        stop = self.due if stop is None else min(stop, self.due)
+        first = min(first, stop)
+        channels = tuple(
+            Channel(name, CODE, name if name in POINTS else "") for _, name in settings.inputs
+        )
+        gaps = [gap for gap in self.gaps if gap.first < stop and gap.first + gap.scans > first]
+        self._check_believable(gaps, first, stop)
+        values = np.empty((stop - first, len(channels)))
+        for gap in gaps:
+            values[max(gap.first - first, 0) : gap.first + gap.scans - first] = np.nan
+        for numbers, sums in self.scans(first, stop, progress):
+            run = slice(int(numbers[0]) - first, int(numbers[-1]) - first + 1)
+            if run.stop - run.start == len(numbers):
+                np.divide(sums, settings.conversions, out=values[run])
+            else:
+                values[numbers - first] = sums / settings.conversions
+        missing = int(np.isnan(values[:, 0]).sum())
+        return Recording(
+            values,
+            float(settings.rate_hz),
+            channels,
+            start_s=settings.mean_instant_s + first / settings.rate_hz,
+            averaging_s=8 * settings.conversions * CONVERSION_S,
+            start_unix_s=self.start_unix_s,
+            history=tuple(self._history(missing, stop - first)),
+            notes=self._notes(),
+        )
+
+    def _check_believable(self, gaps: list[Gap], first: int, stop: int) -> None:
+        inside = [min(gap.first + gap.scans, stop) - max(gap.first, first) for gap in gaps]
+        invented = sum(inside) * len(self.settings.inputs) * 8
+        if invented <= MOST_INVENTED_BYTES or sum(inside) <= self.written:
+            return
+        at = int(np.argmax(inside))
+        raise LoggerError(
+            f"{self.name}: byte {gaps[at].offset}: says that the {inside[at]} scans from number"
+            f" {gaps[at].first} on are missing, {inside[at] / self.settings.rate_hz / 86400:.0f}"
+            " days; decode the parts on either side with --scans FIRST:STOP"
+        )
+
+    def _history(self, missing: int, rows: int) -> Iterator[str]:
+        settings = self.settings
+        window_ms = 8 * settings.conversions * CONVERSION_S * 1e3
+        yield (
+            f"logger {self.header.get('device', '?')}, session {self.session:08x}: means of"
+            f" {settings.conversions} conversions, spread over {window_ms:g} ms"
+        )
+        if missing:
+            yield f"{missing} of {rows} scans are missing: left out, as NaN"
+        if self.late:
+            yield (
+                f"{self.late} late triggers: at the end, scans are"
+                f" {self.late * CONVERSION_S * 1e3:g} ms later than their number says"
+            )
+
+    def _notes(self) -> dict[str, str]:
+        notes = {**(self.summary or {}), **self.header, "session": f"{self.session:08x}"}
+        if self.summary and "clock_ppm" in self.summary:
+            notes["clock_ppm"] = self.summary["clock_ppm"]
+        return notes
