@@ -2,9 +2,9 @@
 
     python tools/firmware_budget.py
 
-Flash and static RAM are read from the ELF; the rest is measured on the simulated board
-(hil_sim/README.md), in a life with everything that goes deep: no card, a card with a
-HOP.CFG and a session to be closed, streaming, commands, a stall.
+Flash, static RAM and the deepest chain of calls are read from the ELF; the rest is measured on
+the simulated board (hil_sim/README.md), in a life with everything that goes deep: no card, a card
+with a HOP.CFG and a session to be closed, streaming, commands, a stall, a download.
 """
 
 import subprocess
@@ -12,6 +12,8 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+import firmware_stack
 
 from wheelhop.hil_sim import Board, CardImage, Faults, SimulationError, ramp
 
@@ -44,9 +46,11 @@ def memory() -> list[Line]:
     size = sections(ELF)
     flash = size[".text"] + size[".data"]
     static = size[".data"] + size[".bss"] + size.get(".noinit", 0)
+    left, _ = firmware_stack.bound(ELF)
     return [
         Line("flash", f"{flash} B", "≤ 30720 B", flash <= 30720),
         Line("static RAM", f"{static} B of 2048", "≤ 1500 B", static <= 1500),
+        Line("RAM left by the deepest calls", f"{left} B", "≥ 300 B", left >= 300),
     ]
 
 
@@ -55,6 +59,15 @@ def command(board: Board, line: bytes, seconds: float) -> bytes:
     board.serial.write(line + b"\n")
     board.run(seconds)
     return board.serial.read()
+
+
+def download(board: Board, name: str, size: int) -> float:
+    """Bytes per second that `get` brings to the host of a file of `size` bytes."""
+    command(board, b"stream off", 1)
+    board.serial.write(f"get {name} 0 65535\n".encode())
+    board.run(2)
+    times, _ = board.serial.read_timed()
+    return size / (times[-1] - times[0])
 
 
 def life(folder: Path) -> list[Line]:
@@ -86,6 +99,7 @@ def life(folder: Path) -> list[Line]:
         trace = board.trace()
         board.faults = Faults(stalls={after.card_writes: 0.6})
         survived = b"lost=0" in command(board, b"stop", 4)
+        fetched = download(board, "HOP00001.HOP", card.files()["HOP00001.HOP"])
     spans = trace.interrupts(ADC_VECTOR)
     longest = int((spans[:, 1] - spans[:, 0]).max())
     idle = (after.idle_cycles - before.idle_cycles) / (seconds * CPU_HZ)
@@ -104,6 +118,7 @@ def life(folder: Path) -> list[Line]:
         Line(
             "to the serial line", f"{sent / seconds:.0f} B/s", "≤ 50000 B/s", sent / seconds < 5e4
         ),
+        Line("download", f"{fetched:.0f} B/s", "", True),
         Line("stall of 600 ms", "nothing lost" if survived else "scans lost", "", survived),
     ]
 

@@ -25,10 +25,12 @@ BOARDS = {
     "nanoatmega328new": ("atmega328p", "eightanaloginputs", "ARDUINO_AVR_NANO"),
     "megaatmega2560": ("atmega2560", "mega", "ARDUINO_AVR_MEGA2560"),
 }
+FLASH = {"atmega328p": 30720, "atmega2560": 253952}  # bytes, without the boot loader
+RAM = {"atmega328p": 2048, "atmega2560": 8192}
 
 # What PlatformIO's platform atmelavr passes for every Arduino project.
 COMMON = "-Os -Wall -ffunction-sections -fdata-sections -flto -DF_CPU=16000000L -DARDUINO=10808"
-COMMON += " -DARDUINO_ARCH_AVR -DPLATFORMIO"
+COMMON += " -DARDUINO_ARCH_AVR"
 C_ONLY = "-std=gnu11 -fno-fat-lto-objects"
 CPP_ONLY = "-fno-exceptions -fno-threadsafe-statics -fpermissive -std=gnu++11"
 CPP_ONLY += " -Wno-error=narrowing"
@@ -75,6 +77,18 @@ def sources(ini: configparser.ConfigParser) -> Sources:
     return Sources(main, [p for f in folders for p in sorted(f.glob("*.c*"))], folders)
 
 
+def core_sources() -> list[Path]:
+    """Find the sources of the Arduino core."""
+    return [path for path in sorted((CORE / "cores/arduino").iterdir()) if path.suffix in CODE]
+
+
+def compiler_flags(ini: configparser.ConfigParser, env: str) -> list[str]:
+    """Return the flags that C and C++ have in common."""
+    mcu, _, macro = BOARDS[option(ini, env, "board")]
+    flags = [f"-mmcu={mcu}", *shlex.split(COMMON), f"-D{macro}", "-DPLATFORMIO"]
+    return flags + shlex.split(option(ini, env, "build_flags"))
+
+
 def native_command(tests: Path, target: Path) -> list[str]:
     """Return the command that compiles all parts with the tests in a folder into one program."""
     ini = read_ini()
@@ -114,12 +128,10 @@ def build(ini: configparser.ConfigParser, env: str) -> Path:
     elf = ROOT / "build/firmware" / env / "firmware.elf"
     if is_fresh(elf.with_suffix(".hex")):
         return elf
-    mcu, variant, macro = BOARDS[option(ini, env, "board")]
-    chip = f"-mmcu={mcu}"
-    flags = [chip, *shlex.split(COMMON), f"-D{macro}"]
-    flags += shlex.split(option(ini, env, "build_flags"))
+    mcu, variant, _ = BOARDS[option(ini, env, "board")]
+    flags = compiler_flags(ini, env)
     ours = sources(ini)
-    core = [p for p in sorted((CORE / "cores/arduino").iterdir()) if p.suffix in CODE]
+    core = core_sources()
     folders = [CORE / "cores/arduino", CORE / "variants" / variant, *ours.folders]
     includes = [f"-I{folder}" for folder in folders]
     elf.parent.mkdir(parents=True, exist_ok=True)
@@ -137,7 +149,16 @@ def build(ini: configparser.ConfigParser, env: str) -> Path:
         archive = str(made / "core.a")
         subprocess.run(["avr-gcc-ar", "rcs", archive, *core_objects], check=True)
         new = made / "firmware.elf"
-        link = ["avr-gcc", chip, *shlex.split(LINK), "-o", str(new), *objects, archive, "-lm"]
+        link = [
+            "avr-gcc",
+            f"-mmcu={mcu}",
+            *shlex.split(LINK),
+            "-o",
+            str(new),
+            *objects,
+            archive,
+            "-lm",
+        ]
         subprocess.run(link, check=True)
         hexadecimal = ["-O", "ihex", "-R", ".eeprom", str(new), str(new.with_suffix(".hex"))]
         subprocess.run(["avr-objcopy", *hexadecimal], check=True)

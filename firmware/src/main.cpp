@@ -16,7 +16,7 @@
 
 namespace {
 
-void pump();
+void pump() __attribute__((noinline));  // its memory is not on the stack below FatFs
 void tell_config_problem(uint16_t line_number, const FlashChar* problem);
 
 Session session(board::sampler, tell_config_problem);

@@ -1,7 +1,6 @@
 """One build description, and sources that the formatter and the checker find nothing in."""
 
-import json
-import shlex
+import hashlib
 import shutil
 import subprocess
 
@@ -9,6 +8,7 @@ import pytest
 
 from tools import firmware_build
 from tools.firmware_build import ROOT
+from wheelhop.logger.flash import check_hex
 
 SOURCES = sorted(
     path
@@ -48,36 +48,28 @@ def test_cppcheck_finds_nothing():
     assert done.returncode == 0, done.stderr
 
 
-def test_platformio_reads_the_same_flags():
-    needs("pio", "nothing, but pip install platformio")
-    lint = subprocess.run(
-        ["pio", "project", "config", "--lint"], cwd=ROOT, capture_output=True, text=True
-    )
-    assert "free from linting errors" in lint.stdout, lint.stdout + lint.stderr
-    done = subprocess.run(
-        ["pio", "project", "config", "--json-output"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    sections = {name: dict(options) for name, options in json.loads(done.stdout)}
-    ini = firmware_build.read_ini()
-    for env in ("nano", "mega", "native"):
-        theirs = sections[f"env:{env}"]
-        ours = shlex.split(firmware_build.option(ini, env, "build_flags"))
-        assert shlex.split(" ".join(theirs["build_flags"])) == ours
-        if env != "native":
-            assert theirs["board"] == firmware_build.option(ini, env, "board")
-            assert theirs["board"] in firmware_build.BOARDS
-
-
-def test_the_firmware_builds_for_both_controllers_without_a_warning():
+def run_avr(script, *words):
+    """Run a script of tools/ that builds firmware; skips where it cannot."""
     needs("avr-g++", "gcc-avr avr-libc binutils-avr")
     if not firmware_build.CORE.exists():
         pytest.skip("the Arduino core is missing: sudo apt-get install arduino-core-avr")
-    done = subprocess.run(
-        [ROOT / "tools/build_firmware.sh", "nano", "mega"], capture_output=True, text=True
-    )
+    done = subprocess.run([ROOT / "tools" / script, *words], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_the_firmware_builds_for_both_controllers_without_a_warning():
+    done = run_avr("build_firmware.sh", "nano", "mega")
     assert "warning" not in done.stderr, done.stderr
+
+
+def test_a_release_is_whole_and_carries_its_sums():
+    run_avr("firmware_release.sh")
+    folder = ROOT / "build/release"
+    lines = (folder / "SHA256SUMS").read_text().splitlines()
+    names = ["wheelhop-logger-mega.hex", "wheelhop-logger-nano.hex"]
+    assert [line.split()[1] for line in lines] == names
+    for line in lines:
+        file = folder / line.split()[1]
+        check_hex(file)
+        assert hashlib.sha256(file.read_bytes()).hexdigest() == line.split()[0]

@@ -16,8 +16,23 @@
 
 namespace {
 
-const uint8_t kButtonPin = 2;
-const uint8_t kLedPin = 9;
+// Bits of ports: button D2, LED D9, card select and SPI where the board has them.
+#ifdef __AVR_ATmega2560__
+#define BUTTON_PORT PORTE
+#define BUTTON_PIN PINE
+#define LED_PORT PORTH
+#define LED_DDR DDRH
+const uint8_t kButton = _BV(4), kLed = _BV(6);
+const uint8_t kSelect = _BV(0), kSck = _BV(1), kMosi = _BV(2), kMiso = _BV(3);
+#else
+#define BUTTON_PORT PORTD
+#define BUTTON_PIN PIND
+#define LED_PORT PORTB
+#define LED_DDR DDRB
+const uint8_t kButton = _BV(2), kLed = _BV(1);
+const uint8_t kSelect = _BV(2), kSck = _BV(5), kMosi = _BV(3), kMiso = _BV(4);
+#endif
+
 const uint16_t kConversionClocks = 2500;     // 156.25 µs
 const uint16_t kEarliestEnd = 1600;          // a conversion ends 13.5 × 128 clocks after its start
 const uint8_t kConverterOn = _BV(ADEN) | 7;  // its clock: F_CPU/128
@@ -59,13 +74,10 @@ Sampler sampler;
 Link serial;
 
 void begin() {
-    pinMode(kButtonPin, INPUT_PULLUP);
-    pinMode(kLedPin, OUTPUT);
-    pinMode(SS, OUTPUT);
-    pinMode(MOSI, OUTPUT);
-    pinMode(SCK, OUTPUT);
-    pinMode(MISO, INPUT_PULLUP);  // an empty socket reads as 0xFF
-    card_select(false);
+    BUTTON_PORT |= kButton;  // pull-up
+    LED_DDR |= kLed;
+    PORTB |= kSelect | kMiso;  // pull-up: an empty socket reads as 0xFF
+    DDRB |= kSelect | kSck | kMosi;
 
     UBRR0 = F_CPU / 16 / 500000 - 1;
     UCSR0A = 0;
@@ -96,7 +108,13 @@ const FlashChar* reset_cause() {
     return FLASH("unknown");
 }
 
-void card_select(bool selected) { digitalWrite(SS, selected ? LOW : HIGH); }
+void card_select(bool selected) {
+    if (selected) {
+        PORTB &= static_cast<uint8_t>(~kSelect);
+    } else {
+        PORTB |= kSelect;
+    }
+}
 
 void spi_fast(bool fast) {
     SPCR = fast ? _BV(SPE) | _BV(MSTR) : _BV(SPE) | _BV(MSTR) | _BV(SPR1);
@@ -176,9 +194,15 @@ uint16_t supply_mv() {
 
 void start_transmitter() { UCSR0B |= _BV(UDRIE0); }
 
-bool button_down() { return digitalRead(kButtonPin) == LOW; }
+bool button_down() { return !(BUTTON_PIN & kButton); }
 
-void set_led(bool lit) { digitalWrite(kLedPin, lit ? HIGH : LOW); }
+void set_led(bool lit) {
+    if (lit) {
+        LED_PORT |= kLed;
+    } else {
+        LED_PORT &= static_cast<uint8_t>(~kLed);
+    }
+}
 
 void sleep() { sleep_mode(); }
 

@@ -3,7 +3,7 @@
 
 #include "flash.h"
 
-// What the hardware-independent parts need of the board. board_avr.cpp implements it for the
+// What the hardware-independent parts need of the board. avr.cpp implements it for the
 // ATmega328P and 2560; the tests on a PC bring an implementation of their own.
 namespace board {
 

@@ -9,6 +9,9 @@
 
 namespace {
 
+const uint32_t kLastBlock = 0xFFFFFFFF / 512;  // that a file on a FAT can have
+const uint8_t kPiece = Link::kPayload - 4;     // of a file, in a frame
+
 // A decimal number that may be negative.
 bool read_signed(const char* text, int16_t most, int16_t& value) {
     const bool negative = *text == '-';
@@ -17,6 +20,20 @@ bool read_signed(const char* text, int16_t most, int16_t& value) {
     value = static_cast<int16_t>(negative ? -static_cast<int16_t>(size) : size);
     return true;
 }
+
+// Cut a text at its first blank; returns what follows.
+char* cut(char* text) {
+    char* blank = strchr(text, ' ');
+    if (!blank) return text + strlen(text);
+    *blank = 0;
+    return blank + 1;
+}
+
+const FlashChar* text_of(Trouble trouble) {
+    return trouble ? report::trouble_text(trouble) : nullptr;
+}
+
+const FlashChar* not_now() { return FLASH("not during a session"); }
 
 bool status_line(const Session& session, uint8_t index, Text& text) {
     if (index > 1) return report::summary_line(session, index - 2, text);
@@ -36,17 +53,24 @@ void Console::poll() {
     char* line = link_.command(problem);
     if (!line) return;
     const bool reset = !problem && same(line, FLASH("reset"));
+    const bool with_size = begins_with(line, FLASH("get "));
     if (!problem && !reset) problem = carry_out(line);
+    answer(problem, with_size);
+    while (reset) {  // until the watchdog bites
+    }
+    link_.next_command();
+}
+
+void Console::answer(const FlashChar* problem, bool with_size) {
     Text text = compose();
     if (problem) {
         text.put(problem);
+    } else if (with_size) {
+        text.number(f_size(&session_.work().file));
     } else if (session_.running()) {
         logfile::put_name(static_cast<uint16_t>(session_.id() >> 16), text);
     }
     link_.send(problem ? 'E' : 'K', static_cast<uint8_t>(text.length()));
-    while (reset) {  // until the watchdog bites
-    }
-    link_.next_command();
 }
 
 Trouble Console::start() {
@@ -122,10 +146,58 @@ const FlashChar* Console::carry_out(char* line) {
         return set(line + 4);
     } else if (begins_with(line, FLASH("time "))) {
         return set_time(line + 5);
+    } else if (same(line, FLASH("list")) || begins_with(line, FLASH("get "))) {
+        if (session_.running()) return not_now();
+        trouble = meet();
+        if (trouble) return text_of(trouble);
+        if (line[0] == 'g') return get(line + 4);
+        trouble = list();
     } else {
         return FLASH("unknown command");
     }
-    return trouble ? report::trouble_text(trouble) : nullptr;
+    return text_of(trouble);
+}
+
+Trouble Console::meet() {
+    const Trouble trouble = session_.meet();
+    sample_for_stream();  // HOP.CFG may have been read
+    return trouble;
+}
+
+Trouble Console::list() {
+    Trouble trouble = logfile::open_folder(session_.work());
+    while (!trouble) {
+        Text text = compose();
+        trouble = logfile::next_log(session_.work(), text);
+        if (!text.length()) break;
+        link_.send('L', static_cast<uint8_t>(text.length()));
+    }
+    return trouble;
+}
+
+const FlashChar* Console::get(char* name) {
+    char* first = cut(name);
+    char* many = cut(first);
+    uint32_t block;
+    uint32_t count;
+    if (!read_number(first, kLastBlock, block) || !read_number(many, 0xFFFF, count) || !count) {
+        return FLASH("write get NAME BLOCK COUNT");
+    }
+    logfile::Work& work = session_.work();
+    Trouble trouble = logfile::open_file(work, name, block);
+    for (uint32_t left = count << 9; left && !trouble;) {
+        compose();
+        const uint32_t at = f_tell(&work.file);
+        const uint16_t to_end = 512 - at % 512;
+        uint8_t got;
+        trouble = logfile::read_file(work, link_.payload() + sizeof at,
+                                     to_end < kPiece ? to_end : kPiece, got);
+        if (!got) break;
+        memcpy(link_.payload(), &at, sizeof at);
+        link_.send('F', sizeof at + got);
+        left -= got;
+    }
+    return text_of(trouble);
 }
 
 const FlashChar* Console::set(char* line) {
@@ -141,7 +213,7 @@ const FlashChar* Console::set(char* line) {
         session_.set_clock_ppm(ppm);
         return nullptr;
     }
-    if (session_.running()) return FLASH("not during a session");
+    if (session_.running()) return not_now();
     if (same(key, FLASH("device"))) {
         uint32_t number;
         if (!read_number(value, 65534, number)) return FLASH("device must be 0 to 65534");

@@ -26,10 +26,16 @@ class Console {
 
     Text compose();
     void say_lines(char type, LineWriter line);
-    void say_session();
     const FlashChar* carry_out(char* line);
-    const FlashChar* set(char* line);
-    const FlashChar* set_time(const char* text);
+    void answer(const FlashChar* problem, bool with_size);
+    Trouble meet();
+    // Not inlined: what these hold would lie on the stack below FatFs's deepest calls.
+    void say_session() __attribute__((noinline));
+    Trouble list() __attribute__((noinline));
+    const FlashChar* get(char* arguments) __attribute__((noinline));
+    const FlashChar* set(char* line) __attribute__((noinline));
+    const FlashChar* set_time(const char* text) __attribute__((noinline));
+
     Link& link_;
     Session& session_;
     void (*meanwhile_)();

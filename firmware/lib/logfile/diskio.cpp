@@ -26,7 +26,7 @@ DSTATUS disk_initialize(BYTE drive) {
 DRESULT disk_read(BYTE, BYTE* data, LBA_t sector, UINT count) {
     for (; count; --count, ++sector, data += 512) {
         uint8_t tries = kTries;
-        while (!card.settle() || !card.read(sector, data)) {
+        while (!card.finish() || !card.read(sector, data)) {
             if (!--tries) return RES_ERROR;
         }
         board::feed_watchdog();
@@ -38,9 +38,9 @@ DRESULT disk_write(BYTE, const BYTE* data, LBA_t sector, UINT count) {
     for (; count; --count, ++sector, data += 512) {
         uint8_t tries = kTries;
         do {
-            if (!tries-- || !card.settle()) return RES_ERROR;
+            if (!tries-- || !card.finish()) return RES_ERROR;
             card.write(sector, data);
-        } while (!card.settle() || !card.written());
+        } while (!card.finish() || !card.written());
     }
     return RES_OK;
 }

@@ -7,6 +7,33 @@
 
 namespace {
 
+// The steps of create(). Not inlined, so that their memory is not on the stack below FatFs's
+// deepest calls, which are those of f_open() when the directory has to grow.
+
+__attribute__((noinline)) FRESULT choose_place(FATFS& volume, Block& scratch, uint16_t size_mb,
+                                               logfile::Place& place) {
+    // One cluster more than wanted: the directory may take one.
+    const uint32_t per_mb = 2048 / volume.csize;
+    logfile::Run run;
+    const FRESULT result =
+        logfile::find_room(volume, size_mb * per_mb + 1, reinterpret_cast<uint8_t*>(&scratch), run);
+    if (result != FR_OK) return result;
+    if (run.length < per_mb + 1) return FR_DENIED;
+    place.blocks = (run.length - 1) * volume.csize;
+    volume.last_clst = run.start - 1;  // behind which FatFs looks for free clusters
+    return FR_OK;
+}
+
+__attribute__((noinline)) FRESULT allocate(const FATFS& volume, FIL& file, logfile::Place& place) {
+    const FRESULT result = f_expand(&file, static_cast<FSIZE_t>(place.blocks) << 9, 1);
+    place.first_sector = volume.database + (file.obj.sclust - 2) * volume.csize;
+    return result;
+}
+
+}  // namespace
+
+namespace logfile {
+
 Trouble trouble(FRESULT result) {
     switch (result) {
         case FR_OK:
@@ -20,14 +47,10 @@ Trouble trouble(FRESULT result) {
         case FR_DENIED:
             return kNoRoom;
         default:
-            if (card.state() == SdCard::Down) return kNoCard;
+            if (!card.present()) return kNoCard;
             return card.write_protected() ? kWriteProtected : kCardError;
     }
 }
-
-}  // namespace
-
-namespace logfile {
 
 FRESULT open_session(FIL& file, char name[13], uint16_t number, uint8_t mode) {
     Text text(name, 12);
@@ -62,23 +85,13 @@ Trouble mount(FATFS& volume) { return trouble(f_mount(&volume, "", 1)); }
 
 Trouble create(FATFS& volume, Work& work, Block& scratch, uint16_t& number, uint16_t size_mb,
                Place& place) {
-    // One cluster more than wanted: the directory may take one.
-    const uint32_t per_mb = 2048 / volume.csize;
-    Run run;
-    FRESULT result =
-        find_room(volume, size_mb * per_mb + 1, reinterpret_cast<uint8_t*>(&scratch), run);
-    if (result != FR_OK) return trouble(result);
-    if (run.length < per_mb + 1) return kNoRoom;
+    FRESULT result = choose_place(volume, scratch, size_mb, place);
     FIL& file = work.file;
-    do {
+    while (result == FR_OK) {
         if (!++number) ++number;
         result = open_session(file, work.name, number, FA_WRITE | FA_OPEN_ALWAYS);
-    } while (result == FR_OK && f_size(&file));
-    if (result != FR_OK) return trouble(result);
-    volume.last_clst = run.start;  // where f_expand() begins to look
-    place.blocks = (run.length - 1) * volume.csize;
-    result = f_expand(&file, static_cast<FSIZE_t>(place.blocks) << 9, 1);
-    place.first_sector = volume.database + (file.obj.sclust - 2) * volume.csize;
+        if (result == FR_OK && !f_size(&file)) return trouble(allocate(volume, file, place));
+    }
     return trouble(result);
 }
 

@@ -24,6 +24,8 @@ struct Work {
     FIL file;
     char name[13];
     Line line;
+    DIR folder;
+    FILINFO entry;
 };
 
 void put_name(uint16_t number, Text& text);  // of the file of session `number`
@@ -54,5 +56,15 @@ bool recover(Work& work, Block& block, uint16_t number, Describe describe);
 // file.
 using TakeLine = void (*)(void* context, uint16_t line_number, Line::State state, char* text);
 void read_config(Work& work, TakeLine take, void* context);
+
+// For a host: name and size of one log file after another, `HOP00012.HOP 4736512`. `text` stays
+// empty when there is no other.
+Trouble open_folder(Work& work);
+Trouble next_log(Work& work, Text& text);
+
+// For a host: a file from block number `block` on, `size` bytes or as many as there are. `got` is 0
+// at its end.
+Trouble open_file(Work& work, const char* name, uint32_t block);
+Trouble read_file(Work& work, void* data, uint8_t size, uint8_t& got);
 
 }  // namespace logfile

@@ -37,8 +37,9 @@ uint32_t last_good(FIL& file, uint32_t session, uint32_t blocks, Block& block) {
 }
 
 // Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
-__attribute__((noinline)) bool close(FIL file, Block& block, uint16_t number,
+__attribute__((noinline)) bool close(const FIL& opened, Block& block, uint16_t number,
                                      logfile::Describe describe) {
+    FIL file = opened;  // `block` may lie in its memory
     const uint32_t blocks = static_cast<uint32_t>(f_size(&file) >> 9);
     if (!blocks || !read_block(file, 0, block)) return false;
     const uint32_t session = block.session;

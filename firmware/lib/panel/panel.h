@@ -4,6 +4,7 @@
 // Trouble that a person must know of: the number of flashes of the LED (SPEC.md, "LED").
 enum Trouble : uint8_t {
     kNoTrouble = 0,
+    kNoFile = 1,  // of the name that a host has asked for: no light shows it
     kNoCard = 2,
     kNoFileSystem = 3,
     kNoRoom = 4,

@@ -47,17 +47,21 @@ void SdCard::poll() {
         start();
         if (state_ == Starting && elapsed() > kStartLimitMs) fall();
     } else if (state_ == Busy) {
-        board::card_select(true);
-        const bool done = receive_byte() == 0xFF;
-        const uint16_t busy_ms = elapsed();
-        if (busy_ms > longest_busy_ms) longest_busy_ms = busy_ms;
-        if (done) {
-            check_write();
-        } else if (busy_ms > kBusyLimitMs) {
-            fall();
-        }
-        deselect();
+        ask_if_busy();
     }
+}
+
+void SdCard::ask_if_busy() {
+    board::card_select(true);
+    const bool done = receive_byte() == 0xFF;
+    const uint16_t busy_ms = elapsed();
+    if (busy_ms > longest_busy_ms) longest_busy_ms = busy_ms;
+    if (done) {
+        check_write();
+    } else if (busy_ms > kBusyLimitMs) {
+        fall();
+    }
+    deselect();
 }
 
 bool SdCard::write(uint32_t sector, const void* data) {
@@ -88,6 +92,14 @@ bool SdCard::read(uint32_t sector, void* data) {
 bool SdCard::settle() {
     while (state_ == Starting || state_ == Busy) {
         poll();
+        board::feed_watchdog();
+    }
+    return state_ == Ready;
+}
+
+bool SdCard::finish() {
+    while (state_ == Busy) {
+        ask_if_busy();
         board::feed_watchdog();
     }
     return state_ == Ready;

@@ -24,8 +24,10 @@ class SdCard {
     // In state Ready: read 512 bytes, at once.
     bool read(uint32_t sector, void* data);
 
-    // Poll until Ready or Down.
+    // Poll until Ready or Down. finish() is for a card that is not Starting: FatFs's deepest calls
+    // end there, and RAM is short.
     bool settle();
+    bool finish();
     bool present();  // Ready, and still the card that was woken
 
     bool write_protected() const { return protected_; }
@@ -41,8 +43,8 @@ class SdCard {
     uint16_t status();
     bool wait_for(uint8_t token);
     bool receive(void* data, uint16_t size);
-    // Not inlined into poll(), which runs on top of FatFs's deepest calls: RAM is short.
     void start() __attribute__((noinline));
+    void ask_if_busy();
     void identify();
     void check_write();
     void deselect();

@@ -155,6 +155,8 @@ void put_recovered(Block& block, uint32_t written) {
 
 const FlashChar* trouble_text(Trouble trouble) {
     switch (trouble) {
+        case kNoFile:
+            return FLASH("no such file");
         case kNoCard:
             return FLASH("no card, or it does not answer");
         case kNoFileSystem:

@@ -57,14 +57,19 @@ Trouble Session::meet() {
     return kNoTrouble;
 }
 
+logfile::Work& Session::work() { return first.work; }
+
 Trouble Session::start() {
     if (meet()) return trouble_;
     uint16_t number = identity::session_number();
     trouble_ =
         logfile::create(second.volume, first.work, first.block, number, settings.size_mb, place_);
-    if (trouble_) return trouble_;
-    identity::set_session_number(number);
+    return trouble_ ? trouble_ : begin_file(number);
+}
 
+// The file is there: write its header, and go.
+Trouble Session::begin_file(uint16_t number) {
+    identity::set_session_number(number);
     board::sample(0);
     supply_mv = board::supply_mv();
     memset(&tally, 0, sizeof tally);
@@ -152,7 +157,7 @@ bool Session::settle_block() {
         trouble_ = kNoTrouble;
         return true;
     }
-    ++tally.card_errors;
+    if (tally.card_errors != 0xFFFF) ++tally.card_errors;
     if (scans_in_flight_) {
         ring_.lose(scans_in_flight_);
         sealed_ = false;
@@ -231,6 +236,6 @@ void Session::take_config_line(void* context, uint16_t number, Line::State state
         state == Line::Refused ? FLASH("too long or not plain text") : split(text, key, value);
     if (!problem) problem = session.settings.apply(key, value);
     if (!problem) return;
-    ++session.config_errors;
+    if (session.config_errors != 0xFFFF) ++session.config_errors;
     session.config_problem_(number, problem);
 }

@@ -39,6 +39,9 @@ class Session {
     // Mount the card. A card not met before: close what a reset left open, read HOP.CFG.
     Trouble meet();
 
+    // Without a session: memory for reading the card's files, until the next meet() or start().
+    logfile::Work& work();
+
     Trouble start();        // sampling too
     Trouble stop(End end);  // after sampling was stopped and its last scan taken
     bool running() const { return running_; }
@@ -70,6 +73,7 @@ class Session {
     uint16_t supply_mv = 0;
 
   private:
+    Trouble begin_file(uint16_t number) __attribute__((noinline));
     bool write_header() __attribute__((noinline));  // saves memory on the stack
     bool write_now();
     bool flush();

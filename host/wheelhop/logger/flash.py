@@ -3,16 +3,16 @@
 Both talk to the boot loader over the serial port and read back what they have written.
 """
 
+import re
 import shutil
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 from wheelhop.logger.error import LoggerError
+from wheelhop.logger.port import find_ports
 
 SOURCE_TREE = Path(__file__).resolve().parents[3]
-PORTS = ("ttyUSB*", "ttyACM*", "cu.usbserial*", "cu.usbmodem*", "cu.wchusbserial*")
 OLD_BOOTLOADER_BAUD = 57600  # ATmegaBOOT, on Nanos of before 2018
 
 
@@ -31,14 +31,15 @@ BOARDS = {
     "mega": Board("Arduino Mega 2560", "m2560", "wiring", 115200),
 }
 
-# What avrdude says, and what it means to somebody with a logger before them; the first that fits.
+# What avrdude says in a line, as a pattern, and what it means to somebody with a logger before
+# them; the first that fits.
 SILENT = "{title} does not answer: is it the right port?{hint}"
 MEANINGS = (
     ("expected signature", "another controller answers than {title}'s: is --board right?"),
     ("verification", "what was written reads back differently: try again, with another cable"),
     ("permission denied", "permission denied: sudo usermod -a -G dialout $USER, and log in again"),
     ("busy", "another program uses the port: close it"),
-    ("no such file", "there is no such port: is the logger plugged in?"),
+    ("(port|device).*no such file", "there is no such port: is the logger plugged in?"),
     ("not in sync", SILENT),
     ("not responding", SILENT),
     ("timeout", SILENT),
@@ -116,40 +117,22 @@ def upload(plan: Upload) -> None:
 
 def _meaning(output: str, plan: Upload) -> str:
     hint = OLD_BOOTLOADER_HINT if plan.board is BOARDS["nano"] and not plan.old_bootloader else ""
-    for words, meaning in MEANINGS:
-        if words in output.lower():
+    for pattern, meaning in MEANINGS:
+        if re.search(pattern, output.lower()):
             return meaning.format(title=plan.board.title, hint=hint)
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     reasons = [line for line in lines if "error" in line.lower()] or lines
     return f"{plan.tool} failed: {reasons[-1] if reasons else 'it does not say why'}"
 
 
-def find_port(dev: Path = Path("/dev")) -> str:
+def find_port() -> str:
     """Return the only serial port over USB. Raises LoggerError if there is none, or several."""
-    ports = _windows_ports() if sys.platform == "win32" else _ports(dev)
+    ports = find_ports()
     if not ports:
         raise LoggerError("no serial port over USB found: plug the logger in, or give --port PORT")
     if len(ports) > 1:
         raise LoggerError(f"several serial ports: {', '.join(ports)}; say which one with --port")
     return ports[0]
-
-
-def _ports(dev: Path) -> list[str]:
-    return sorted(str(path) for pattern in PORTS for path in dev.glob(pattern))
-
-
-def _windows_ports() -> list[str]:
-    if sys.platform != "win32":  # for mypy, which knows winreg on Windows only
-        return []
-    import winreg
-
-    try:
-        key = winreg.OpenKey(winreg.HKEY_LOCAL_MACHINE, r"HARDWARE\DEVICEMAP\SERIALCOMM")
-    except FileNotFoundError:  # no port was ever plugged in since the start
-        return []
-    with key:
-        count = winreg.QueryInfoKey(key)[1]
-        return sorted(str(winreg.EnumValue(key, index)[1]) for index in range(count))
 
 
 def _built(env: str) -> Path:

@@ -2,6 +2,7 @@
 
 import binascii
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 BLOCK_SIZE = 512
@@ -69,16 +70,12 @@ def read_log(data: bytes, channels: int | None = None) -> Log | None:
 
     `channels` is their number, for a file whose header is damaged.
     """
-    blocks = [
-        parse_block(data[i * BLOCK_SIZE : (i + 1) * BLOCK_SIZE], i)
-        for i in range(len(data) // BLOCK_SIZE)
-    ]
-    session = _session_of(blocks)
+    session = _session_of(_parse_blocks(data))
     if session is None:
         return None
     log = Log(session)
     bad: list[int] = []
-    for number, block in enumerate(blocks):
+    for number, block in enumerate(_parse_blocks(data)):
         if block is None or block.session != log.session:
             bad.append(number)
             if len(bad) >= GIVE_UP_AFTER and number - bad[-GIVE_UP_AFTER] == GIVE_UP_AFTER - 1:
@@ -97,14 +94,17 @@ def read_log(data: bytes, channels: int | None = None) -> Log | None:
     return log
 
 
-def _session_of(blocks: list[Block | None]) -> int | None:
+def _parse_blocks(data: bytes) -> Iterator[Block | None]:
+    for number in range(len(data) // BLOCK_SIZE):
+        yield parse_block(data[number * BLOCK_SIZE : (number + 1) * BLOCK_SIZE], number)
+
+
+def _session_of(blocks: Iterator[Block | None]) -> int | None:
     """That of block 0, or else that of the first two good blocks that agree."""
-    if blocks and blocks[0] is not None and blocks[0].kind == HEADER:
-        return blocks[0].session
     seen = set()
     for block in blocks:
         if block is not None:
-            if block.session in seen:
+            if block.session in seen or (block.number == 0 and block.kind == HEADER):
                 return block.session
             seen.add(block.session)
     return None

@@ -6,11 +6,13 @@ import os
 import pytest
 
 from tests.firmware.promises.logger import configure
+from tests.firmware.promises.reader import parse_block
 from tests.firmware.promises.test_stalls import check_totals
 from wheelhop.hil_sim import CardImage, Faults, from_array
 
 HOURS = float(os.environ.get("WHEELHOP_HOURS", "0"))
 MILLISECONDS_WRAP_S = 2**32 / 1000  # 49.7 days
+SAMPLER, DUE, LATE = "_ZN5board7samplerE", 32, 42  # offsets of its counters, see sampler.h
 
 
 def sawtooth():
@@ -33,6 +35,60 @@ def test_the_millisecond_counter_wraps_during_a_session(logger, card):
     assert check_totals(one, one.log(), reply)[2] == 0
     assert abs(int(one.summary()["stall_ms"]) - 600) <= 3
     assert one.command("start").ok and one.command("stop").ok
+
+
+def set_counter(one, offset, value, size):
+    """Let the sampler have counted up to a value."""
+    memory = bytearray(one.board.memory(SAMPLER))
+    memory[offset : offset + size] = value.to_bytes(size, "little")
+    one.board.set_memory(SAMPLER, bytes(memory))
+
+
+def test_after_scan_4294967295_comes_scan_0(logger, card):
+    one = logger(card)
+    assert one.command("stream on").ok
+    set_counter(one, DUE, 2**32 - 50, 4)
+    begin = len(one.streamed())
+    one.run(1.0)
+    numbers = [number for _, number in one.streamed()][begin + 1 :]
+    assert numbers == [(numbers[0] + k) % 2**32 for k in range(len(numbers))]
+    assert max(numbers) == 2**32 - 1 and 40 < numbers[-1] < 60
+
+
+def test_a_session_that_has_lost_more_than_there_are_numbers_keeps_its_totals(logger, card):
+    """As if its card had been away for a year and a half."""
+    one = logger(card)
+    assert one.command("start").ok
+    one.run(1.0)
+    set_counter(one, DUE, 2**32 - 100, 4)
+    one.run(3.0)
+    assert one.command("stop").ok
+    due, written, lost = (int(one.summary()[key]) for key in ("due", "written", "lost"))
+    assert due == (written + lost) % 2**32 and lost > 2**32 - 500 and 150 < due < 250
+    data = card.read("HOP00001.HOP")
+    blocks = [parse_block(data[512 * k :][:512], k) for k in range(len(data) // 512)]
+    seen = 0
+    for block in blocks[1:]:
+        assert block.first_scan == (seen + block.lost) % 2**32
+        seen += block.count
+    assert seen == written and blocks[-1].kind == b"S"
+
+
+def test_the_count_of_late_triggers_stays_at_its_end(logger, card):
+    one = logger(card)
+    assert one.command("start").ok
+    one.run(0.5)
+    set_counter(one, LATE, 65533, 2)
+    missed = one.board.counters().missed
+    for _ in range(10):
+        one.run(0.1)
+        one.board.hold_cpu(2200)
+    one.run(0.5)
+    assert one.board.counters().missed > missed + 2
+    assert one.command("stop").ok
+    late = [block.late for block in one.log().blocks]
+    assert late == sorted(late) and late[0] == 0 and late[-1] == 65535
+    assert one.summary()["late"] == "65535" and one.summary()["lost"] == "0"
 
 
 def eeprom_after_session(number):

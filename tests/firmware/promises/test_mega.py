@@ -32,3 +32,5 @@ def test_a_session_with_a_stall_on_the_mega(mega_elf, card):
         one.run(0.5)
         reply = one.command("stop")
         assert check_totals(one, one.log(), reply)[2] == 0
+        assert len(one.command("list").lines) == 2
+        assert one.command("get HOP00002.HOP 0 9").text == str(card.files()["HOP00002.HOP"])

@@ -169,7 +169,8 @@ def test_at_every_write_and_inside_it(session, tmp_path):
         old = card.read_block(write.block)
         for stored, tail in itertools.product(STORED, possible_tails(session, write)):
             card.write_block(write.block, torn(old, write.data, stored, tail))
-            sound(card)
+            if write.block < session.log_block or stored == STORED[0]:
+                sound(card)  # what is inside the log is no matter of the file system's
             log = complete(card, session, write.time_s)
             most = max(most, len(log.scans) if log else 0)
         card.write_block(write.block, write.data)

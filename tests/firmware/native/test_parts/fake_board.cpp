@@ -48,7 +48,7 @@ uint8_t Card::exchange(uint8_t sent) {
     uint8_t reply = 0xFF;
     if (!out_.empty()) {
         reply = out_.front();
-        out_.erase(out_.begin());
+        out_.pop_front();
     } else if (static_cast<int32_t>(busy_until_us_ - now_us) > 0) {
         reply = 0;
     }

@@ -1,6 +1,7 @@
 #pragma once
 // The board on a PC: time that passes with every SPI byte, an EEPROM, an SD card in memory.
 #include <cstdint>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,8 @@ struct Card {
     void command();
     void store();
 
-    std::vector<uint8_t> in_, out_;
+    std::vector<uint8_t> in_;
+    std::deque<uint8_t> out_;
     bool selected_ = false, idle_ = true, receiving_ = false, application_ = false;
     bool checks_ = false;
     uint8_t status_ = 0;

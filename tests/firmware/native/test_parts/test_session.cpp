@@ -49,13 +49,12 @@ struct Rig {
 bool insert_card() {
     std::FILE* file = fake::image_path ? std::fopen(fake::image_path, "rb") : nullptr;
     if (!file) return false;
-    fake::card.content.clear();
-    uint8_t sector[512];
-    while (std::fread(sector, 1, sizeof sector, file) == sizeof sector) {
-        fake::card.content.insert(fake::card.content.end(), sector, sector + sizeof sector);
-    }
+    std::fseek(file, 0, SEEK_END);
+    fake::card.content.resize(static_cast<size_t>(std::ftell(file)));
+    std::rewind(file);
+    const bool whole = std::fread(fake::card.content.data(), fake::card.content.size(), 1, file);
     std::fclose(file);
-    return true;
+    return whole;
 }
 
 struct File {
@@ -121,6 +120,17 @@ TEST(a_stall_of_600_ms_loses_nothing) {
     rig.run(200);
     CHECK(rig.stop() == kNoTrouble && rig.session.lost() == 0);
     CHECK(rig.session.tally.stall_ms >= 599 && rig.session.deepest() <= rig.session.room());
+}
+
+TEST(the_count_of_card_errors_stays_at_its_end) {
+    if (!insert_card()) return;
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.session.tally.card_errors = 65534;
+    fake::card.refuse = 3;
+    rig.run(100);
+    CHECK(fake::card.refuse == 0 && rig.session.tally.card_errors == 65535);
+    CHECK(rig.stop() == kNoTrouble && rig.session.lost() == 0);
 }
 
 TEST(written_and_lost_make_due_whatever_the_card_does) {

@@ -1,0 +1,49 @@
+// What a host may see of the card without taking it out.
+#include <string.h>
+
+#include "files.h"
+#include "logfile.h"
+
+namespace {
+
+// HOP, five digits, .HOP
+bool is_log(const FILINFO& entry) {
+    if (entry.fattrib & AM_DIR || !begins_with(entry.fname, FLASH("HOP"))) return false;
+    for (uint8_t k = 3; k < 8; ++k) {
+        if (entry.fname[k] < '0' || entry.fname[k] > '9') return false;
+    }
+    return same(entry.fname + 8, FLASH(".HOP"));
+}
+
+}  // namespace
+
+namespace logfile {
+
+Trouble open_folder(Work& work) { return trouble(f_opendir(&work.folder, "")); }
+
+Trouble next_log(Work& work, Text& text) {
+    FILINFO& entry = work.entry;
+    do {
+        const FRESULT result = f_readdir(&work.folder, &entry);
+        if (result != FR_OK || !entry.fname[0]) return trouble(result);
+    } while (!is_log(entry));
+    text.put(entry.fname);
+    text.put(' ');
+    text.number(entry.fsize);
+    return kNoTrouble;
+}
+
+Trouble open_file(Work& work, const char* name, uint32_t block) {
+    const FRESULT result = f_open(&work.file, name, FA_READ);
+    if (result >= FR_NO_FILE && result <= FR_INVALID_NAME) return kNoFile;
+    return trouble(result == FR_OK ? f_lseek(&work.file, block << 9) : result);
+}
+
+Trouble read_file(Work& work, void* data, uint8_t size, uint8_t& got) {
+    UINT count;
+    const FRESULT result = f_read(&work.file, data, size, &count);
+    got = static_cast<uint8_t>(count);
+    return trouble(result);
+}
+
+}  // namespace logfile
