@@ -14,8 +14,8 @@ from tests.exchange.recordings import assert_same, recording
 from tests.logger.session import session
 from wheelhop.cli import convert, import_
 from wheelhop.exchange import ExchangeError, read, write
+from wheelhop.files import InputError
 from wheelhop.logger import read_log
-from wheelhop.logger.error import InputError
 
 
 def converted(source, target, force=False):

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign.keys import Table, did_you_mean
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
+from wheelhop.files import Table, did_you_mean
 
 ROLES = ("fit", "validate")
 

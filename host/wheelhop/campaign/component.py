@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.common import Entry, band, check_entries, column, entry, frozen
-from wheelhop.campaign.keys import Table
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.types import (
     CampaignError,
@@ -17,6 +16,7 @@ from wheelhop.campaign.types import (
     RigRun,
     TrackSpec,
 )
+from wheelhop.files import Table
 
 FORCE = Channel("force", "rig", quantity="force", unit="N")
 DISPLACEMENT = Channel("displacement", "rig", quantity="displacement", unit="m")

@@ -2,7 +2,7 @@
 
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from wheelhop.campaign.keys import Table, shown, similar_file
+from wheelhop.files import Table, shown, similar_file
 
 
 def file_inside(folder: Path, table: Table, key: str, default: str | None = None) -> Path:

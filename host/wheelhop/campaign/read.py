@@ -5,7 +5,6 @@ from pathlib import Path
 
 from wheelhop.campaign.common import Entry, band, check_entries, column, entry, frozen
 from wheelhop.campaign.component import read_component
-from wheelhop.campaign.keys import Table, did_you_mean, read_toml
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.tracks import read_track
@@ -18,6 +17,7 @@ from wheelhop.campaign.types import (
     Run,
     TrackSpec,
 )
+from wheelhop.files import Table, did_you_mean, read_toml
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
@@ -44,7 +44,7 @@ def read_campaign(folder: str | Path) -> Campaign:
     if not folder.is_dir():
         what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
         raise CampaignError(f"{folder}: {what}")
-    top = read_toml(folder / "campaign.toml")
+    top = read_toml(folder / "campaign.toml", CampaignError)
     top.format()
     if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
         return read_component(top, folder)

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign.keys import read_text
 from wheelhop.campaign.types import CampaignError
+from wheelhop.files import read_text
 from wheelhop.logger.recording import CODE
 
 RECORDINGS = (".hop", ".mf4")
@@ -115,7 +115,7 @@ def _wrong_rate(file: Path, step_s: float, rate_hz: float) -> CampaignError:
 
 
 def _read_csv(file: Path) -> tuple[list[str], NDArray[np.float64]]:
-    lines = read_text(file).rstrip().split("\n")
+    lines = read_text(file, CampaignError).rstrip().split("\n")
     header = [name.strip().strip('"').strip() for name in lines[0].split(",")]
     _check_header(file, lines[0], header)
     body = lines[1:]

@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from wheelhop.campaign.keys import Table
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import TrackSpec
+from wheelhop.files import Table
 
 REQUIRED = None
 WAVE = {"amplitude_mm": REQUIRED, "pitch_mm": REQUIRED}

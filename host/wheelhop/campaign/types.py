@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.logger.error import InputError
+from wheelhop.files import InputError
 
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")

@@ -39,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Namespace) -> int:
-    from wheelhop.logger.error import InputError
+    from wheelhop.files import InputError
 
     try:
         for output in (vars(arguments).get("json"), vars(arguments).get("report")):

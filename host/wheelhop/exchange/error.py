@@ -10,7 +10,7 @@ from io import StringIO
 from pathlib import Path
 from types import ModuleType
 
-from wheelhop.logger.error import InputError
+from wheelhop.files import InputError
 
 LONGEST_REASON = 160  # characters of what a library says
 

@@ -1,13 +1,6 @@
-"""What a user can mend."""
+"""What goes wrong between host and logger."""
 
-
-class InputError(ValueError):
-    """A mistake of the user, or trouble in the world; ``str(error)`` is the one line that says
-    where, what, and what to do. Each room has its own kind."""
-
-    def __init__(self, line: str) -> None:
-        # What is quoted from a tool or a file may hold line ends or terminal codes.
-        super().__init__("".join(char if char.isprintable() else "?" for char in line))
+from wheelhop.files import InputError
 
 
 class LoggerError(InputError):

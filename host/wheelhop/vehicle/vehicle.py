@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wheelhop.campaign.keys import Table, read_toml
+from wheelhop.campaign.types import CampaignError
+from wheelhop.files import Table, read_toml
 
 WHEEL = ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m", "radius_m")
 SUSPENSION = ("stiffness_N_m", "damping_N_s_m")
@@ -56,7 +57,7 @@ def read_vehicle(path: Path) -> Vehicle:
     Raises `CampaignError` for unknown or missing keys, masses and lengths that are not positive,
     a centre of mass that is not between the axles, and a value without uncertainty.
     """
-    top = read_toml(path)
+    top = read_toml(path, CampaignError)
     top.format()
     top.only(("format", "name", "relative_uncertainty", *(name.split(".")[0] for name in TABLES)))
     name = top.text("name")

@@ -7,65 +7,71 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from wheelhop.campaign.types import CampaignError
-from wheelhop.campaign.units import UNITS, split_unit
+from wheelhop.files.error import InputError
+from wheelhop.files.units import UNITS, split_unit
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, kind: type[InputError] = InputError) -> str:
     """Read a UTF-8 text file, any line ends and a byte order mark allowed.
 
-    Raises `CampaignError` for a file that is missing, unreadable or in another encoding.
+    Raises an error of this `kind` for a file that is missing, unreadable or in another encoding.
     """
     try:
         data = path.read_bytes()
     except FileNotFoundError:
-        raise CampaignError(f"{path}: no such file{similar_file(path)}") from None
+        raise kind(f"{path}: no such file{similar_file(path)}") from None
     except IsADirectoryError:
-        raise CampaignError(f"{path}: is a folder, not a file") from None
+        raise kind(f"{path}: is a folder, not a file") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         reason = getattr(error, "strerror", None) or error
-        raise CampaignError(f"{str(path)!r}: cannot be read: {reason}") from None
+        raise kind(f"{str(path)!r}: cannot be read: {reason}") from None
     try:
         return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise CampaignError(
+        raise kind(
             f"{path}: line {line}: byte 0x{data[error.start]:02x} is not UTF-8; "
             "save the file as UTF-8"
         ) from None
 
 
-def read_toml(path: Path) -> "Table":
-    """Read a TOML file; `CampaignError` passes on the parser's line and column."""
+def read_toml(path: Path, kind: type[InputError] = InputError) -> "Table":
+    """Read a TOML file; an error of this `kind` passes on the parser's line and column."""
     try:
-        return Table(tomllib.loads(read_text(path)), path)
-    except CampaignError:
+        return Table(tomllib.loads(read_text(path, kind)), path, kind=kind)
+    except InputError:
         raise
     except (ValueError, RecursionError) as error:
-        raise CampaignError(f"{path}: not valid TOML: {_one_line(error)}") from None
+        raise kind(f"{path}: not valid TOML: {_one_line(error)}") from None
 
 
 class Table:
     """One table of a TOML file. Asking for a value checks it; `only` rejects the unknown keys.
 
     `heading` is how the user finds the table ("[suspension.front]"), `prefix` what precedes the
-    keys as the user writes them there ("track.").
+    keys as the user writes them there ("track."), `kind` the room's own error.
     """
 
-    def __init__(self, values: Mapping[str, Any], file: Path, heading: str = "", prefix: str = ""):
+    def __init__(
+        self,
+        values: Mapping[str, Any],
+        file: Path,
+        heading: str = "",
+        prefix: str = "",
+        kind: type[InputError] = InputError,
+    ):
         self.values = values
         self.file = file
         self.heading = heading
         self.prefix = prefix
+        self.kind = kind
 
     def __contains__(self, key: str) -> bool:
         return key in self.values
 
-    def error(self, what: str) -> CampaignError:
+    def error(self, what: str) -> InputError:
         """The line "file: table: what" as an exception to raise."""
-        return CampaignError(
-            ": ".join(part for part in (str(self.file), self.heading, what) if part)
-        )
+        return self.kind(": ".join(part for part in (str(self.file), self.heading, what) if part))
 
     def only(self, known: Collection[str], hint: str = "") -> None:
         """Raise for the first key that is not `known`, naming the one that was probably meant."""
@@ -124,7 +130,7 @@ class Table:
         if not isinstance(value, dict):
             raise self.error(f"{self.prefix}{key} must be a table, not {shown(value)}")
         name = heading if heading is not None else self._subheading(key)
-        return Table(value, self.file, name, prefix)
+        return Table(value, self.file, name, prefix, self.kind)
 
     def tables(self, key: str, name_key: str) -> list["Table"]:
         """The array of tables `[[key]]`; each is called by its `name_key`, or its number."""
@@ -135,7 +141,7 @@ class Table:
         for number, item in enumerate(value, start=1):
             name = item.get(name_key)
             label = f'"{name}"' if isinstance(name, str) and name.isprintable() else f"no. {number}"
-            found.append(Table(item, self.file, f"[[{key}]] {label}"))
+            found.append(Table(item, self.file, f"[[{key}]] {label}", kind=self.kind))
         return found
 
     def format(self) -> None:
