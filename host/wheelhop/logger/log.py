@@ -223,4 +223,6 @@ class Log:
         notes = {**(self.summary or {}), **self.header, "session": f"{self.session:08x}"}
         if self.summary and "clock_ppm" in self.summary:
             notes["clock_ppm"] = self.summary["clock_ppm"]
+        if self.summary and "supply_mv" in self.summary:  # the header's is that of the start
+            notes["end_supply_mv"] = self.summary["supply_mv"]
         return notes

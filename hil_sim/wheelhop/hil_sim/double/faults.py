@@ -1,0 +1,28 @@
+"""What goes wrong with the double, as plain configuration."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class DoubleFaults:
+    """Faults of card, line and logger; moments are seconds of the double's time since its start.
+
+    `stalls`: seconds for which the card is busy with a block, by its number in the file.
+    `lost`: ranges of scan numbers that never reach memory; they are streamed all the same.
+    `noise`, `dropped`, `duplicated`: chance of a byte of either direction to get a wrong bit, to
+    vanish, to come twice. `garbled`: the line is heard at a wrong speed.
+    `disconnects`: the line is gone from a moment on, for so long. `resets`: moments of restarts.
+    `reply_delay_s`: what every reply waits.
+    """
+
+    stalls: Mapping[int, float] = field(default_factory=dict)
+    lost: tuple[range, ...] = ()
+    noise: float = 0.0
+    dropped: float = 0.0
+    duplicated: float = 0.0
+    garbled: bool = False
+    disconnects: tuple[tuple[float, float], ...] = ()
+    resets: tuple[float, ...] = ()
+    reply_delay_s: float = 0.0
+    seed: int = 0

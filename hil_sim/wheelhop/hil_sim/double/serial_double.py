@@ -1,0 +1,127 @@
+"""The double as one object: a device, its clock, and the line to it."""
+
+import time
+from pathlib import Path
+from threading import Event, Lock, Thread
+from types import TracebackType
+
+from wheelhop.hil_sim.double.card import Card
+from wheelhop.hil_sim.double.device import Device
+from wheelhop.hil_sim.double.doors import Door, PtyDoor, TcpDoor
+from wheelhop.hil_sim.double.faults import DoubleFaults
+from wheelhop.hil_sim.double.wire import Wire
+from wheelhop.hil_sim.signals import Signals, sines
+
+POLL_S = 2e-3  # of the computer's time
+
+
+class SerialDouble:
+    """A logger in Python, to be used in a `with` statement; a program opens its `url`.
+
+    `signals` are the sensors (sines of 1 to 8 Hz if not given), `card` a folder for log files,
+    None: no card. Its time is real time, or `factor` times faster; `clock_ppm` is the error of its
+    clock: positive, its seconds are too long. It is on a pseudo-terminal, under the name `link` if
+    given, or on TCP if `port` is given (0: any that is free).
+    """
+
+    def __init__(
+        self,
+        signals: Signals | None = None,
+        card: Path | str | None = None,
+        faults: DoubleFaults | None = None,
+        *,
+        factor: float = 1.0,
+        clock_ppm: float = 0.0,
+        port: int | None = None,
+        link: Path | None = None,
+    ) -> None:
+        self._faults = faults or DoubleFaults()
+        one_to_eight = sines(range(1, 9), seconds=1.0, rate_hz=3200.0)
+        folder = None if card is None else Card(Path(card))
+        self._device = Device(signals or _repeated(one_to_eight), folder, self._faults)
+        self._door: Door = PtyDoor(link) if port is None else TcpDoor(port)
+        self._speed = factor / (1 + clock_ppm * 1e-6)
+        self._to_host, self._from_host = Wire(self._faults, 0), Wire(self._faults, 1)
+        self._torn_until_s = 0.0
+        self._closing = Event()
+        self._lock = Lock()
+        self._thread = Thread(target=self._serve, daemon=True, name="serial double")
+        self._thread.start()
+
+    @property
+    def url(self) -> str:
+        """The port to open."""
+        return self._door.url
+
+    @property
+    def time_s(self) -> float:
+        """The double's own time since its start."""
+        return self._device.time_s
+
+    @property
+    def totals(self) -> dict[str, int]:
+        """Scans due, written and lost of the running or the last session, as on the card."""
+        with self._lock:
+            session = self._device.session
+            if session is None:
+                return {}
+            memory = session.memory
+            return {"due": memory.due, "written": session.written, "lost": memory.lost}
+
+    def press_button(self) -> None:
+        """Start or stop a session."""
+        with self._lock:
+            self._device.press_button()
+
+    def reset(self, cause: str = "external") -> None:
+        """Restart the logger."""
+        with self._lock:
+            self._device.reset(cause)
+
+    def tear(self, seconds: float) -> None:
+        """Take the line away for so much of the double's time."""
+        with self._lock:
+            self._torn_until_s = self._device.time_s + seconds
+
+    def close(self) -> None:
+        """Switch it off."""
+        self._closing.set()
+        self._thread.join()
+        self._door.close()
+
+    def __enter__(self) -> "SerialDouble":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _serve(self) -> None:
+        start_s = time.monotonic()
+        joined = True
+        while not self._closing.is_set():
+            now_s = (time.monotonic() - start_s) * self._speed
+            torn = now_s < self._torn_until_s or any(
+                at <= now_s < at + for_s for at, for_s in self._faults.disconnects
+            )
+            if joined == torn:
+                self._door.tear() if torn else self._door.join()
+                joined = not torn
+            came = b""
+            if joined:
+                came = self._door.read(POLL_S)
+            else:
+                time.sleep(POLL_S)
+            with self._lock:
+                self._device.receive(self._from_host.carry(came))
+                sent = self._device.run(now_s)
+            if joined:
+                self._door.write(self._to_host.carry(sent))
+
+
+def _repeated(signals: Signals) -> Signals:
+    return Signals(signals.codes[:-1], signals.rate_hz, repeat=True)

@@ -1,0 +1,63 @@
+"""`wheelhop download`: fetch log files from the logger's card."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, DownloadColumn, Progress, TimeRemainingColumn
+from rich.progress import TransferSpeedColumn as SpeedColumn
+
+from wheelhop.logger.download import Downloaded, Downloader
+from wheelhop.logger.error import LoggerError
+from wheelhop.logger.link_find import connect
+
+DAMAGED = 1
+
+
+def run(arguments: Namespace) -> int:
+    """Fetch the named files, all that are not here, or else the last; raises LoggerError.
+
+    The exit status is 1 where a file is damaged on the card.
+    """
+    folder: Path = arguments.out
+    if not folder.is_dir():
+        raise LoggerError(f"{folder}: there is no such folder")
+    downloader = Downloader(connect(arguments.port, baud=arguments.baud), baud=arguments.baud)
+    try:
+        sizes = downloader.link.files()
+        names = choose(arguments.names, arguments.all, sizes, downloader.link.port.name)
+        files = [_fetch(downloader, name, sizes[name], folder) for name in names]
+    finally:
+        downloader.close()
+    return DAMAGED if any(file.damaged for file in files) else 0
+
+
+def choose(names: list[str], every: bool, sizes: dict[str, int], port: str) -> list[str]:
+    """The files meant, of those on the card. Raises LoggerError if one is not there."""
+    if not sizes:
+        raise LoggerError(f"{port}: there are no log files on the card")
+    if every:
+        return sorted(sizes)
+    known = {name.upper(): name for name in sizes}
+    for name in names:
+        if name.upper() not in known:
+            raise LoggerError(f"{name}: not on the card, there are {', '.join(sorted(sizes))}")
+    return [known[name.upper()] for name in names] or [max(sizes)]
+
+
+def _fetch(downloader: Downloader, name: str, size: int, folder: Path) -> Downloaded:
+    columns = (BarColumn(), DownloadColumn(), SpeedColumn(), TimeRemainingColumn())
+    console = Console(stderr=True)
+    with Progress("{task.description}", *columns, console=console, transient=True) as progress:
+        progress.disable = not sys.stderr.isatty()
+        task = progress.add_task(name, total=size)
+        file = downloader.download(
+            name, size, folder, lambda done, _: progress.update(task, completed=done)
+        )
+    damaged = f", {file.damaged} blocks damaged on the card" if file.damaged else ""
+    here = "" if file.fresh else " was here already"
+    print(f"{file.path}{here}: {file.size} bytes{damaged}", flush=True)
+    return file

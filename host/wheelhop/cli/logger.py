@@ -1,0 +1,57 @@
+"""`wheelhop logger`: ask the logger and set it up over the serial line."""
+
+import sys
+from argparse import Namespace
+
+from wheelhop.logger.error import LoggerError
+from wheelhop.logger.link import Link
+from wheelhop.logger.link_find import connect
+from wheelhop.logger.port import find_ports
+
+SETTINGS = (
+    *("rate", "channels", "name", "start", "stream", "size_mb"),
+    *("device", "calibration", "clock_ppm"),
+)
+
+
+def run(arguments: Namespace) -> int:
+    """Do what is said, on one line or several of output; raises LoggerError."""
+    settings = [_setting(text) for text in arguments.set]
+    if arguments.action == "ports":
+        print("\n".join(find_ports()) or "no serial port over USB")
+        return 0
+    with connect(arguments.port, baud=arguments.baud) as link:
+        for key, value in settings:
+            link.set(key, value)
+        _do(arguments.action, link)
+    return 0
+
+
+def _setting(text: str) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    if not equals or key not in SETTINGS:
+        raise LoggerError(f"--set {text}: write KEY=VALUE, KEY one of {', '.join(SETTINGS)}")
+    return key, value
+
+
+def _do(action: str, link: Link) -> None:
+    if action == "info":
+        _print({"port": link.port.name, **link.info()})
+    elif action == "status":
+        _print(link.status())
+    elif action == "list":
+        _print({name: f"{size} bytes" for name, size in link.files().items()})
+    elif action == "time":
+        link.set_time()
+    elif action == "start":
+        print(f"recording {link.start()}")
+    elif action == "stop":
+        link.stop()
+        _print(link.status())
+    sys.stdout.flush()
+
+
+def _print(values: dict[str, str]) -> None:
+    width = max((len(key) for key in values), default=0)
+    for key, value in values.items():
+        print(f"{key:<{width}}  {value}".rstrip())

@@ -1,0 +1,182 @@
+"""The serial double: its scans are the converter's, its faults are as configured."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from tests.firmware.promises.reader import read_log
+from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.hil_sim import constant, from_array, ramp
+from wheelhop.hil_sim.double import DoubleFaults, SerialDouble, from_campaign, scan_sums
+from wheelhop.hil_sim.double.card import Card
+from wheelhop.hil_sim.double.device import Device
+from wheelhop.hil_sim.double.wire import Wire
+from wheelhop.logger import LoggerError
+from wheelhop.logger.frames import FrameReader, acknowledgement, pack_command, streamed_scan
+from wheelhop.logger.link_find import connect
+from wheelhop.logger.port import PortLost
+
+CAMPAIGN = "examples/clean"
+RUN = "washboard-high-fast"
+
+
+@pytest.mark.parametrize("conversions", [8, 4, 2])
+def test_all_sums_of_a_scan_have_the_instant_that_the_specification_says(conversions):
+    """On a ramp the mean code of a channel tells the mean instant of its conversions."""
+    slope = 100.0  # codes per second, the same for all
+    sums = scan_sums(ramp(10.0, slope, seconds=9.0), conversions, 0, 800)
+    number = np.arange(800)[:, None]
+    instant_s = (number * 8 * conversions + (8 * conversions - 1) / 2) * 156.25e-6
+    expected = 10.0 + slope * instant_s - 0.5  # rounded down: half a code less in the mean
+    error = (sums / conversions - expected)[sums[:, 0] < 900 * conversions]
+    assert abs(error.mean()) < 0.02 and np.abs(error).max() < 0.6
+
+
+def test_codes_are_rounded_down_and_limited():
+    codes = [0.99, 1.0, 511.5, 1023.0, 1023.9, 2000.0, -5.0, 0.0]
+    assert (scan_sums(constant(codes), 8, 0, 1)[0] // 8).tolist() == [0, 1, 511, *[1023] * 3, 0, 0]
+
+
+def test_scans_do_not_depend_on_how_many_are_asked_for():
+    rng = np.random.default_rng(2)
+    signals = from_array(rng.uniform(0, 1024, (50, 8)), 37.0, repeat=True)
+    whole = scan_sums(signals, 4, 0, 400)
+    parts = [scan_sums(signals, 4, first, 100) for first in range(0, 400, 100)]
+    np.testing.assert_array_equal(np.concatenate(parts), whole)
+
+
+def test_a_run_of_a_campaign_comes_back_in_its_units():
+    signals = from_campaign(CAMPAIGN, RUN)
+    campaign = read_campaign(CAMPAIGN)
+    (run,) = [run for run in campaign.runs if run.id == RUN]
+    points = [channel.point for channel in campaign.channels]
+    for column, point in ((0, "B1"), (7, "A4")):
+        felt = (signals.codes[:, column] - 512.0) / 19.5 * 9.80665
+        np.testing.assert_allclose(felt, run.record[:, points.index(point)], atol=1e-9)
+    with pytest.raises(CampaignError, match=r"no run 'x', there are washboard"):
+        from_campaign(CAMPAIGN, "x")
+
+
+def device(card=None, **faults):
+    one = Device(constant(300.0), card and Card(card), DoubleFaults(**faults))
+    one.run(0.5)
+    return one
+
+
+def frames_of(data):
+    reader = FrameReader()
+    frames = reader.feed(data)
+    assert reader.broken == reader.lost == 0
+    return frames
+
+
+def session_of(one, seconds):
+    """The frames of a streamed session."""
+    data = b""
+    for command in ("stream on", "start"):
+        one.receive(pack_command(command))
+        data += one.run(one.time_s + 0.1)
+    data += one.run(one.time_s + seconds)
+    one.receive(pack_command("stop"))
+    return frames_of(data + one.run(one.time_s + 6.0))
+
+
+def test_the_same_bytes_come_of_the_same_arguments(tmp_path):
+    runs = []
+    for name in "ab":
+        one = device(tmp_path / name, stalls={3: 0.4})
+        runs.append([(f.kind, f.counter, f.payload) for f in session_of(one, 3.0)])
+    assert runs[0] == runs[1]
+    assert (tmp_path / "a/HOP00001.HOP").read_bytes() == (tmp_path / "b/HOP00001.HOP").read_bytes()
+
+
+def test_a_stall_within_memory_loses_nothing_and_one_beyond_loses_what_does_not_fit(tmp_path):
+    for stall_s, lost in ((0.6, 0), (2.0, 200 - 2 * 37)):
+        card = tmp_path / f"{stall_s}"
+        frames = session_of(device(card, stalls={4: stall_s}), 6.0)
+        log = read_log((card / "HOP00001.HOP").read_bytes())
+        assert int(log.summary["stall_ms"]) == 1000 * stall_s
+        assert abs(int(log.summary["lost"]) - lost) <= 2
+        assert len(log.scans) + int(log.summary["lost"]) == int(log.summary["due"])
+        streamed = [streamed_scan(frame) for frame in frames if frame.kind == "D"]
+        assert sum(scan.session == log.session for scan in streamed) == int(log.summary["due"])
+        told = [acknowledgement(frame) for frame in frames if frame.kind == "B"]
+        assert told[-1].lost == int(log.summary["lost"])
+
+
+def test_lost_scans_are_counted_in_the_file(tmp_path):
+    session_of(device(tmp_path, lost=(range(50, 60), range(200, 201))), 3.0)
+    log = read_log((tmp_path / "HOP00001.HOP").read_bytes())
+    assert log.summary["lost"] == "11" and 55 not in log.scans and 200 not in log.scans
+
+
+def test_a_full_file_ends_the_session(tmp_path, monkeypatch):
+    monkeypatch.setattr("wheelhop.hil_sim.double.session.MEBIBYTE", 20 * 512)
+    one = device(tmp_path)
+    for command in ("set size_mb=1", "start"):
+        one.receive(pack_command(command))
+        one.run(one.time_s + 0.1)
+    one.run(one.time_s + 10.0)
+    log = read_log((tmp_path / "HOP00001.HOP").read_bytes())
+    assert log.summary["end"] == "full" and 17 < len(log.blocks) <= 20
+
+
+def test_without_a_card_it_says_so():
+    one = device()
+    one.receive(b"start\n")
+    (answer,) = frames_of(one.run(one.time_s + 1.0))
+    assert answer.kind == "E" and answer.text.startswith("no card")
+
+
+def test_the_line_does_what_the_faults_say():
+    data = bytes(range(256)) * 400
+    assert Wire(DoubleFaults(), 0).carry(data) == data
+    noisy = np.frombuffer(Wire(DoubleFaults(noise=0.01), 0).carry(data), np.uint8)
+    changed = noisy ^ np.frombuffer(data, np.uint8)
+    assert 0.008 < (changed > 0).mean() < 0.012
+    assert (changed & (changed - 1) == 0).all()  # never more than one bit
+    assert 0.98 < len(Wire(DoubleFaults(dropped=0.01), 0).carry(data)) / len(data) < 0.995
+    assert 1.005 < len(Wire(DoubleFaults(duplicated=0.01), 0).carry(data)) / len(data) < 1.02
+    assert b"\0" not in Wire(DoubleFaults(garbled=True), 0).carry(data)
+
+
+@pytest.mark.parametrize("port", [None, 0])
+def test_the_line_goes_and_comes_back_under_its_name(port):
+    with SerialDouble(factor=10, port=port) as one:
+        for _ in range(2):
+            with connect(one.url) as link:
+                assert link.info()["firmware"] == "1.0.0"
+                one.tear(3.0)
+                with pytest.raises(PortLost):
+                    for _ in range(3):
+                        link.receive(5.0)
+                with pytest.raises(LoggerError):
+                    connect(one.url)
+            back_s = one.time_s + 3.5
+            while one.time_s < back_s:
+                time.sleep(0.01)
+
+
+def test_disconnects_happen_when_they_are_due():
+    with SerialDouble(faults=DoubleFaults(disconnects=((0.0, 5.0),)), factor=10) as one:
+        time.sleep(0.05)
+        with pytest.raises(LoggerError, match="there is no such port"):
+            connect(one.url)
+        while one.time_s < 5.5:
+            time.sleep(0.01)
+        connect(one.url).close()
+
+
+def test_it_runs_as_a_program(tmp_path):
+    command = [sys.executable, "-m", "wheelhop.hil_sim.double"]
+    options = ["--campaign", CAMPAIGN, "--run", RUN, "--card", str(tmp_path), "--seconds", "20"]
+    with subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True) as process:
+        url = process.stdout.readline().split()[-1]
+        with connect(url) as link:
+            assert link.start() == "HOP00001.HOP"
+        process.kill()
+    done = subprocess.run([*command, "--campaign", CAMPAIGN, "--run", "x"], capture_output=True)
+    assert done.returncode == 2 and done.stderr.count(b"\n") == 1

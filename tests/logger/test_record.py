@@ -1,0 +1,370 @@
+"""The host's file says what the logger sent, whatever happens to line, logger and disk."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.firmware.promises.reader import read_log
+from wheelhop.hil_sim import constant, sines
+from wheelhop.hil_sim.double import DoubleFaults, SerialDouble
+from wheelhop.hil_sim.double.card import Card
+from wheelhop.hil_sim.double.device import Device
+from wheelhop.hil_sim.double.wire import Wire
+from wheelhop.logger import LoggerError
+from wheelhop.logger.block import pack_scans, scan_bytes
+from wheelhop.logger.frames import Frame, FrameReader, pack_command, pack_scan_frame
+from wheelhop.logger.live import Live
+from wheelhop.logger.record import RecordOptions, free_path, record
+from wheelhop.logger.record_file import LogWriter
+from wheelhop.logger.record_stream import StreamRecorder
+
+FACTOR = 20.0
+CARD_TOTALS = ("due", "written", "lost")
+HEADER = {"rate_hz": "100", "conversions": "8", "channels": "B1 - - - - - - A4"}
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from wheelhop.logger import LoggerError
+from wheelhop.logger.record import RecordOptions, free_path, record
+{before}
+try:
+    record(RecordOptions(out=Path(sys.argv[2]), port=sys.argv[1], start=True))
+except LoggerError as error:
+    print(error)
+    sys.exit(2)
+"""
+
+
+def go(double, out, live=None, **options):
+    """Record from a double."""
+    return record(RecordOptions(out=out, port=double.url, **options), live or Live())
+
+
+def log_of(recorded):
+    """The file as a decoder written from the specification reads it; its totals agree."""
+    log = read_log(recorded.path.read_bytes())
+    assert log.bad == [] and len(log.scans) == recorded.written
+    before = 0
+    for block in log.blocks:
+        if block.kind == b"D":
+            assert block.first_scan == before + block.lost
+            before += block.count
+    if log.summary:
+        due, written, lost = (int(log.summary[key]) for key in CARD_TOTALS)
+        assert due == written + lost and written == len(log.scans) and lost == recorded.lost
+    return log
+
+
+def when(double, due, action):
+    """Do something as soon as so many scans of a session are due."""
+
+    def wait():
+        while double.totals.get("due", 0) < due:
+            time.sleep(2e-3)
+        action()
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+@pytest.fixture
+def card(tmp_path):
+    return tmp_path / "card"
+
+
+@pytest.fixture
+def out(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    return folder
+
+
+def card_log(card, recorded):
+    return read_log((card / recorded.path.name).read_bytes())
+
+
+def test_a_session_is_recorded_as_the_card_has_it(card, out):
+    live = Live()
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        (one,) = go(double, out, live, start=True, seconds=20).files
+        totals = double.totals
+    log, told = log_of(one), card_log(card, one)
+    assert one.card == (totals["due"], totals["written"], totals["lost"]) and one.lost == 0
+    assert log.scans == told.scans and log.session == told.session
+    assert {**told.header, "source": "stream"} == log.header
+    assert told.summary.items() <= log.summary.items()
+    assert log.summary["card_written"] == told.summary["written"]
+    assert "B1" in live.channels and live.broken == 0 and live.told.blocks > 40
+
+
+def test_what_the_line_loses_is_missing_and_never_made_up(card, out):
+    faults = DoubleFaults(noise=6e-4, duplicated=2e-4, dropped=2e-4)
+    with SerialDouble(card=card, faults=faults, factor=FACTOR) as double:
+        (one,) = go(double, out, start=True, seconds=20).files
+        totals = double.totals
+    log, told = log_of(one), card_log(card, one)
+    assert 0 < one.lost < 400 and one.card == (totals["due"], totals["written"], 0)
+    assert log.scans.items() <= told.scans.items()
+    assert int(log.summary["due"]) == len(told.scans)
+
+
+def test_what_the_card_loses_the_line_may_still_have(card, out):
+    faults = DoubleFaults(lost=(range(100, 130),), stalls={20: 2.0})
+    with SerialDouble(card=card, faults=faults, factor=FACTOR) as double:
+        (one,) = go(double, out, start=True, seconds=20).files
+    log, told = log_of(one), card_log(card, one)
+    assert one.lost == 0 and sorted(log.scans) == list(range(int(told.summary["due"])))
+    assert one.card[2] == int(told.summary["lost"]) > 30 + 2 * 100 - 74 - 37
+    assert set(log.scans) - set(told.scans) >= set(range(100, 130))
+
+
+def test_a_line_that_comes_back_goes_on_in_the_same_file(card, out):
+    live = Live()
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        for due in (500, 1800):
+            when(double, due, lambda: double.tear(6.0))
+        (one,) = go(double, out, live, start=True, seconds=30).files
+        totals = double.totals
+    log, told = log_of(one), card_log(card, one)
+    assert one.card == (totals["due"], totals["written"], 0) and 600 < one.lost < 3500
+    assert log.scans.items() <= told.scans.items() and told.summary["lost"] == "0"
+    assert sum("is back" in message for message in live.messages) == 2
+
+
+def test_a_restart_begins_another_file_and_both_are_whole(card, out):
+    live = Live()
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        when(double, 1000, double.reset)
+        first, second = go(double, out, live, start=True, seconds=30).files
+    for one in (first, second):
+        log, told = log_of(one), card_log(card, one)
+        assert log.session == told.session
+        # What was in the logger's memory at the restart is on the host alone.
+        common = set(log.scans) & set(told.scans)
+        assert len(common) >= len(told.scans) - 3
+        assert all(log.scans[number] == told.scans[number] for number in common)
+    assert read_log(first.path.read_bytes()).summary["end"] == "recovered"
+    assert first.card is None and second.card is not None
+    assert "the logger has restarted" in live.messages
+
+
+def test_the_button_ends_the_file(card, out):
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        when(double, 800, double.press_button)
+        (one,) = go(double, out, start=True).files
+    assert log_of(one).summary["end"] == "button" and one.lost == 0
+
+
+def test_a_session_that_runs_already_is_joined_and_left_running(card, out):
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        double.press_button()
+        time.sleep(0.3)
+        (one,) = go(double, out, seconds=20).files
+        time.sleep(0.2)
+        assert double.totals["due"] > one.written + one.lost
+    log = log_of(one)
+    assert log.session >> 16 == 1 and one.lost == min(log.scans) > 100
+    assert log.header["channels"] == "B1 B2 B3 B4 A1 A2 A3 A4"
+
+
+def test_without_a_card_the_stream_is_recorded(out):
+    with SerialDouble(constant(300.0), factor=FACTOR) as double:
+        (one,) = go(double, out, seconds=10).files
+        with pytest.raises(LoggerError, match="start: no card"):
+            go(double, out, start=True)
+    log = log_of(one)
+    assert one.path.name == "HOP00000.HOP" and 0 < log.session < 0x10000
+    assert set(log.scans.values()) == {(2400,) * 8} and one.lost == 0
+
+
+def test_no_file_is_overwritten(card, out):
+    with SerialDouble(factor=FACTOR) as double:
+        names = [go(double, out, seconds=2).files[0].path.name for _ in range(2)]
+        mine = out / "mine.HOP"
+        assert go(double, mine, seconds=2).files[0].path == mine
+        before = mine.read_bytes()
+        with pytest.raises(LoggerError, match="it will not be overwritten"):
+            go(double, mine, seconds=2)
+        with pytest.raises(LoggerError, match="there is no such folder"):
+            go(double, out / "none", seconds=2)
+    assert names == ["HOP00000.HOP", "HOP00000-2.HOP"] and mine.read_bytes() == before
+
+
+def spawn(double, out, before=""):
+    command = [sys.executable, "-c", SCRIPT.format(before=before), double.url, str(out)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+
+
+def test_who_kills_the_process_loses_less_than_a_second(card, out):
+    with SerialDouble(card=card, factor=1.0) as double:
+        process = spawn(double, out)
+        while double.totals.get("due", 0) < 200:
+            time.sleep(0.01)
+        due = double.totals["due"]
+        process.kill()
+        process.wait()
+    data = (out / "HOP00001.HOP").read_bytes()
+    log = read_log(data)
+    assert len(data) % 512 == 0 and log.bad == [] and log.summary is None
+    assert sorted(log.scans) == list(range(len(log.scans))) and len(log.scans) > due - 100
+
+
+def test_an_interrupt_ends_it_in_good_order(card, out):
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        process = spawn(double, out)
+        while double.totals.get("due", 0) < 500:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+        log = read_log((out / "HOP00001.HOP").read_bytes())
+        assert log.summary["end"] == "command" and log.summary["lost"] == "0"
+        assert int(log.summary["due"]) == double.totals["written"]
+
+
+def test_who_gives_up_waiting_for_the_line_keeps_what_came(card, out):
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        when(double, 400, lambda: double.tear(1e6))
+        live = Live()
+        options = RecordOptions(out=out, port=double.url, start=True)
+        (one,) = record(options, live, stopped=lambda: not live.connected).files
+    assert log_of(one).summary["end"] == "command" and one.written > 300 and one.card is None
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit on the size of files")
+def test_a_full_disk_is_told_and_harms_nothing(card, out):
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))"
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        process = spawn(double, out, limit)
+        told = process.communicate(timeout=30)[0]
+        assert process.returncode == 2
+        time.sleep(0.1)
+        assert double.totals["due"] > double.totals["written"] > 16 * 37  # it goes on on its card
+    file = out / "HOP00001.HOP"
+    assert told.startswith(f"{file}: ") and "wheelhop download" in told and told.count("\n") == 1
+    log = read_log(file.read_bytes())
+    assert file.stat().st_size == 17 * 512 and log.bad == []
+    assert sorted(log.scans) == list(range(len(log.scans))) and len(log.scans) > 500
+
+
+def test_a_folder_that_takes_no_files_is_told(monkeypatch, out):
+    with monkeypatch.context() as patch, pytest.raises(LoggerError, match="may not write there"):
+        patch.setattr("wheelhop.logger.record.os.access", lambda *_: False)
+        record(RecordOptions(out=out, port="never opened"))
+
+    def denied(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("wheelhop.logger.record_file.os.open", denied)
+    with pytest.raises(LoggerError, match=r"HOP00001.HOP: Permission denied"):
+        LogWriter(out / "HOP00001.HOP", 0x10001, HEADER, 2)
+
+
+@settings(max_examples=60)
+@given(
+    st.lists(st.integers(0, 2000), min_size=1, max_size=300),
+    st.integers(1, 8),
+    st.none() | st.integers(0, 50),
+)
+def test_any_scans_in_any_order_make_a_good_file(tmp_path_factory, numbers, channels, more):
+    path = tmp_path_factory.mktemp("any") / "x.HOP"
+    names = ["A", "B", "C", "D", "E", "F", "G", "H"][:channels] + ["-"] * (8 - channels)
+    writer = LogWriter(path, 0x10001, {**HEADER, "channels": " ".join(names)}, channels)
+    kept = {}
+    for number in numbers:
+        sums = [(number * 7 + k) % 8185 for k in range(channels)]
+        if writer.add(number, pack_scans([sums])):
+            kept[number] = tuple(sums)
+        assert not writer.add(number, bytes(scan_bytes(channels) + 1))
+    due = max(kept) + 1
+    assert (writer.written, writer.due, writer.lost) == (len(kept), due, due - len(kept))
+    writer.close(None if more is None else {"end": "command", "due": due + more})
+    log = read_log(path.read_bytes())
+    assert log.scans == kept and log.bad == []
+    if more is not None:
+        assert log.summary == {
+            "end": "command",
+            "due": str(due + more),
+            "written": str(len(kept)),
+            "lost": str(due + more - len(kept)),
+        }
+
+
+@settings(max_examples=60)
+@given(st.data())
+def test_no_sequence_of_frames_breaks_the_recorder(tmp_path_factory, data):
+    folder = tmp_path_factory.mktemp("wild")
+    count = iter(range(10_000))
+    recorder = StreamRecorder(
+        lambda session: folder / f"{next(count)}.HOP", lambda: dict(HEADER), dict, Live()
+    )
+    sessions = st.sampled_from([0, 0x10001, 0x20002])
+    lines = st.sampled_from(
+        ["session=00010001", "session=x", "rate_hz=0", "channels=", "due=5", "unix_s=1", "", "="]
+    )
+    for _ in range(data.draw(st.integers(0, 40))):
+        kind = data.draw(st.sampled_from("DDDDBHSMX"))
+        if kind == "D":
+            number = data.draw(st.integers(0, 50) | st.integers(0, 2**32 - 1))
+            size = data.draw(st.sampled_from([4, 4, 4, 13]))
+            payload = pack_scan_frame(data.draw(sessions), number, bytes(size))
+        else:
+            payload = data.draw(lines.map(str.encode) | st.binary(max_size=48))
+        recorder.feed(Frame(kind, 0, payload))
+        recorder.tick()
+    recorder._told_s = 0.0
+    recorder.tick()
+    recorder.end()
+    for one in recorder.recorded:
+        log_of(one)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_through_any_noise_a_recording_is_a_part_of_the_session(tmp_path, out, seed):
+    device = Device(sines(3.0), Card(tmp_path / "card"), DoubleFaults(seed=seed))
+    sent = device.run(0.5)
+    for command, seconds in (("stream on", 0.1), ("start", 15.0), ("stop", 1.0)):
+        device.receive(pack_command(command))
+        sent += device.run(device.time_s + seconds)
+    chance = 10 ** -(2 + seed % 4)
+    device_header = {**HEADER, "channels": "B1 B2 B3 B4 A1 A2 A3 A4"}
+    wire = Wire(DoubleFaults(noise=chance, dropped=chance, duplicated=chance, seed=seed), 0)
+    reader = FrameReader()
+    recorder = StreamRecorder(partial(free_path, out), lambda: device_header, dict, Live())
+    for begin in range(0, len(sent), 500):
+        for frame in reader.feed(wire.carry(sent[begin : begin + 500])):
+            recorder.feed(frame)
+        recorder._told_s = 0.0
+        recorder.tick()
+    recorder.end()
+    told = read_log((tmp_path / "card/HOP00001.HOP").read_bytes())
+    mine = [one for one in recorder.recorded if one.session == told.session]
+    assert len(mine) == 1 and log_of(mine[0]).scans.items() <= told.scans.items()
+    assert mine[0].lost <= reader.lost + 1
+
+
+def test_a_wild_number_in_a_frame_makes_no_gap(out):
+    recorder = StreamRecorder(lambda session: out / "x.HOP", lambda: dict(HEADER), dict, Live())
+    recorder._told_s = 0.0
+    for number in (0, 1, 2, 4_000_000, 3, 4, 5_000, 5_001):
+        recorder.feed(Frame("D", 0, pack_scan_frame(0x10001, number, bytes(4))))
+        recorder.tick()
+    recorder.end()
+    log = log_of(recorder.recorded[0])
+    assert sorted(log.scans) == [0, 1, 2, 3, 4, 5_000, 5_001]
+
+
+def test_the_clock_error_is_stored_in_the_logger(monkeypatch, card, out):
+    monkeypatch.setattr("wheelhop.logger.record.CLOCK_AFTER_S", 3.0)
+    monkeypatch.setattr("wheelhop.logger.clock.BIN_S", 0.2)
+    monkeypatch.setattr("wheelhop.logger.clock.SOUND_PPM", 2000.0)
+    with SerialDouble(card=card, clock_ppm=15_000.0) as double:
+        result = go(double, out, start=True, seconds=3.5)
+        stored = int(card_log(card, result.files[0]).summary["clock_ppm"])
+    assert stored == round(result.clock.ppm) and abs(stored - 15_000) < 6000

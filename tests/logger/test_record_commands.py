@@ -1,0 +1,77 @@
+"""`wheelhop record`, `download` and `logger` as a user meets them."""
+
+from argparse import Namespace
+
+import pytest
+
+from wheelhop.cli import download, logger, record
+from wheelhop.hil_sim.double import DoubleFaults, SerialDouble
+from wheelhop.logger import LoggerError
+
+BAUD = 500_000
+
+
+@pytest.fixture
+def out(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    return folder
+
+
+def recording(double, out, **options):
+    values = {"start": True, "seconds": 10.0, "plot": False, "plot_port": 0}
+    return Namespace(port=double.url, baud=BAUD, out=out, **{**values, **options})
+
+
+def test_record_says_where_the_file_is_and_that_nothing_is_missing(tmp_path, out, capsys):
+    with SerialDouble(card=tmp_path / "card", factor=20) as double:
+        assert record.run(recording(double, out, plot=True)) == 0
+    told = capsys.readouterr().out
+    assert "plot: http://127.0.0.1:" in told
+    assert f"{out / 'HOP00001.HOP'}: 10" in told and "scans, none missing" in told
+
+
+def test_record_says_who_has_what_is_missing(tmp_path, out, capsys):
+    faults = DoubleFaults(noise=1e-3)
+    with SerialDouble(card=tmp_path / "card", faults=faults, factor=20) as double:
+        assert record.run(recording(double, out)) == 1
+        told = capsys.readouterr().out
+        assert "missing" in told and "the card has all of them: wheelhop download HOP0" in told
+
+
+def test_download_says_what_is_here(tmp_path, out, capsys):
+    with SerialDouble(card=tmp_path / "card", factor=20) as double:
+        arguments = Namespace(port=double.url, baud=BAUD, out=out, names=[], all=True)
+        with pytest.raises(LoggerError, match="there are no log files on the card"):
+            download.run(arguments)
+        for _ in range(2):
+            record.run(recording(double, tmp_path, seconds=2.0))
+        capsys.readouterr()
+        assert download.run(arguments) == download.run(arguments) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 4 and lines[0].startswith(f"{out / 'HOP00001.HOP'}: ")
+    assert "was here already" in lines[3]
+
+
+def test_logger_asks_and_sets(tmp_path, capsys):
+    with SerialDouble(card=tmp_path / "card", factor=20) as double:
+
+        def run(action, *settings):
+            assert (
+                logger.run(Namespace(action=action, port=double.url, baud=BAUD, set=settings)) == 0
+            )
+            return capsys.readouterr().out
+
+        assert "B1 B2 B3" in run("info")
+        assert "rate_hz        200\n" in run("info", "rate=200", "name=first drive")
+        run("time")
+        assert run("start") == "recording HOP00001.HOP\n"
+        assert "state        recording\n" in run("status")
+        assert "end          command\n" in run("stop")
+        assert "HOP00001.HOP  " in run("list")
+        with pytest.raises(LoggerError, match="rate must be 100, 200 or 400"):
+            run("info", "rate=7")
+        with pytest.raises(
+            LoggerError, match=r"--set colour=red: write KEY=VALUE, KEY one of rate"
+        ):
+            run("info", "colour=red")
