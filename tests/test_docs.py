@@ -66,7 +66,7 @@ def test_commands_on_a_page_are_commands_of_wheelhop(page):
     lines = re.findall(r"^ {4}(?:\S*[/\\])?(wheelhop .*)$", text_of(page), re.M)
     lines += re.findall(r"`(wheelhop [^`]*)`", text_of(page))
     for line in lines:
-        words = shlex.split(line)[1:]
+        words = shlex.split(line, comments=True)[1:]
         if len(words) == 1:  # the command is mentioned, not called
             words.append("--help")
         try:

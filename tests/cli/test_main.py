@@ -15,7 +15,8 @@ from wheelhop.cli.parser import make_parser
 
 COMMANDS = (
     *("check", "compare", "diagnose", "add", "demo", "flash", "version"),
-    *("campaign", "convert", "import", "info", "decode", "recover"),
+    *("campaign", "convert", "import", "info", "decode", "recover", "health"),
+    *("sync-check", "calibrate", "logger", "record", "download"),
 )
 
 

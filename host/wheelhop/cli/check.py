@@ -17,6 +17,7 @@ from wheelhop.campaign import (
     read_campaign,
 )
 from wheelhop.cli.console import open_console
+from wheelhop.cli.sensors import print_sensors
 from wheelhop.report.words import significant
 from wheelhop.vehicle import Vehicle, read_nominal
 
@@ -31,6 +32,7 @@ def run(arguments: Namespace) -> int:
     console.print(Text(f"channels  {', '.join(map(_place, campaign.channels))}"))
     console.print(Text(f"samples   {_samples(campaign)}"))
     console.print(Text(f"noise     {_noise(campaign)}"))
+    print_sensors(campaign, console)
     if isinstance(campaign, ComponentCampaign):
         console.print(_rig_runs(campaign))
     else:

@@ -10,6 +10,7 @@ from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import pick, write_json
 from wheelhop.cli.progress import stages
+from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_ladder, print_parameters
 from wheelhop.compare import print_comparison, to_json
 from wheelhop.diagnose import Progress, Step, axle_driven
@@ -30,6 +31,7 @@ def run(arguments: Namespace) -> int:
         axles = _driven_by_axles(campaign, vehicle, effects, progress)
     console = open_console()
     print_comparison(steps[-1].comparison, console)
+    print_sensors(campaign, console)
     if effects:
         console.print()
         print_ladder(steps, console)

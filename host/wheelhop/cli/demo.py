@@ -1,30 +1,37 @@
-"""`wheelhop demo`: a campaign that comes with wheelhop, and what its model is missing."""
+"""`wheelhop demo`: from sensors through a logger to what the model of a vehicle is missing."""
 
 from __future__ import annotations
 
 import shutil
 from argparse import Namespace
-from importlib.resources import as_file, files
 from pathlib import Path
 
 from rich.console import Console
 from rich.text import Text
 
-from wheelhop.campaign import Campaign, read_campaign
+from wheelhop.campaign import Campaign, CampaignError, read_campaign
 from wheelhop.cli.add import MODEL_FILE
 from wheelhop.cli.console import open_console
+from wheelhop.cli.demo_field import (
+    DRIVEN,
+    TURNED,
+    calibrate,
+    find_firmware,
+    make_campaign,
+    record,
+)
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters, print_ranking, print_verdict
 from wheelhop.compare import describe
 from wheelhop.diagnose import Step, climb, fit_baseline
 from wheelhop.diagnose.look import step_of
 from wheelhop.effects import load_effects
+from wheelhop.hil_sim.day import read_day
 from wheelhop.report import write_diagnosis_report
 from wheelhop.report.model_file import write_model
 from wheelhop.report.words import judged, percent
 from wheelhop.vehicle import Vehicle, read_nominal
 
-EXAMPLE = "open-dry-friction"
 REPORT_FILE = "report.html"
 
 
@@ -34,12 +41,13 @@ def run(arguments: Namespace) -> int:
 
 
 def run_demo(folder: Path) -> int:
-    """Copy the example into `folder`; compare, diagnose, and add what the diagnosis found."""
-    copy_example(folder)
+    """Record a day in the field; compare, diagnose, and add what the diagnosis found."""
+    console = open_console()
+    make_folder(folder)
+    record_day(folder, console)
     campaign = read_campaign(folder)
     vehicle = read_nominal(campaign)
     library = load_effects()
-    console = open_console()
     _tell_what_it_is(campaign, vehicle, folder, console)
 
     _tell_command(f"compare {folder}", "where does the model fail?", console)
@@ -66,10 +74,52 @@ def run_demo(folder: Path) -> int:
     return 0
 
 
-def copy_example(folder: Path) -> None:
-    """Copy the example campaign into `folder`, fresh even if it was there."""
-    with as_file(files("wheelhop") / "examples" / EXAMPLE) as example:
-        shutil.copytree(example, folder, dirs_exist_ok=True)
+def make_folder(folder: Path) -> None:
+    """An empty folder; what an earlier demo left there goes. Raises CampaignError for any other."""
+    if folder.exists():
+        if any(folder.iterdir()) and not (folder / TURNED).exists():
+            raise CampaignError(f"{folder}: is not empty, and not from a demo: choose another")
+        shutil.rmtree(folder)
+    folder.mkdir(parents=True)
+
+
+def record_day(folder: Path, console: Console) -> None:
+    """A vehicle's sensors, recorded by a logger, calibrated, and cut into runs of a campaign."""
+    day = read_day()
+    with stages() as progress:
+        progress("looking for the firmware's tools")
+        elf = find_firmware()
+    which = "its double in Python; gcc-avr and simavr were not found"
+    if elf is not None:
+        which = "the real firmware on a simulated board"
+    console.print(
+        Text(
+            "Eight accelerometers on a vehicle, their voltages made by a simulator that knows"
+            f" nothing of wheelhop. The logger is {which}."
+        )
+    )
+    for name, signals, question in (
+        (TURNED, day.turning, "the sensors at rest, turned over and back"),
+        (DRIVEN, day.driving, f"{len(day.drives)} drives"),
+    ):
+        _tell_command(f"record; wheelhop download  --out {folder}", question, console)
+        with stages() as progress:
+            progress(f"recording {name}")
+            done = record(signals, folder, name, elf)
+        console.print(Text(f"{done.file}: {done.due} scans of 8 channels due, {done.lost} lost"))
+    _tell_command(f"calibrate --flip {folder / TURNED}", "what is a code worth?", console)
+    constants = calibrate(folder)
+    gains = [sensor.gain for sensor in constants.sensors]
+    console.print(
+        Text(
+            f"{min(g.value for g in gains):.3f} … {max(g.value for g in gains):.3f} m/s² per code,"
+            f" each ± {max(g.relative for g in gains):.1%} (k = 2)"
+        )
+    )
+    _tell_command(f"campaign stretches {folder / DRIVEN}", "when was it driven?", console)
+    spans = make_campaign(folder, day)
+    console.print(Text(", ".join(f"{first:.0f} … {last:.0f} s" for first, last in spans)))
+    _tell_command(f"campaign add {folder} {folder / DRIVEN} --stretch 1 …", "as runs", console)
 
 
 def _tell_what_it_is(campaign: Campaign, vehicle: Vehicle, folder: Path, console: Console) -> None:

@@ -75,7 +75,9 @@ def make_parser() -> argparse.ArgumentParser:
     flash.add_argument(
         "--old-bootloader", action="store_true", help="for Nanos of before 2018 (57600 baud)"
     )
+    _make_recording(commands)
     _make_logs(commands)
+    _make_checks(commands)
     convert = commands.add_parser("convert", help="write a recording in another format")
     convert.add_argument("source", metavar="FILE", type=Path, help="the recording")
     convert.add_argument(
@@ -86,6 +88,59 @@ def make_parser() -> argparse.ArgumentParser:
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
     commands.add_parser("version", help="print the version")
     return parser
+
+
+def _make_recording(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    logger = commands.add_parser("logger", help="ask the logger, and set it up")
+    logger.add_argument(
+        "action",
+        choices=("info", "status", "list", "time", "start", "stop", "ports"),
+        nargs="?",
+        default="info",
+        help="default info; time: tell it the time; ports: those that may have a logger",
+    )
+    logger.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="rate, channels, name, start, stream, size_mb, device, calibration, clock_ppm",
+    )
+    record = commands.add_parser("record", help="write what the logger streams, and show it")
+    record.add_argument(
+        "--out",
+        metavar="PATH",
+        type=Path,
+        default=Path(),
+        help="a new FILE.HOP, or a folder (default: here), where the name is as on the card",
+    )
+    record.add_argument(
+        "--start", action="store_true", help="start a session on the card, stop it at the end"
+    )
+    record.add_argument(
+        "--seconds", metavar="S", type=_positive, help="end after so long (default: Ctrl-C)"
+    )
+    record.add_argument("--plot", action="store_true", help="live plot for a browser")
+    record.add_argument(
+        "--plot-port", metavar="N", type=int, default=0, help="its port (default: any)"
+    )
+    download = commands.add_parser("download", help="fetch log files from the logger's card")
+    download.add_argument(
+        "names", metavar="NAME", nargs="*", help="such as HOP00012.HOP (default: the last)"
+    )
+    download.add_argument("--all", action="store_true", help="all that are on the card")
+    download.add_argument(
+        "--out", metavar="FOLDER", type=Path, default=Path(), help="where to (default: here)"
+    )
+    for command in (logger, record, download):
+        command.add_argument(
+            "--port",
+            metavar="PORT",
+            help="COM3, /dev/ttyUSB0, socket://HOST:PORT (default: find it)",
+        )
+        command.add_argument(
+            "--baud", metavar="N", type=int, default=500_000, help="default 500000"
+        )
 
 
 def _make_logs(commands: "argparse._SubParsersAction[_Parser]") -> None:
@@ -118,6 +173,46 @@ def _make_logs(commands: "argparse._SubParsersAction[_Parser]") -> None:
             type=Path,
             help="a log with the same settings, if the header is damaged",
         )
+
+
+def _make_checks(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    calibrate = commands.add_parser("calibrate", help="find what turns codes into m/s²")
+    calibrate.add_argument(
+        "session", metavar="SESSION", nargs="?", type=Path, help="SESSION.toml; or, turned, a log"
+    )
+    calibrate.add_argument(
+        "--flip", action="store_true", help="the sensors were turned over; alone: how to do that"
+    )
+    calibrate.add_argument(
+        "--out",
+        metavar="FILE.toml",
+        type=Path,
+        default=Path("calibration.toml"),
+        help="default calibration.toml",
+    )
+    calibrate.add_argument(
+        "--figure", metavar="FILE.png", type=Path, help="default: beside the constants"
+    )
+    health = commands.add_parser("health", help="say what is wrong with recordings")
+    health.add_argument(
+        "recordings", metavar="RECORDING", nargs="+", type=Path, help=".hop, .csv, .mf4 …"
+    )
+    sync = commands.add_parser("sync-check", help="check on a beam that channels are in step")
+    sync.add_argument("recording", metavar="SESSION", type=Path, help="recording of a driven beam")
+    sync.add_argument("beam", metavar="BEAM.toml", type=Path, help="the beam, its drive, sensors")
+    sync.add_argument(
+        "--limit-ms", metavar="MS", type=_positive, default=0.5, help="largest skew (default 0.5)"
+    )
+    sync.add_argument(
+        "--correct",
+        metavar=("OLD", "NEW"),
+        nargs=2,
+        type=Path,
+        help="write recording OLD with its channels moved into step as NEW",
+    )
+    for command in (health, sync):
+        command.add_argument("--figure", metavar="FILE.png", type=Path, help="draw what was found")
+        command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
 
 
 def _make_import(command: argparse.ArgumentParser) -> None:

@@ -3,6 +3,7 @@
 import math
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
+from datetime import date, datetime
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -101,19 +102,28 @@ class Table:
         return number
 
     def text(self, key: str, default: str | None = None, choices: Sequence[str] = ()) -> str:
-        """A non-empty line of text, one of `choices` if there are any."""
+        """A line of text, one of `choices` if there are any; not empty unless the `default` is."""
         if key not in self.values and default is not None:
             return default
         value = self._required(key, "a text" if not choices else " or ".join(map(repr, choices)))
         if not isinstance(value, str):
             raise self.error(f'{self.prefix}{key} must be a text in quotes: {key} = "{value}"')
-        if not value.strip() or not value.isprintable():
+        if not (value.strip() or default == "") or not value.isprintable():
             raise self.error(f"{self.prefix}{key} must be a non-empty line of text")
         if choices and value not in choices:
             raise self.error(
                 f"{self.prefix}{key} = {shown(value)} is not known"
                 + (did_you_mean(value, choices) or f"; choose from {', '.join(choices)}")
             )
+        return value
+
+    def date(self, key: str) -> date:
+        """A day, written 2026-05-31 without quotes."""
+        value = self._required(key, "a day without quotes: 2026-05-31")
+        if isinstance(value, datetime):
+            return value.date()
+        if not isinstance(value, date):
+            raise self.error(f"{self.prefix}{key} must be a day without quotes: {key} = 2026-05-31")
         return value
 
     def pair(self, key: str) -> tuple[float, float]:
@@ -131,6 +141,12 @@ class Table:
             raise self.error(f"{self.prefix}{key} must be a table, not {shown(value)}")
         name = heading if heading is not None else self._subheading(key)
         return Table(value, self.file, name, prefix, self.kind)
+
+    def table_if_any(self, key: str) -> "Table":
+        """The table below `key`; an empty one if it is not there."""
+        if key in self.values:
+            return self.table(key)
+        return Table({}, self.file, self._subheading(key), kind=self.kind)
 
     def tables(self, key: str, name_key: str) -> list["Table"]:
         """The array of tables `[[key]]`; each is called by its `name_key`, or its number."""

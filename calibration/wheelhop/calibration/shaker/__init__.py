@@ -1,0 +1,1 @@
+"""Comparison with a reference on a shaker: two recorders, stepped or swept sines."""

@@ -1,0 +1,1 @@
+"""Are the channels in step? A driven cantilever, measured against beam theory."""

@@ -1,0 +1,84 @@
+"""`wheelhop health`: is what was recorded fit for use?"""
+
+from argparse import Namespace
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from wheelhop.calibration.health.examine import Health, examine, examine_relations
+from wheelhop.cli.console import open_console
+from wheelhop.cli.exchange import write_json
+from wheelhop.exchange import read
+from wheelhop.logger.error import LoggerError
+from wheelhop.logger.recording import Recording
+
+UNHEALTHY = 1
+PICTURES = (".png", ".svg", ".pdf")
+STYLE = {"certain": "bold red", "likely": "red", "possible": "yellow"}
+TOGETHER = "all together"
+
+
+def run(arguments: Namespace) -> int:
+    """Examine each recording, and all together; the exit status is 1 if anything is found."""
+    if arguments.figure is not None:
+        check_figure(arguments.figure)
+        if len(arguments.recordings) > 1:
+            raise LoggerError("--figure: shows one recording, give only one")
+    console = open_console()
+    recordings = [read(file) for file in arguments.recordings]
+    reports: dict[str, Health] = {}
+    if len(recordings) == 1:
+        reports[str(arguments.recordings[0])] = examine(recordings[0])
+    else:
+        for file, recording in zip(arguments.recordings, recordings, strict=True):
+            reports[str(file)] = examine(recording, relations=False)
+        reports[TOGETHER] = Health(*examine_relations(recordings))
+    for name, health in reports.items():
+        _show(console, name, health)
+    if arguments.figure is not None:
+        _draw(recordings[0], next(iter(reports.values())), arguments.figure)
+        console.print(f"{arguments.figure} has the picture")
+    if arguments.json is not None:
+        write_json(arguments.json, {name: as_json(health) for name, health in reports.items()})
+    return 0 if all(health.healthy for health in reports.values()) else UNHEALTHY
+
+
+def check_figure(file: Path) -> None:
+    """Better to know before the work than after it. Raises LoggerError."""
+    if file.suffix.lower() not in PICTURES:
+        raise LoggerError(f"{file}: a picture is {', '.join(PICTURES)}: give it such a name")
+    if not file.parent.is_dir():
+        raise LoggerError(f"{file}: cannot be written, there is no folder {file.parent}")
+
+
+def as_json(health: Health) -> dict[str, object]:
+    """The result for programs."""
+    findings = [
+        {**vars(finding), "channels": list(finding.channels)} for finding in health.findings
+    ]
+    return {"healthy": health.healthy, "findings": findings, "untold": list(health.untold)}
+
+
+def _draw(recording: Recording, health: Health, file: Path) -> None:
+    from wheelhop.calibration.health.figure import draw_health
+
+    draw_health(recording, health, file)
+
+
+def _show(console: Console, name: str, health: Health) -> None:
+    if health.healthy:
+        console.print(f"{name}: [green]nothing found[/]")
+    else:
+        table = Table(
+            box=None, header_style="bold", pad_edge=False, title=name, title_justify="left"
+        )
+        for title in ("channel", "what", "sure", "when s", "what to do"):
+            table.add_column(title)
+        for f in health.findings:
+            who = ", ".join(f.channels) or "all"
+            sure, when = f"[{STYLE[f.sure]}]{f.sure}[/]", f"{f.start_s:.1f}-{f.stop_s:.1f}"
+            table.add_row(who, f.what, sure, when, f.remedy)
+        console.print(table)
+    for line in health.untold:
+        console.print(f"not told: {line}", style="dim")

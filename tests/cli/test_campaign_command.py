@@ -1,0 +1,67 @@
+"""`wheelhop campaign`: from a recording to a campaign that can be checked, by words alone."""
+
+import numpy as np
+import pytest
+
+from wheelhop.campaign import read_campaign
+from wheelhop.cli.main import main
+from wheelhop.exchange import write
+from wheelhop.logger.recording import Channel, Recording
+
+POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """Two drives of 20 and 10 s between rests."""
+    rng = np.random.default_rng(3)
+    level = np.repeat([0.02, 3.0, 0.02, 1.5, 0.02], [500, 2000, 500, 1000, 500])
+    values = rng.normal(size=(len(level), 8)) * level[:, None]
+    file = tmp_path / "day.csv"
+    write(Recording(values, 100.0, tuple(Channel(n, "m/s²", n) for n in POINTS)), file)
+    return file
+
+
+def test_from_a_recording_to_a_campaign(recording, tmp_path, capsys):
+    folder = tmp_path / "car"
+    assert main(["campaign", "stretches", str(recording)]) == 0
+    out = capsys.readouterr().out
+    assert [line.split()[0] for line in out.splitlines() if line.strip()[:1].isdigit()] == [
+        "1",
+        "2",
+    ]
+    assert main(["campaign", "new", str(folder), str(recording), "--title", "our car"]) == 0
+    assert "replace them by yours" in capsys.readouterr().out
+    words = ["--speed-kmph", "7.5", "--track", "washboard", "amplitude_mm=15", "pitch_mm=400"]
+    add = ["campaign", "add", str(folder), str(recording)]
+    assert main([*add, "--id", "slow", "--stretch", "1", *words]) == 0
+    late = ["--from", "31.5", "--to", "38"]
+    assert main([*add, "--id", "fast", "--role", "validate", *late, *words]) == 0
+    campaign = read_campaign(folder)
+    slow, fast = campaign.runs
+    assert campaign.title == "our car"
+    assert (slow.id, slow.role, fast.id, fast.role) == ("slow", "fit", "fast", "validate")
+    assert 17 < len(slow.time_s) / 100 <= 20 and len(fast.time_s) == 651
+    assert slow.record.std() == pytest.approx(3.0, rel=0.05)
+    assert main(["check", str(folder)]) == 0
+
+
+MISTAKES = {
+    "no such stretch": (["--stretch", "3"], "there are 2 stretches, none is number 3"),
+    "two spans": (["--stretch", "1", "--from", "2"], "leave out --from and --to"),
+    "outside": (["--from", "100"], "outside the recording"),
+    "no pair": (["--track", "washboard", "15"], "KEY=VALUE"),
+    "unknown track": (["--track", "washbord"], "washboard"),
+}
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_a_mistake_is_one_line(case, recording, tmp_path, capsys):
+    words, complaint = MISTAKES[case]
+    folder = str(tmp_path / "car")
+    assert main(["campaign", "new", folder, str(recording)]) == 0
+    capsys.readouterr()
+    add = ["campaign", "add", folder, str(recording), "--id", "x", "--speed-kmph", "7", *words]
+    assert main(add) == 2
+    error = capsys.readouterr().err
+    assert complaint in error and error.count("\n") == 1 and "Traceback" not in error
