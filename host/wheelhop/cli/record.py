@@ -1,9 +1,13 @@
 """`wheelhop record`: write what a logger streams, and show it."""
 
 from argparse import Namespace
+from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 
+from wheelhop.calibration import examine
 from wheelhop.cli.record_view import View
+from wheelhop.logger import LoggerError, read_log
 from wheelhop.logger.live import Live
 from wheelhop.logger.record import RecordOptions, RecordResult, log_name, record
 
@@ -35,6 +39,20 @@ def run(arguments: Namespace) -> int:
     return _tell(result)
 
 
+def sensor_findings(file: Path) -> Iterator[str]:
+    """What is wrong with the sensors, as far as the recording tells: there may be time to mend it.
+
+    A recording too damaged to be examined says so in `wheelhop info`.
+    """
+    try:
+        recording = read_log(file).recording()
+    except LoggerError:
+        return
+    for finding in examine(recording).findings:
+        who = ", ".join(finding.channels) or "all channels"
+        yield f"{who}: {finding.what} ({finding.sure}); {finding.remedy}"
+
+
 def _tell(result: RecordResult) -> int:
     for one in result.files:
         missing = f", {one.lost} missing" if one.lost else ", none missing"
@@ -47,6 +65,8 @@ def _tell(result: RecordResult) -> int:
         elif one.card and one.card[2] < one.lost:
             words = f"all but {one.card[2]}" if one.card[2] else "all of them"
             print(f"  the card has {words}: wheelhop download {log_name(one.session)}")
+        for finding in sensor_findings(one.path):
+            print(f"  {finding}")
     if result.clock:
         clock = result.clock
         print(f"clock error {clock.ppm:+.0f} ± {2 * clock.deviation_ppm:.0f} ppm, stored")

@@ -129,7 +129,8 @@ def _scans(log: Log) -> str:
     if log.missing:
         # A recovered file counts as lost what was damaged before, and says how much that is.
         lost = log.lost - int(number(log.summary or {}, "damaged"))
-        text += f": {lost} lost by the logger, {log.missing - lost} damaged since"
+        who = "never heard" if log.header.get("source") == "stream" else "lost by the logger"
+        text += f": {lost} {who}, {log.missing - lost} damaged since"
     return text
 
 
