@@ -191,6 +191,19 @@ def test_a_sensor_driven_into_its_end_is_refused():
         calibrate(replace(PLAIN, shaking=Shaking(steps)))
 
 
+@pytest.mark.parametrize("seed", range(1000, 1004))
+def test_sweeps_against_a_reference_of_few_samples_a_second(seed):
+    """Steps between its samples would look like a slower sensor, and that like a delay."""
+    rng = np.random.default_rng(seed)
+    rig = replace(random_rig(rng, shaking=SWEPT), reference_rate_hz=500.0)
+    found = calibrate(rig, seed)
+    for sensor, channel in zip(rig.sensors, found.channels, strict=True):
+        assert abs(channel.delay_s.value - delay_at_10_hz(sensor)) < 50e-6
+        assert abs(channel.gain.value - sensor.gain_m_s2_per_code) < 1.5 * channel.gain.expanded
+    assert abs(found.offset_s.value - rig.clock_offset_s) < 0.2e-3
+    assert abs(found.drift_ppm.value - rig.clock_ppm) < 5.0
+
+
 def test_a_sensor_on_its_head_can_be_swept():
     found = calibrate(Rig((Sensor("B1", -0.5),), SWEPT, -0.5, 2500.0))
     assert found.channels[0].gain.value == pytest.approx(-0.5, rel=0.005)

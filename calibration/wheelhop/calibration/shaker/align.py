@@ -40,12 +40,13 @@ class Clock:
 
 def window_mean(time_s: Array, values: Array, centres_s: Array, width_s: float) -> Array:
     """Means of (n,) uniform samples over windows of `width_s` about `centres_s`; 0 outside them."""
-    values = np.nan_to_num(values - np.nanmean(values))
-    step = time_s[1] - time_s[0]
-    total = np.concatenate([[0.0], np.cumsum(values) * step])
-    edges = np.concatenate([time_s - step / 2, [time_s[-1] + step / 2]])
-    upper = np.interp(centres_s + width_s / 2, edges, total)
-    return np.asarray((upper - np.interp(centres_s - width_s / 2, edges, total)) / width_s)
+    from scipy.interpolate import CubicSpline  # takes long to import
+
+    # Steps instead of a spline would take sinc(f/rate) off a reference sampled at a few hundred Hz.
+    integral = CubicSpline(time_s, np.nan_to_num(values - np.nanmean(values))).antiderivative()
+    ends = (np.clip(centres_s + side * width_s / 2, *time_s[[0, -1]]) for side in (1, -1))
+    upper, lower = (integral(end) for end in ends)
+    return np.asarray((upper - lower) / width_s)
 
 
 def rough_clock(reference: Recording, log: Recording, column: int) -> Clock:
