@@ -102,7 +102,7 @@ def record_day(folder: Path, console: Console) -> None:
         (TURNED, day.turning, "the sensors at rest, turned over and back"),
         (DRIVEN, day.driving, f"{len(day.drives)} drives"),
     ):
-        _tell_command(f"record; wheelhop download  --out {folder}", question, console)
+        _tell_command(f"logger start … stop; wheelhop download --out {folder}", question, console)
         with stages() as progress:
             progress(f"recording {name}")
             done = record(signals, folder, name, elf)
@@ -119,7 +119,7 @@ def record_day(folder: Path, console: Console) -> None:
     _tell_command(f"campaign stretches {folder / DRIVEN}", "when was it driven?", console)
     spans = make_campaign(folder, day)
     console.print(Text(", ".join(f"{first:.0f} … {last:.0f} s" for first, last in spans)))
-    _tell_command(f"campaign add {folder} {folder / DRIVEN} --stretch 1 …", "as runs", console)
+    _tell_command(f"campaign new …; wheelhop campaign add {folder} … --stretch 1", "…", console)
 
 
 def _tell_what_it_is(campaign: Campaign, vehicle: Vehicle, folder: Path, console: Console) -> None:

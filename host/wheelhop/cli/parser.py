@@ -57,7 +57,7 @@ def make_parser() -> argparse.ArgumentParser:
     add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")
     _library(add, "effects_file")  # "effects" are those to add
 
-    demo = commands.add_parser("demo", help="diagnose a campaign that comes with wheelhop")
+    demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
         "folder",
         metavar="FOLDER",
