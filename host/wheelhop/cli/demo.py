@@ -89,7 +89,7 @@ def record_day(folder: Path, console: Console) -> None:
     with stages() as progress:
         progress("looking for the firmware's tools")
         elf = find_firmware()
-    which = "its double in Python; gcc-avr and simavr were not found"
+    which = "its double in Python (the firmware takes the source tree, gcc-avr and simavr)"
     if elf is not None:
         which = "the real firmware on a simulated board"
     console.print(
