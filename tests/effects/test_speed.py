@@ -98,6 +98,9 @@ class Washboard:
     def modelled(self, run_id, changes):
         return self._wave(4.0 * self.time + changes.get("start_m", 0.0))
 
+    def all_modelled(self, run_id, trials):
+        return [self.modelled(run_id, changes) for changes in trials]
+
 
 @pytest.mark.parametrize(("fraction", "period"), [(0.04, 4.0), (0.03, 2.5), (0.05, 6.0)])
 def test_speed_fluctuation_begins_near_the_wander_of_a_record(fraction, period):

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from wheelhop.effects.dry_friction import elastic_slip
 from wheelhop.effects.progressive_spring import cubic
-from wheelhop.simulate.integrator import integrate
+from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.vehicle import Assembly, between, ground
 
 MASS, OMEGA, ZETA = 20.0, 2 * pi * 3.0, 0.15
@@ -41,12 +41,9 @@ def run(system, step_s, duration_s, *, ground_m=None, force=None, at=(0.0, 0.0),
     initial = np.zeros(8)
     initial[3], initial[7] = at
     count = steps - 2 * margin
-    found = integrate(
-        system,
-        height,
-        rate,
-        np.zeros((len(half), 1)) if force is None else force(half)[:, None],
-        initial=initial,
+    applied = np.zeros((len(half), 1)) if force is None else force(half)[:, None]
+    (found,) = integrate(
+        [Task(system, height, rate, applied, initial)],
         step_s=step_s,
         first=margin,
         stride=1,
@@ -149,14 +146,26 @@ def test_averaging_multiplies_a_harmonic_by_sinc(frequency, window):
     )
 
 
+def test_side_by_side_each_does_what_it_does_alone():
+    """Ten masses with springs, friction and motions of their own, more than there are lanes."""
+    rng, tasks = np.random.default_rng(5), []
+    zero, half = np.zeros((401, 1)), np.zeros((801, 1))
+    for i in range(10):
+        slip, joint = rng.uniform(10.0, 60.0), rng.uniform(1e5, 1e6)
+        system = one_mass(0.02 * i, law=elastic_slip, parameters=(slip, joint))
+        height = zero if i % 2 else 0.01 * np.cumsum(rng.normal(size=zero.shape), axis=0)
+        initial = rng.normal(size=8) * np.repeat([1e-3, 0.1], 4)
+        tasks.append(Task(system, height, np.gradient(height, 0.001, axis=0), half, initial))
+    sampling = {"step_s": 0.001, "first": 10, "stride": 2, "window_s": 0.0066, "n_samples": 190}
+    for task, found in zip(tasks, integrate(tasks, **sampling), strict=True):
+        np.testing.assert_allclose(found, integrate([task], **sampling)[0], rtol=1e-9, atol=1e-9)
+
+
 def test_samples_must_lie_inside_the_span():
+    zero = np.zeros((11, 1))
     with pytest.raises(ValueError, match="inside the integrated span"):
         integrate(
-            one_mass(),
-            np.zeros((11, 1)),
-            np.zeros((11, 1)),
-            np.zeros((21, 1)),
-            initial=np.zeros(8),
+            [Task(one_mass(), zero, zero, np.zeros((21, 1)), np.zeros(8))],
             step_s=0.001,
             first=0,
             stride=1,

@@ -9,7 +9,7 @@ from tests import truth
 from tests.simulate.setup import ATV, CHANNELS, TIME, campaign_of, model_of, relative, simulated
 from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.fit import Workshop, fit
-from wheelhop.simulate import linear_response
+from wheelhop.simulate import RunSimulator, linear_response
 from wheelhop.track import make_track, wheel_envelope
 from wheelhop.vehicle import CORNERS
 
@@ -61,6 +61,29 @@ def test_starting_later_is_starting_further_on(speed, start, later):
     )
     size = np.abs(one).max()
     np.testing.assert_allclose(other[:-later], one[later:], atol=1e-4 * size)
+
+
+def test_models_simulated_together_do_what_each_does_alone():
+    """Vehicles, starts, a law, a history of force and a sensor's fault, in one go."""
+    run = {"run": truth.Run(WASHBOARD, 4.0, 30.0, TIME)}
+    campaign, model = campaign_of(run), model_of(ATV, run)
+    history = {"coefficient_3_m_s2": 1.0, "coefficient_4_m_s2": -2.0}
+    friction = {"front_N": 60.0, "rear_N": 40.0, "presliding_N_m": 5e5}
+    models = [
+        model,
+        *(model.with_values({"body.mass_kg": 200.0 + 10.0 * i}) for i in range(9)),
+        *(model.with_run("run", {"start_m": 30.0 + 0.1 * i}) for i in range(3)),
+        model_of(ATV, run, "dry-friction", friction),
+        model_of(ATV, run, "cornering-roll", own=history),
+        model_of(ATV, run, "cornering-roll", own={k: 2.0 * v for k, v in history.items()}),
+        model_of(ATV, run, "sensor-gain", {"error": 0.1}, choice="B2"),
+        model_of(ATV, run, "sensor-gain", {"error": 0.2}, choice="B2"),
+    ]
+    trials = [(m, m.system(CHANNELS, "road")) for m in models]
+    together = RunSimulator(campaign, campaign.runs[0], 4.0).records(trials)
+    for trial, found in zip(trials, together, strict=True):
+        alone = RunSimulator(campaign, campaign.runs[0], 4.0).record(*trial)
+        assert relative(found, alone) < 1e-6
 
 
 def test_any_channels_in_any_order():

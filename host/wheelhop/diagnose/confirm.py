@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 import numpy as np
 
 from wheelhop.diagnose.probe import FitProbe
-from wheelhop.diagnose.screen import Screened, with_variant
-from wheelhop.fit import Fit, Workshop, effect_parameters, fit, seek_again
+from wheelhop.diagnose.screen import Screened, Variant, with_variant
+from wheelhop.fit import Bench, Fit, Workshop, effect_parameters, fit, seek_again
 from wheelhop.simulate import Model
 
 
@@ -72,11 +73,15 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
     screening expects has gone astray and begins again elsewhere; the best one counts. A switch that
     makes things worse has changed the derivatives, too: only a full fit does it justice.
     """
-    effect, benches = screened.variant.effect, workshop.of_role("fit")
+    benches = workshop.of_role("fit")
     best: Fit | None = None
-    for model in _starts(workshop, base, screened):
-        shared = [*base.fit.shared, *effect_parameters(workshop.campaign, model, effect)]
-        found = fit(workshop, model, shared, benches, base.fit)
+    for model in _starts(workshop, base, screened)[: len(SHARES)]:
+        free = effect_parameters(workshop.campaign, model, model.effects[-1])
+        # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
+        amplitudes = [f for f in free if not f.is_shape]
+        if 0 < len(amplitudes) < len(free):
+            model = fit(workshop, model, [*base.fit.shared, *amplitudes], benches, base.fit).model
+        found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit)
         if best is None or found.rss < best.rss:
             best = found
         if best.error < ASTRAY * screened.error:
@@ -107,11 +112,12 @@ def _placed_anew(workshop: Workshop, rung: Rung) -> Model:
     return model
 
 
-def without(workshop: Workshop, rung: Rung, effect_id: str) -> Rung:
-    """The rung's model with one effect taken out, fitted again."""
+def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = False) -> Rung:
+    """The rung's model with one effect taken out, fitted again; `quick`: with the rung's own
+    derivatives, which shows what it is missed for."""
     shared = [f for f in rung.fit.shared if not f.name.startswith(f"{effect_id}.")]
-    model = rung.model.without_effect(effect_id)
-    return validate(workshop, fit(workshop, model, shared, workshop.of_role("fit")))
+    model, known = rung.model.without_effect(effect_id), rung.fit if quick else None
+    return validate(workshop, fit(workshop, model, shared, workshop.of_role("fit"), known))
 
 
 SHARES = (1.0, 0.4, 0.1)
@@ -129,15 +135,24 @@ MISPLACED = 2.0
 
 
 def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[Model]:
-    """The models where the fit of an effect may begin, the one that fits best first."""
-    variant = screened.variant
+    """The models where the fit of an effect may begin: the likeliest variants, each as it fits best
+    at some share of what screening expects, the vehicle as it is or moved along; then more shares
+    of the likeliest."""
     benches = list(workshop.benches.values())
     probe = FitProbe(workshop, base.model, benches)
-    starts = workshop.each(lambda b: variant.effect.run_start(probe, b.simulator.setting), benches)
+    effect = screened.variant.effect
+    starts = workshop.each(lambda b: effect.run_start(probe, b.simulator.setting), benches)
     runs = {bench.run.id: start for bench, start in zip(benches, starts, strict=True)}
-    variant = replace(variant, runs=runs)
+    by_variant = []
+    for item in (screened, *screened.others):
+        models = list(_starts_of(base, item, replace(item.variant, runs=runs)))
+        order = np.argsort(_misfits(workshop, models), kind="stable")
+        by_variant.append([models[i] for i in order])
+    return [*(models[0] for models in by_variant), *by_variant[0][1:]]
+
+
+def _starts_of(base: Rung, screened: Screened, variant: Variant) -> Iterator[Model]:
     shares = SHARES if any(not p.switch for p in variant.amplitudes) else SHARES[:1]
-    models = []
     for share in shares:
         amplitudes = {}
         for p in variant.amplitudes:
@@ -145,13 +160,25 @@ def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[Model]:
             least = SMALLEST_START * p.scale
             away = away if abs(away) > least else least
             amplitudes[p.name] = min(max(p.absent + away, p.lower), p.upper)
-        models.append(with_variant(base.model, variant, amplitudes))
-    return sorted(models, key=lambda model: _misfit(workshop, model))
+        model = with_variant(base.model, variant, amplitudes)
+        yield model
+        along = {
+            f.name: min(max(model.values[f.name] + share * d, f.lower), f.upper)
+            for f in base.fit.shared
+            if (d := screened.along.get(f.name, 0.0))
+        }
+        if along:
+            yield model.with_values(along)
 
 
-def _misfit(workshop: Workshop, model: Model) -> float:
-    """Σ residual² over the runs fitted."""
-    systems = workshop.systems(model)
-    residuals = workshop.each(lambda b: b.residual(model, systems), workshop.of_role("fit"))
-    total = sum(float(r @ r) for r in residuals)
-    return total if isfinite(total) else inf
+def _misfits(workshop: Workshop, models: Sequence[Model]) -> list[float]:
+    """Σ residual² over the runs fitted, of each model."""
+    trials = [(model, workshop.systems(model)) for model in models]
+
+    def of_run(bench: Bench) -> list[float]:
+        measured = bench.measured[:, bench.predicted].ravel()
+        residuals = [measured - bench.coefficients(record) for record in bench.records(trials)]
+        return [float(residual @ residual) for residual in residuals]
+
+    total = np.sum(workshop.each(of_run, workshop.of_role("fit")), axis=0)
+    return [float(t) if isfinite(t) else inf for t in total]

@@ -22,7 +22,8 @@ SIGNIFICANT = 0.05
 """An effect is accepted below this chance of being mistaken, all effects tried counted."""
 
 HOPELESS = 2.0
-"""An effect that leaves this many times the leader's held-out error won't catch up in a refit."""
+"""An effect that leaves this many times the leader's held-out error won't catch up in a refit; nor
+will a model that lacks an effect, if a quick fit leaves so much."""
 
 
 def diagnose(
@@ -156,13 +157,16 @@ def _without_idle(
     """Drop effects whose contribution vanished when the last one joined, the last one included:
     it may have done no more than help the others' fit out of a side valley.
 
-    Returns the models without one of the effects that stayed, too.
+    Returns the models without one of the effects that stayed, too, as far as they were fitted.
     """
     shorter: dict[str, Rung] = {}
     if len(rung.model.effects) < 2:
         return rung, shorter
     for effect in rung.model.effects:
         progress(f"is {effect.id} still needed?")
+        roughly = without(workshop, rung, effect.id, quick=True)
+        if roughly.error_judging > HOPELESS * rung.error_judging:
+            continue
         without_it = without(workshop, rung, effect.id)
         material = relative_to_noise(without_it, rung, workshop.noise) > MATERIAL
         if material and p_value(log_odds(without_it, rung, workshop.noise), 1) < SIGNIFICANT:

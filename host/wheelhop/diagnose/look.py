@@ -8,7 +8,7 @@ from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.judge import p_value
-from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.screen import Screened, Variant
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.fit import Workshop
 
@@ -28,6 +28,13 @@ class Candidate:
     def id(self) -> str:
         """The effect's id."""
         return self.screened.variant.effect.id
+
+    @property
+    def variant(self) -> Variant:
+        """The variant that the full simulation came to: its form, for one."""
+        tried = (self.screened, *self.screened.others)
+        found = (s.variant for s in tried if s.variant.effect is self.rung.model.effects[-1])
+        return next(found, self.screened.variant)
 
     @property
     def p(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -115,17 +115,15 @@ def _gain(workshop: Workshop, bench: Bench, first: Rung, second: Rung, *, refitt
         Free("start_m", 0.0, np.inf, 1e-2),
     )
     model = _driven(second.model, bench)
-    start = _answer(workshop, bench, model)
-    difference = _answer(workshop, bench, _driven(first.model, bench)) - start
     moved = [
         *(model.with_values({f.name: model.values[f.name] + f.step * f.scale}) for f in shared),
         *(_nudged(model, bench, f) for f in own),
     ]
     steps = [f.step for f in (*shared, *own)]
-    columns = np.stack(
-        [(_answer(workshop, bench, m) - start) / d for m, d in zip(moved, steps, strict=True)],
-        axis=1,
-    )
+    models = [model, _driven(first.model, bench), *moved]
+    start, other, *answers = _answers(workshop, bench, models)
+    difference = other - start
+    columns = np.stack([(a - start) / d for a, d in zip(answers, steps, strict=True)], axis=1)
     sigma = max(second.fit.sigma, first.fit.sigma)
     precision = np.zeros((len(steps), len(steps)))
     if refitted:
@@ -141,9 +139,8 @@ def _gain(workshop: Workshop, bench: Bench, first: Rung, second: Rung, *, refitt
 def _contribution(workshop: Workshop, bench: Bench, rung: Rung, effect_id: str) -> Array:
     """What an effect contributes to a run, the rest of its model being as fitted."""
     model = _driven(rung.model, bench)
-    return _answer(workshop, bench, model) - _answer(
-        workshop, bench, model.without_effect(effect_id)
-    )
+    full, without = _answers(workshop, bench, [model, model.without_effect(effect_id)])
+    return full - without
 
 
 def _driven(model: Model, bench: Bench) -> Model:
@@ -156,5 +153,6 @@ def _nudged(model: Model, bench: Bench, free: Free) -> Model:
     return model.with_run(bench.run.id, {free.name: value + free.step * free.scale})
 
 
-def _answer(workshop: Workshop, bench: Bench, model: Model) -> Array:
-    return bench.modelled(model, workshop.systems(model))
+def _answers(workshop: Workshop, bench: Bench, models: Sequence[Model]) -> list[Array]:
+    trials = [(model, workshop.systems(model)) for model in models]
+    return [bench.coefficients(record) for record in bench.records(trials)]

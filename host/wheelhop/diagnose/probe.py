@@ -58,11 +58,18 @@ class FitProbe:
 
     def modelled(self, run_id: str, changes: Mapping[str, float]) -> Array:
         """The model's answer in band (n, c), some of the run's numbers moved by an amount."""
+        return self.all_modelled(run_id, [changes])[0]
+
+    def all_modelled(self, run_id: str, trials: Sequence[Mapping[str, float]]) -> list[Array]:
+        """The same for several such changes."""
         bench: Bench = self._benches[run_id]
         values = self._model.runs.get(run_id, {})
-        moved = self._model.with_run(run_id, {k: values[k] + d for k, d in changes.items()})
-        response = bench.response(moved, self._systems)
-        return bench.band.signal(np.where(bench.predicted, response.record, 0.0))
+        moved = [
+            self._model.with_run(run_id, {k: values[k] + d for k, d in changes.items()})
+            for changes in trials
+        ]
+        records = bench.records([(model, self._systems) for model in moved])
+        return [bench.band.signal(np.where(bench.predicted, r, 0.0)) for r in records]
 
     def way_m(self, run_id: str) -> Array:
         """The way (n, 4), m, each wheel has come along the track."""

@@ -57,8 +57,9 @@ def why_not(effect: Effect, drives: Collection[Drive]) -> str:
 def _ranked(screened: Screened, candidate: Candidate | None, look: Look, angles: Angles) -> Ranked:
     effect = screened.variant.effect
     parameters: dict[str, float | str] = {}
-    if screened.variant.choice:
-        parameters["form"] = screened.variant.choice
+    variant = screened.variant if candidate is None else candidate.variant
+    if variant.choice:
+        parameters["form"] = variant.choice
     if candidate is None:
         parameters |= {**screened.variant.shapes, **screened.amplitudes}
     else:

@@ -10,7 +10,7 @@ remains is the effect's score.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.screen_heights import screen_heights
 from wheelhop.effects import Effect, Parameter
-from wheelhop.fit import Fit, RunFit, Workshop
+from wheelhop.fit import Fit, Move, RunFit, Workshop, effect_run_parameters, moves
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Drive, System
 
@@ -30,6 +30,12 @@ STRENGTH = 0.5
 
 ABSURD = 1e3
 """So many times its scale no amplitude is believed to be: one standard deviation."""
+
+RAN_AWAY = 1e9
+"""A signature of such an acceleration, m/s², is that of a model that is not stable."""
+
+NEAR, FEW = 0.6, 2
+"""So many more variants of an effect, that explain this share of what the best does, are kept."""
 
 OWN_STRENGTH = 0.1
 """The same for what is free in every run: a distance gained, nonlinear on a short wave."""
@@ -55,7 +61,9 @@ class Variant:
 class Screened:
     """An effect's best variant: the amplitudes (and per-run values) it would take, the drop of
     the cost, the number of parameters that bought it and the price of one, and the error E that
-    would be left. ``signatures`` (size, a) per run are free of what the run itself could absorb."""
+    would be left. ``signatures`` (size, a) per run are free of what the run itself could absorb;
+    ``along`` is how the base's shared parameters would move with it, and ``others`` are further
+    variants that screening cannot dismiss."""
 
     variant: Variant
     amplitudes: Mapping[str, float]
@@ -64,6 +72,8 @@ class Screened:
     price: float
     error: float
     signatures: Mapping[str, Array]
+    along: Mapping[str, float] = field(default_factory=dict)
+    others: tuple[Screened, ...] = ()
 
     @property
     def score(self) -> float:
@@ -125,17 +135,24 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
         for effect in effects
         for variant in variants(workshop, base, effect)
     ]
-    tables = workshop.each(lambda run: _run_tables(run, base, prepared), base.runs)
-    best: dict[str, Screened] = {}
+    systems = workshop.systems(base.model)
+    tables = workshop.each(lambda run: _run_tables(run, base, systems, prepared), base.runs)
+    found: dict[str, list[Screened]] = {}
     for i, item in enumerate(prepared):
         result = _solve(base, item.variant, [table[i] for table in tables])
-        known = best.get(item.variant.effect.id)
-        if known is None or result.score > known.score:
-            best[item.variant.effect.id] = result
+        found.setdefault(item.variant.effect.id, []).append(result)
+    best = {effect_id: _best_of(results) for effect_id, results in found.items()}
     for effect in effects:
-        if effect.has_random_heights and (found := _screened_heights(workshop, base, effect)):
-            best[effect.id] = found
+        if effect.has_random_heights and (heights := _screened_heights(workshop, base, effect)):
+            best[effect.id] = heights
     return sorted(best.values(), key=lambda s: -s.score)
+
+
+def _best_of(variants: Sequence[Screened]) -> Screened:
+    """The best variant of an effect with the next few behind it."""
+    best, *others = sorted(variants, key=lambda s: -s.score)
+    near = [s for s in others if s.score > 0 and s.gain > NEAR * best.gain]
+    return replace(best, others=tuple(near[:FEW]))
 
 
 def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:
@@ -187,21 +204,35 @@ class _Table:
     signatures: Array  # (size, a)
 
 
-def _run_tables(run: RunFit, base: Fit, prepared: Sequence[_Prepared]) -> list[_Table]:
+def _run_tables(
+    run: RunFit, base: Fit, systems: dict[Drive, System], prepared: Sequence[_Prepared]
+) -> list[_Table]:
     """Tables of all variants for one run; products of the baseline's columns are formed once."""
     known = np.hstack([run.own_jacobian, run.shared_jacobian, run.residual[:, None]])
     # The residual is free of heights already.
     free = np.hstack([run.freed(known[:, :-1]), run.residual[:, None]])
     products = known.T @ free
     products[-1] = products[:, -1]
-    return [_run_table(run, base, item, free, products) for item in prepared]
+    columns = _columns(run, base.model, systems, prepared)
+    return [_run_table(run, base, c, free, products) for c in columns]
 
 
-def _run_table(run: RunFit, base: Fit, item: _Prepared, free: Array, products: Array) -> _Table:
-    columns, own_columns, own = _columns(run, item)
+@dataclass(frozen=True, eq=False)
+class _Columns:
+    """Signatures of a variant's amplitudes (size, a), and of its effect's own parameters of the run
+    (size, q) per prior standard deviation."""
+
+    amplitudes: Array
+    own: Array
+
+
+def _run_table(
+    run: RunFit, base: Fit, signatures: _Columns, free: Array, products: Array
+) -> _Table:
+    columns, own_columns = signatures.amplitudes, signatures.own
     added = np.hstack([own_columns, columns])
     across, among = free.T @ added, added.T @ run.freed(added)
-    r, q, g, a = len(run.own), len(own), len(base.shared), columns.shape[1]
+    r, q, g, a = len(run.own), own_columns.shape[1], len(base.shared), columns.shape[1]
     # Order of the whole: own, effect's own | shared, amplitudes | residual.
     order = [*range(r), *range(r + g + 1, r + g + 1 + q), *range(r, r + g)]
     order += [*range(r + g + 1 + q, r + g + 1 + q + a), r + g]
@@ -221,39 +252,58 @@ def _run_table(run: RunFit, base: Fit, item: _Prepared, free: Array, products: A
     )
 
 
-def _columns(run: RunFit, item: _Prepared) -> tuple[Array, Array, Sequence[Parameter]]:
-    """Signatures of the amplitudes (size, a), and of the effect's own parameters of this run
-    (size, q) per prior standard deviation, with those parameters."""
-    bench, effect = run.bench, item.variant.effect
-    size, run_id = len(run.residual), bench.run.id
-    if not bench.simulator.acts(effect):
-        return np.zeros((size, len(item.models))), np.zeros((size, 0)), ()
-    measured = bench.measured[:, bench.predicted].ravel()
-    base = measured - run.residual
-    if effect.place == "sensor" and all(p.switch for p in item.variant.parameters):
-        # A record set right keeps the model's derivatives, a model set wrong does not.
-        theta = {p.name: p.scale for p in item.variant.parameters}
-        campaign = bench.simulator.campaign
-        right = bench.band.coefficients(
-            effect.restore(theta, bench.run.record, campaign.channels, campaign.sample_rate_hz)
-        )
-        return (measured - right[:, bench.predicted].ravel())[:, None], np.zeros((size, 0)), ()
-    columns = [
-        (bench.modelled(model, systems) - base) / step
-        for step, model, systems in zip(item.steps, item.models, item.systems, strict=True)
-    ]
-    own = effect.per_run(bench.simulator.setting)
-    own_columns = []
-    for p in own:
-        values = {f"{effect.id}.{q.name}": q.absent for q in own}
-        values[f"{effect.id}.{p.name}"] += OWN_STRENGTH * p.scale
-        moved = item.absent.with_run(run_id, values)
-        own_columns.append((bench.modelled(moved, item.absent_systems) - base) / OWN_STRENGTH)
-    return _stacked(columns, size), _stacked(own_columns, size), own
+def _columns(
+    run: RunFit, model: Model, systems: dict[Drive, System], prepared: Sequence[_Prepared]
+) -> list[_Columns]:
+    """The signatures of all variants in one run, simulated together."""
+    bench, size = run.bench, len(run.residual)
+    trials, own_moves = [(model, systems)], list[list[Move]]()
+    for item in prepared:
+        own_moves.append([])
+        if _acts(run, item.variant) and not _is_restored(item.variant):
+            trials += zip(item.models, item.systems, strict=True)
+            own = effect_run_parameters(bench.simulator.setting, item.variant.effect)
+            own_moves[-1] = moves(bench, item.absent, own, lambda f: OWN_STRENGTH * f.scale)
+            trials += [(move.model, item.absent_systems) for move in own_moves[-1]]
+    record, *others = bench.records(trials)
+    changes = (other - record for other in others)
+    found = []
+    for item, moved in zip(prepared, own_moves, strict=True):
+        columns = [np.zeros(size) for _ in item.models]
+        if _acts(run, item.variant) and _is_restored(item.variant):
+            columns = [_restored(run, item.variant)]
+        elif _acts(run, item.variant):
+            columns = [bench.coefficients(next(changes)) / step for step in item.steps]
+        parts = dict(part for move in moved for part in move.parts(bench, next(changes)))
+        own_columns = [parts[i] / OWN_STRENGTH for i in sorted(parts)]
+        found.append(_Columns(_stacked(columns, size), _stacked(own_columns, size)))
+    return found
+
+
+def _acts(run: RunFit, variant: Variant) -> bool:
+    return run.bench.simulator.acts(variant.effect)
+
+
+def _is_restored(variant: Variant) -> bool:
+    """Whether an effect is a fault of the record that can be undone: a record set right keeps the
+    model's derivatives, a model set wrong does not."""
+    return variant.effect.place == "sensor" and all(p.switch for p in variant.parameters)
+
+
+def _restored(run: RunFit, variant: Variant) -> Array:
+    """How much larger the record is than the record set right, (size,)."""
+    bench, campaign = run.bench, run.bench.simulator.campaign
+    theta = {p.name: p.scale for p in variant.parameters}
+    right = bench.band.coefficients(
+        variant.effect.restore(theta, bench.run.record, campaign.channels, campaign.sample_rate_hz)
+    )
+    return np.asarray((bench.measured - right)[:, bench.predicted].ravel())
 
 
 def _stacked(columns: Sequence[Array], size: int) -> Array:
-    return np.stack(columns, axis=1) if columns else np.zeros((size, 0))
+    """Columns (size, k); not a number where a simulation ran away."""
+    together = np.stack(columns, axis=1) if columns else np.zeros((size, 0))
+    return np.where(np.abs(together).max(axis=0, initial=0.0) < RAN_AWAY, together, np.nan)
 
 
 def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
@@ -264,12 +314,16 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
     matrix[:g, :g] += np.diag(weight + 1e-9 * (base.sigma**2 + weight))
     own_gain = sum(t.gain for t in tables)
     amplitudes = {p.name: p.absent for p in variant.amplitudes}
-    gain = -np.inf
+    gain, along = -np.inf, dict[str, float]()
     if np.isfinite(matrix).all():  # else the simulation ran away: not at this strength
         # A signature these runs hardly show must not call for an absurd amplitude.
         most = ABSURD * np.array([p.scale for p in variant.amplitudes])
         matrix[g:, g:] += np.diag(1e-9 * np.diag(matrix)[g:] + (base.sigma / most) ** 2)
-        amplitudes, gain = _bounded(matrix, gradient, g, variant.amplitudes)
+        x, gain = _bounded(matrix, gradient, g, variant.amplitudes)
+        amplitudes = {
+            p.name: p.absent + float(d) for p, d in zip(variant.amplitudes, x[g:], strict=True)
+        }
+        along = {f.name: f.scale * float(d) for f, d in zip(base.shared, x[:g], strict=True)}
     gain = (gain + own_gain) / base.sigma**2
     rss = max(base.rss - gain * base.sigma**2, 0.0)
     energy = sum(run.bench.energy for run in base.runs)
@@ -283,14 +337,16 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
         price=float(np.log(base.size)),
         error=float(np.sqrt(rss / energy)),
         signatures={r.bench.run.id: t.signatures for r, t in zip(base.runs, tables, strict=True)},
+        along=along,
     )
 
 
 def _bounded(
     matrix: Array, gradient: Array, g: int, parameters: Sequence[Parameter]
-) -> tuple[dict[str, float], float]:
-    """Amplitudes within their bounds and the drop of the sum of squares: an amplitude that would
-    leave its bounds is held there (switches at 1), until none does."""
+) -> tuple[Array, float]:
+    """Steps of shared parameters and amplitudes, those within their bounds, and the drop of the sum
+    of squares: an amplitude that would leave its bounds is held there (switches at 1), until none
+    does."""
     held = {g + i: p.scale for i, p in enumerate(parameters) if p.switch}
     while True:
         free = [i for i in range(len(gradient)) if i not in held]
@@ -306,4 +362,4 @@ def _bounded(
             break
         held |= outside
     gain = float(2 * gradient @ x - x @ matrix @ x)
-    return {p.name: p.absent + float(x[g + i]) for i, p in enumerate(parameters)}, gain
+    return x, gain

@@ -46,9 +46,7 @@ class AccelerationMoment(Effect):
         if run.speed_m_s <= 0:
             return ()
         meaning = f"acceleration {self.direction}"
-        return tuple(
-            Parameter(name, "m/s²", meaning, EXPECTED_M_S2) for name in _history(run).names
-        )
+        return _history(run).parameters("m/s²", meaning, EXPECTED_M_S2)
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """A moment about the centre of mass, per acceleration."""

@@ -41,6 +41,8 @@ class Parameter:
     frequency) means nothing while the amplitudes vanish; screening tries each of its ``starts``
     and ``scale`` is one standard deviation of what is believed about it beforehand. A *switch*
     is an amplitude that physics fixes: an effect of this kind is there in full or not at all.
+    ``span_s`` says when in its run a number acts that is free in every run: derivatives of numbers
+    that act far apart come from one simulation.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Parameter:
     upper: float = np.inf
     starts: tuple[float, ...] = ()
     switch: bool = False
+    span_s: tuple[float, float] = (-np.inf, np.inf)
 
     @property
     def is_shape(self) -> bool:
@@ -86,6 +89,9 @@ class Probe(Protocol):
 
     def modelled(self, run_id: str, changes: Values) -> Array:
         """The model without the effect, some of the run's own numbers changed by an amount."""
+
+    def all_modelled(self, run_id: str, trials: Sequence[Values]) -> Sequence[Array]:
+        """The same for several such changes, at much less cost than one after the other."""
 
     def way_m(self, run_id: str) -> Array:
         """The way (n, 4), m, each wheel has come along the track, the effect left out."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import interpolate
 
-from wheelhop.effects.base import Array, RunSetting, Values
+from wheelhop.effects.base import Array, Parameter, RunSetting, Values
 
 LEAD_S = 0.8
 """Histories begin this long before the record: the vehicle remembers no longer."""
@@ -31,6 +31,14 @@ class History:
         inner = np.linspace(self.begin_s, self.end_s, count + 1)
         self._knots = np.concatenate([[self.begin_s] * 3, inner, [self.end_s] * 3])
         self.names = tuple(f"coefficient_{j}_{unit}" for j in range(count + 3))
+
+    def parameters(self, unit: str, meaning: str, scale: float) -> tuple[Parameter, ...]:
+        """The coefficients as numbers that a run leaves free."""
+        spans = zip(self._knots[:-4].tolist(), self._knots[4:].tolist(), strict=True)
+        return tuple(
+            Parameter(name, unit, meaning, scale, span_s=span)
+            for name, span in zip(self.names, spans, strict=True)
+        )
 
     def at(self, theta: Values, time_s: Array) -> tuple[Array, Array] | None:
         """Value and rate at the given times; None where no coefficient is stated or all vanish."""

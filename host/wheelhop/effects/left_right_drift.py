@@ -39,8 +39,7 @@ class LeftRightDrift(Effect):
         if not run.on_road or run.speed_m_s <= 0:
             return ()
         scale = EXPECTED * run.speed_m_s * (run.end_s - run.record_start_s) / 2
-        names = History(run, KNOT_S).names
-        return tuple(Parameter(name, "m", "lead of the left wheels", scale) for name in names)
+        return History(run, KNOT_S).parameters("m", "lead of the left wheels", scale)
 
     def travel(
         self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float

@@ -42,8 +42,7 @@ class SpeedFluctuation(Effect):
             return ()
         # A wander of period T and relative size f moves the vehicle by v f T / 2π; T about 5 s.
         scale = EXPECTED * run.speed_m_s * 5.0 / (2 * np.pi)
-        names = History(run, KNOT_S).names
-        return tuple(Parameter(name, "m", "distance gained", scale) for name in names)
+        return History(run, KNOT_S).parameters("m", "distance gained", scale)
 
     def travel(
         self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float
@@ -90,9 +89,9 @@ def _local_mismatch(probe: Probe, run: RunSetting) -> tuple[Array, Array, Array]
     inside = np.abs(time - centres[:, None]) <= WINDOW_S / 2
     energy = inside @ (record**2).sum(axis=1)
     mismatch = np.empty((len(centres), len(shifts)))
-    for i, shift in enumerate(shifts):
-        residual = record - probe.modelled(run.run_id, {"start_m": float(shift)})
-        mismatch[:, i] = inside @ (residual**2).sum(axis=1) / energy
+    modelled = probe.all_modelled(run.run_id, [{"start_m": float(shift)} for shift in shifts])
+    for i, signal in enumerate(modelled):
+        mismatch[:, i] = inside @ ((record - signal) ** 2).sum(axis=1) / energy
     return centres, shifts, mismatch
 
 

@@ -4,16 +4,18 @@ from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_den
 from wheelhop.fit.fit import fit
 from wheelhop.fit.ground import Ground
 from wheelhop.fit.heights import Heights
+from wheelhop.fit.moves import Move, moves
 from wheelhop.fit.parameters import (
     Free,
     effect_parameters,
+    effect_run_parameters,
     initial_model,
     run_parameters,
     vehicle_parameters,
 )
 from wheelhop.fit.result import Fit, RunFit
 from wheelhop.fit.start import find_start, seek_again
-from wheelhop.fit.workshop import Bench, Workshop
+from wheelhop.fit.workshop import Bench, Trial, Workshop
 
 __all__ = [
     "Bench",
@@ -22,16 +24,20 @@ __all__ = [
     "Free",
     "Ground",
     "Heights",
+    "Move",
     "Noise",
     "RunFit",
     "Spectrum",
+    "Trial",
     "Workshop",
     "effect_parameters",
+    "effect_run_parameters",
     "explained",
     "find_density",
     "find_start",
     "fit",
     "initial_model",
+    "moves",
     "run_parameters",
     "seek_again",
     "vehicle_parameters",

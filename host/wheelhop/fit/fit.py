@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wheelhop.fit.density import Noise, Spectrum, find_density
 from wheelhop.fit.ground import Ground
 from wheelhop.fit.heights import Heights
+from wheelhop.fit.moves import moves
 from wheelhop.fit.parameters import Free, run_parameters
 from wheelhop.fit.result import Derivatives, Fit, RunFit
 from wheelhop.fit.workshop import Bench, Workshop
@@ -126,24 +127,30 @@ class _Problem:
 
         def linearise_run(bench: Bench) -> RunFit:
             own = self.own(bench, model)
-            base = bench.modelled(model, systems)
             old = self.known.get(bench.run.id)
             held = {} if old is None else {f.name: i for i, f in enumerate(old.own)}
-            g = len(self.shared)
-            matrix = np.empty((len(base), g + len(own)))
-            for i, free in enumerate(self.shared):
-                if old is not None and free.name in self.column:
-                    matrix[:, i] = old.shared_jacobian[:, self.column[free.name]]
+            g, free = len(self.shared), (*self.shared, *own)
+            matrix = np.empty((bench.size, len(free)))
+            trials, places, new = [(model, systems)], list[int](), list[int]()
+            for i, one in enumerate(free):
+                if i < g and old is not None and one.name in self.column:
+                    matrix[:, i] = old.shared_jacobian[:, self.column[one.name]]
+                elif i >= g and old is not None and one.name in held:
+                    matrix[:, i] = old.own_jacobian[:, held[one.name]]
+                elif i < g:
+                    trials.append(moved[one.name])
+                    places.append(i)
                 else:
-                    other, its_systems = moved[free.name]
-                    matrix[:, i] = (bench.modelled(other, its_systems) - base) / free.step
-            values = model.runs[bench.run.id]
-            for i, free in enumerate(own):
-                if old is not None and free.name in held:
-                    matrix[:, g + i] = old.own_jacobian[:, held[free.name]]
-                else:
-                    other = model.with_run(bench.run.id, _stepped(free, values))
-                    matrix[:, g + i] = (bench.modelled(other, systems) - base) / free.step
+                    new.append(i)
+            together = moves(bench, model, [free[i] for i in new], lambda f: f.step * f.scale)
+            trials += [(move.model, systems) for move in together]
+            record, *others = bench.records(trials)
+            for i, other in zip(places, others, strict=False):
+                matrix[:, i] = bench.coefficients(other - record) / free[i].step
+            for move, other in zip(together, others[len(places) :], strict=True):
+                for k, part in move.parts(bench, other - record):
+                    matrix[:, new[k]] = part / free[new[k]].step
+            base = bench.coefficients(record)
             residual = bench.measured[:, bench.predicted].ravel() - base
             heights = None
             if model.random_heights is not None and bench.simulator.series is not None:

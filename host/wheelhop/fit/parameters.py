@@ -21,7 +21,7 @@ SPEED_UNCERTAINTY = 0.06
 @dataclass(frozen=True)
 class Free:
     """A free number: its prior mean and standard deviation (inf: nothing is known), the scale on
-    which it is varied, and its bounds, all in its own unit."""
+    which it is varied, and its bounds, all in its own unit; and when in its run it acts, s."""
 
     name: str
     mean: float
@@ -29,6 +29,8 @@ class Free:
     scale: float
     lower: float = -np.inf
     upper: float = np.inf
+    span_s: tuple[float, float] = (-np.inf, np.inf)
+    is_shape: bool = False  #: of an effect, and meaningless while that is absent
 
     @property
     def step(self) -> float:
@@ -107,7 +109,8 @@ def effect_parameters(campaign: Campaign, model: Model, effect: Effect) -> list[
         name = f"{effect.id}.{p.name}"
         start = model.values.get(name, p.absent)
         sigma = p.scale if p.is_shape else np.inf
-        free.append(Free(name, start, sigma, p.scale, p.lower, p.upper))
+        shape = p.is_shape
+        free.append(Free(name, start, sigma, p.scale, p.lower, p.upper, is_shape=shape))
     return free
 
 
@@ -125,8 +128,13 @@ def run_parameters(run: Run, setting: RunSetting, effects: Sequence[Effect]) -> 
             free.append(Free(f"initial_{name}_rate", 0.0, 0.2, 0.2))
     for effect in effects:
         if effect.acts_in(setting):
-            free.extend(
-                Free(f"{effect.id}.{p.name}", p.absent, p.scale, p.scale, p.lower, p.upper)
-                for p in effect.per_run(setting)
-            )
+            free.extend(effect_run_parameters(setting, effect))
     return free
+
+
+def effect_run_parameters(setting: RunSetting, effect: Effect) -> list[Free]:
+    """What an effect leaves free in a run."""
+    return [
+        Free(f"{effect.id}.{p.name}", p.absent, p.scale, p.scale, p.lower, p.upper, p.span_s)
+        for p in effect.per_run(setting)
+    ]

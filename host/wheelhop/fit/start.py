@@ -66,7 +66,10 @@ def seek_again(
             for phase in np.arange(12) / 12:
                 start = own["start_m"] + phase * period
                 trials.append({"speed_m_s": float(speed), "start_m": start})
-    misfits = [_misfit(bench, model.with_run(run.id, trial), systems) for trial in ({}, *trials)]
+    models = [(model.with_run(run.id, trial), systems) for trial in ({}, *trials)]
+    measured = bench.measured[:, bench.predicted].ravel()
+    residuals = [measured - bench.coefficients(record) for record in bench.records(models)]
+    misfits = [float(residual @ residual) for residual in residuals]
     best = int(np.argmin(misfits))
     return trials[best - 1] if best > 0 else {}
 
@@ -75,11 +78,6 @@ def _wavelength(run: Run, period_m: float | None) -> float | None:
     """The track's period if the run is several of them long; else its shape is what counts."""
     distance = run.speed_m_s * (run.time_s[-1] - run.time_s[0])
     return period_m if period_m is not None and 2 * period_m < distance else None
-
-
-def _misfit(bench: Bench, model: Model, systems: dict[Drive, System]) -> float:
-    residual = bench.residual(model, systems)
-    return float(residual @ residual)
 
 
 def _speeds(run: Run, wavelength_m: float) -> Array:

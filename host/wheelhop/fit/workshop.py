@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TypeVar
@@ -17,8 +17,17 @@ from wheelhop.simulate import Model, Response, Simulator, drive_of, make_simulat
 from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
+RUN_UP = 7.0
+"""So many of the nominal vehicle's slowest time constants lie between start and record."""
+
+REMEMBERED = 4.0 / RUN_UP
+"""After this share of the run-up 2 % of a disturbance are left: close enough for a derivative."""
+
 T = TypeVar("T")
 S = TypeVar("S")
+
+Trial = tuple[Model, dict[Drive, System]]
+"""A model with its equations of motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +39,7 @@ class Bench:
     band: InBand
     measured: Array  #: (2 n_bins, c) in-band coefficients of the record
     predicted: NDArray[np.bool_]  #: (c,) channels the model predicts in this run
+    memory_s: float  #: after this time what has moved the vehicle is as good as forgotten
 
     @property
     def drive(self) -> Drive:
@@ -52,7 +62,15 @@ class Bench:
 
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
         """In-band model coefficients (size,) of the predicted channels."""
-        record = self.simulator.record(model, systems[self.drive])
+        return self.coefficients(self.simulator.record(model, systems[self.drive]))
+
+    def records(self, trials: Sequence[Trial]) -> list[Array]:
+        """What several models say the instrument should have recorded (n, channels), at much less
+        cost than one after the other."""
+        return self.simulator.records([(model, s[self.drive]) for model, s in trials])
+
+    def coefficients(self, record: Array) -> Array:
+        """In-band coefficients (size,) of a record's predicted channels."""
         return self.band.coefficients(record[:, self.predicted]).ravel()
 
     def residual(self, model: Model, systems: dict[Drive, System]) -> Array:
@@ -112,10 +130,11 @@ class Workshop:
         predicted = np.array(
             [simulator.drive != "axles" or not c.is_axle for c in self.campaign.channels]
         )
-        return Bench(run, simulator, band, band.coefficients(run.record), predicted)
+        measured, memory_s = band.coefficients(run.record), REMEMBERED * self._run_up_s
+        return Bench(run, simulator, band, measured, predicted, memory_s)
 
 
 def _run_up(systems: dict[Drive, System]) -> float:
-    """When the nominal vehicle has forgotten its start: seven of its slowest time constants."""
+    """When the nominal vehicle has forgotten its start."""
     slowest = min(float(-system.poles().real.max()) for system in systems.values())
-    return float(np.clip(7.0 / max(slowest, 1e-3), 1.5, 6.0))
+    return float(np.clip(RUN_UP / max(slowest, 1e-3), 1.5, 6.0))

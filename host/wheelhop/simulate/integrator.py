@@ -1,13 +1,21 @@
 """Time integration of a mechanism with nonlinear force laws: the one hot loop of wheelhop.
 
 Classical Runge–Kutta of fourth order at a fixed step. Force laws are called through function
-pointers, so that the integrator is compiled once and any set of laws can be combined.
+pointers, so that the integrator is compiled once and any set of laws can be combined. Mechanisms of
+one make, as derivatives ask for, go through the loop side by side, one in each lane of the
+processor's vector unit.
 """
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import groupby
 from math import floor
+from types import FunctionType
+from typing import Any
 
 import numba
 import numpy as np
@@ -15,6 +23,7 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 from numpy.typing import NDArray
 
 from wheelhop.effects import law
+from wheelhop.simulate.lanes import LANES, aligned, load, plus, side_by_side, splat, store
 from wheelhop.vehicle import Law, System
 
 Array = NDArray[np.float64]
@@ -38,161 +47,193 @@ def padded(laws: tuple[Law, ...]) -> tuple[Law, ...]:
     return laws + (_no_force,) * (-len(laws) % SLOTS if laws else SLOTS)
 
 
-@numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _integrate(  # type: ignore[no-untyped-def]
-    a, b, e, p, r, g, port_law, laws, law_par, out, u, du, w, q0, dt, first, stride,
-    window, n_samples
+FORCE, AFTER, X, V, START, MEMORY = range(6)
+"""Of every port: its force and the memory that it leaves; its extension and the rate of it; what
+extension and memory were when the step began."""
+
+
+def _all_ports(ports, elapsed, parameters, first, last):  # type: ignore[no-untyped-def]
+    """Forces of some ports that have one law, `LAW`."""
+    for i in range(first, last):
+        for s in range(len(parameters)):
+            ports[FORCE, i, s], ports[AFTER, i, s] = LAW(  # type: ignore[name-defined] # noqa: F821
+                ports[X, i, s], ports[V, i, s], ports[X, i, s] - ports[START, i, s], elapsed,
+                ports[MEMORY, i, s], parameters[s, i],
+            )  # fmt: skip
+
+
+@cache
+def for_all_ports(single: Any) -> Callable[..., None]:
+    """A law for all ports and lanes at once: a call through a pointer costs more than most laws.
+
+    It is `_all_ports` as if that were written beside the law, where its compiled code is kept.
+    """
+    function: FunctionType = single.py_func
+    code = _all_ports.__code__.replace(
+        co_filename=function.__code__.co_filename,
+        co_firstlineno=function.__code__.co_firstlineno,
+        co_name=f"{function.__name__}_for_all_ports",
+        co_qualname=f"{function.__qualname__}_for_all_ports",
+    )
+    names = {"LAW": single, "range": range, "len": len, "__name__": function.__module__}
+    names |= {"FORCE": FORCE, "AFTER": AFTER, "X": X, "V": V, "START": START, "MEMORY": MEMORY}
+    signature = "void(float64[:, :, ::1], float64, float64[:, :, ::1], int64, int64)"
+    made = FunctionType(code, names)
+    compiled: Callable[..., None] = numba.njit(
+        signature, cache=True, nogil=True, error_model="numpy"
+    )(made)
+    return compiled
+
+
+def _groups(port_law: tuple[int, ...]) -> NDArray[np.int64]:
+    """Neighbouring ports with the same law: rows of law, first port, and the one after the last."""
+    runs = [(law, len(list(ports))) for law, ports in groupby(port_law)]
+    ends = np.cumsum([0, *(count for _, count in runs)])
+    rows = [(law, ends[i], ends[i + 1]) for i, (law, _) in enumerate(runs)]
+    return np.array(rows, dtype=np.int64).reshape(-1, 3)
+
+
+_compiled: Any = numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+
+Sparse = tuple[NDArray[np.int64], NDArray[np.int64], Array]
+"""Matrices by rows: where each row's entries begin, their columns, and their values (…, LANES)."""
+
+
+@numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _apply(result, first, matrix, vector):  # type: ignore[no-untyped-def]
+    """Matrix times vector into the rows of `result` from the `first` on."""
+    begins, columns, values = matrix
+    for i in range(len(begins) - 1):
+        total = splat(0.0)
+        for k in range(begins[i], begins[i + 1]):
+            total = plus(total, load(values, k), load(vector, columns[k]))
+        store(result, first + i, total)
+
+
+@numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _given(array, t, j):  # type: ignore[no-untyped-def]
+    """What moves the mechanisms, alike for all (T, k, 1) or one for each (T, k, LANES)."""
+    return load(array, t * array.shape[1] + j) if array.shape[2] > 1 else splat(array[t, j, 0])
+
+
+@numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _drive(z, first, u, du, w, half_step, dt):  # type: ignore[no-untyped-def]
+    """Prescribed motion, its rate and the applied forces at a half step into z, from row `first`
+    on; between steps the motion is a cubic Hermite polynomial."""
+    m, k, t = u.shape[1], w.shape[1], half_step // 2
+    for j in range(m):
+        x, v = _given(u, t, j), _given(du, t, j)
+        if half_step % 2 == 1:
+            x_next, v_next = _given(u, t + 1, j), _given(du, t + 1, j)
+            middle = plus(plus(splat(0.0), splat(0.5), x), splat(0.5), x_next)
+            middle = plus(plus(middle, splat(0.125 * dt), v), splat(-0.125 * dt), v_next)
+            rate = plus(plus(splat(0.0), splat(-1.5 / dt), x), splat(1.5 / dt), x_next)
+            x, v = middle, plus(plus(rate, splat(-0.25), v), splat(-0.25), v_next)
+        store(z, first + j, x)
+        store(z, first + m + j, v)
+    for j in range(k):
+        store(z, first + 2 * m + j, _given(w, half_step, j))
+
+
+@numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _sample(  # type: ignore[no-untyped-def]
+    y, output, mean, q, acc, v_old, a_old, t, dt, first, stride, window, lead, lead_part, lag,
+    lag_part,
 ):  # fmt: skip
-    """Run-time loop. a: (n, 2n) −M⁻¹[K C]; b: (n, 2m); e: (n, k); p, r: ports; g: (n, ports) M⁻¹Pᵀ;
-    u, du: (T+1, m); w: (2T+1, k). Returns mean accelerations (n_samples, c) of the outputs."""
-    n, m, ports, c = a.shape[0], u.shape[1], p.shape[0], out.shape[0]
-    steps = u.shape[0] - 1
-    q, trial, change = q0.copy(), q0.copy(), np.zeros(2 * n)
-    acc, force = np.zeros(n), np.zeros(ports)
-    v_old, a_old = np.zeros(n), np.zeros(n)
-    drive, pushed = np.zeros(2 * m), np.zeros(n)
-    start = np.zeros(ports)
-    for port in range(ports):
-        for j in range(n):
-            start[port] += p[port, j] * q0[j]
-        for j in range(m):
-            start[port] += r[port, j] * u[0, j]
-    memory, memory_new = np.zeros(ports), np.zeros(ports)
-    y = np.zeros((n_samples, c))
+    """The mean acceleration over a window is its velocity at the end less that at the beginning."""
+    n, c = acc.shape[0], y.shape[1]
+    for edge in range(2 if window > 0.0 else 1):
+        since = t - first
+        if window > 0.0:
+            since -= 1 + (lead if edge == 0 else lag)
+        if since < 0 or since % stride != 0 or since // stride >= y.shape[0]:
+            continue
+        # Cubic Hermite of the velocity over the step just finished.
+        part = lead_part if edge == 0 else lag_part
+        size = 0.0 if window == 0.0 else (-1.0 if edge == 0 else 1.0) / window
+        h00 = splat(size * (1.0 + 2.0 * part) * (1.0 - part) ** 2)
+        h01 = splat(size * part * part * (3.0 - 2.0 * part))
+        h10 = splat(size * part * (1.0 - part) ** 2 * dt)
+        h11 = splat(1.0 if window == 0.0 else size * part * part * (part - 1.0) * dt)
+        for i in range(n):
+            v = plus(plus(splat(0.0), h00, load(v_old, i)), h01, load(q, n + i))
+            store(mean, i, plus(plus(v, h10, load(a_old, i)), h11, load(acc, i)))
+        row = since // stride * c
+        _apply(mean, n, output, mean)
+        for o in range(c):
+            store(y, row + o, plus(load(y, row + o), splat(1.0), load(mean, n + o)))
+
+
+@_compiled
+def _integrate(  # type: ignore[no-untyped-def]
+    y, room, motion, extension, output, groups, laws, parameters, u, du, w, q, dt, first, stride,
+    window,
+):  # fmt: skip
+    """Run-time loop; lanes are the last axis of all arrays but `parameters`. It goes by the vector
+    z = (x, ẋ, u, u̇, w, f) of state, prescribed motions, applied forces and laws' forces: `motion`
+    z is ẍ, `extension` z the ports' extensions and rates, `output` ẍ the outputs. u, du: (T+1, m)
+    and w: (2T+1, k), the last axis 1 where alike for all; q: (2n,) state; parameters: (lanes used,
+    ports, …); `room` for z, the ports, and what a step needs. Adds the mean accelerations to y
+    (n_samples, c)."""
+    n, ports = q.shape[0] // 2, parameters.shape[1]
+    driven = 2 * n + 2 * u.shape[1]
+    forced = driven + w.shape[1]
+    z, port, change, acc, v_old, a_old, mean = room
+    for i in range(2 * n):
+        store(z, i, load(q, i))
+    _drive(z, 2 * n, u, du, w, 0, dt)
+    _apply(port, X * ports, extension, z)
+    for i in range(ports):
+        store(port, START * ports + i, load(port, X * ports + i))
     lead = np.int64(np.floor(-0.5 * window / dt))
     lead_part = -0.5 * window / dt - lead
     lag = np.int64(np.floor(0.5 * window / dt))
     lag_part = 0.5 * window / dt - lag
 
-    for t in range(steps):
+    for t in range(u.shape[0] - 1):
         for stage in range(4):
-            if (stage == 0 and t == 0) or stage == 1 or stage == 3:
-                _forcing(drive, pushed, b, e, u, du, w, 2 * t + (stage + 1) // 2, dt)
-            for i in range(n):
-                s = pushed[i]
-                for j in range(2 * n):
-                    s += a[i, j] * trial[j]
-                acc[i] = s
-            elapsed = 0.5 * dt * ((stage + 1) // 2)
+            if stage == 1 or stage == 3:
+                _drive(z, 2 * n, u, du, w, 2 * t + (stage + 1) // 2, dt)
             if laws is not None:
-                for port in range(ports):
-                    x, v = 0.0, 0.0
-                    for j in range(n):
-                        x += p[port, j] * trial[j]
-                        v += p[port, j] * trial[n + j]
-                    for j in range(m):
-                        x += r[port, j] * drive[j]
-                        v += r[port, j] * drive[m + j]
-                    force[port], memory_new[port] = laws[port_law[port]](
-                        x, v, x - start[port], elapsed, memory[port], law_par[port]
-                    )
-                for i in range(n):
-                    s = 0.0
-                    for port in range(ports):
-                        s += g[i, port] * force[port]
-                    acc[i] -= s
+                _apply(port, X * ports, extension, z)
+                elapsed = 0.5 * dt * ((stage + 1) // 2)
+                for k in range(len(groups)):
+                    laws[groups[k, 0]](port, elapsed, parameters, groups[k, 1], groups[k, 2])
+                for i in range(ports):
+                    store(z, forced + i, load(port, FORCE * ports + i))
+            _apply(acc, 0, motion, z)
             if stage == 0:
                 _sample(
-                    y, out, q, acc, v_old, a_old, t, dt, first, stride, window, n_samples,
+                    y, output, mean, q, acc, v_old, a_old, t, dt, first, stride, window,
                     lead, lead_part, lag, lag_part,
                 )  # fmt: skip
                 for i in range(n):
-                    v_old[i], a_old[i] = q[n + i], acc[i]
-            weight = 1.0 if stage == 0 or stage == 3 else 2.0
-            advance = 0.5 * dt if stage < 2 else dt
-            for i in range(n):
-                speed = trial[n + i]
-                if stage == 0:
-                    change[i], change[n + i] = speed, acc[i]
-                else:
-                    change[i] += weight * speed
-                    change[n + i] += weight * acc[i]
-                trial[i] = q[i] + advance * speed
-                trial[n + i] = q[n + i] + advance * acc[i]
+                    store(v_old, i, load(q, n + i))
+                    store(a_old, i, load(acc, i))
+            weight = splat(1.0 if stage == 0 or stage == 3 else 2.0)
+            advance = splat(0.5 * dt if stage < 2 else dt)
+            for i in range(2 * n):
+                rate = load(z, n + i) if i < n else load(acc, i - n)
+                before = splat(0.0) if stage == 0 else load(change, i)
+                store(change, i, plus(before, weight, rate))
+                store(z, i, plus(load(q, i), advance, rate))
         for i in range(2 * n):
-            q[i] += dt / 6.0 * change[i]
-            trial[i] = q[i]
+            end = plus(load(q, i), splat(dt / 6.0), load(change, i))
+            store(q, i, end)
+            store(z, i, end)
         if laws is not None:
-            for port in range(ports):
-                x, v = 0.0, 0.0
-                for j in range(n):
-                    x += p[port, j] * q[j]
-                    v += p[port, j] * q[n + j]
-                for j in range(m):
-                    x += r[port, j] * u[t + 1, j]
-                    v += r[port, j] * du[t + 1, j]
-                _, memory[port] = laws[port_law[port]](
-                    x, v, x - start[port], dt, memory[port], law_par[port]
-                )
-                start[port] = x
-    return y
+            # The motion at the end of the step is in z already.
+            _apply(port, X * ports, extension, z)
+            for k in range(len(groups)):
+                laws[groups[k, 0]](port, dt, parameters, groups[k, 1], groups[k, 2])
+            for i in range(ports):
+                store(port, MEMORY * ports + i, load(port, AFTER * ports + i))
+                store(port, START * ports + i, load(port, X * ports + i))
 
 
-@numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
-def _forcing(drive, pushed, b, e, u, du, w, half_step, dt):  # type: ignore[no-untyped-def]
-    """Prescribed motion and its rate at a half step, and the accelerations it and the applied
-    forces cause by themselves; between steps the motion is a cubic Hermite polynomial."""
-    m, t = u.shape[1], half_step // 2
-    for j in range(m):
-        if half_step % 2 == 0:
-            drive[j], drive[m + j] = u[t, j], du[t, j]
-        else:
-            rise = u[t + 1, j] - u[t, j]
-            drive[j] = u[t, j] + 0.5 * rise + 0.125 * dt * (du[t, j] - du[t + 1, j])
-            drive[m + j] = 1.5 * rise / dt - 0.25 * (du[t, j] + du[t + 1, j])
-    for i in range(pushed.shape[0]):
-        s = 0.0
-        for j in range(2 * m):
-            s += b[i, j] * drive[j]
-        for j in range(w.shape[1]):
-            s += e[i, j] * w[half_step, j]
-        pushed[i] = s
-
-
-@numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
-def _sample(  # type: ignore[no-untyped-def]
-    y, out, q, acc, v_old, a_old, t, dt, first, stride, window, n_samples,
-    lead, lead_part, lag, lag_part,
-):  # fmt: skip
-    """The mean acceleration over a window is its velocity at the end less that at the beginning."""
-    n = acc.shape[0]
-    if window == 0.0:
-        if t >= first and (t - first) % stride == 0 and (t - first) // stride < n_samples:
-            row = (t - first) // stride
-            for o in range(out.shape[0]):
-                for i in range(n):
-                    y[row, o] += out[o, i] * acc[i]
-        return
-    for edge in range(2):
-        offset, part, sign = (lead, lead_part, -1.0) if edge == 0 else (lag, lag_part, 1.0)
-        since = t - 1 - first - offset
-        if since < 0 or since % stride != 0 or since // stride >= n_samples:
-            continue
-        # Cubic Hermite of the velocity over the step just finished.
-        h00 = (1.0 + 2.0 * part) * (1.0 - part) ** 2
-        h01 = part * part * (3.0 - 2.0 * part)
-        h10 = part * (1.0 - part) ** 2 * dt
-        h11 = part * part * (part - 1.0) * dt
-        for i in range(n):
-            v = h00 * v_old[i] + h01 * q[n + i] + h10 * a_old[i] + h11 * acc[i]
-            for o in range(out.shape[0]):
-                y[since // stride, o] += sign * out[o, i] * v / window
-
-
-def integrate(
-    system: System,
-    height: Array,
-    rate: Array,
-    force: Array,
-    *,
-    initial: Array,
-    step_s: float,
-    first: int,
-    stride: int,
-    window_s: float,
-    n_samples: int,
-) -> Array:
-    """Accelerations of the outputs.
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A mechanism and what moves it.
 
     Parameters
     ----------
@@ -204,6 +245,36 @@ def integrate(
         Applied forces (N) at every half step.
     initial : (2 n,)
         Displacements and velocities at the first step.
+    """
+
+    system: System
+    height: Array
+    rate: Array
+    force: Array
+    initial: Array
+
+    @property
+    def make(self) -> tuple[object, ...]:
+        """What mechanisms that are integrated side by side have in common."""
+        s = self.system
+        return (*s.output.shape, *self.height.shape, *self.force.shape, s.port_law, s.laws)
+
+
+def integrate(
+    tasks: Sequence[Task],
+    *,
+    step_s: float,
+    first: int,
+    stride: int,
+    window_s: float,
+    n_samples: int,
+) -> list[Array]:
+    """Accelerations of the outputs of mechanisms of one make.
+
+    Parameters
+    ----------
+    tasks
+        The mechanisms and their motions.
     step_s
         Step of the integration. Accuracy needs (highest natural frequency) × step below about 1.
     first, stride
@@ -215,33 +286,72 @@ def integrate(
 
     Returns
     -------
-    (n_samples, c) m/s²; NaN columns for outputs that are not predicted.
+    (n_samples, c) m/s² of each; NaN columns for outputs that are not predicted.
     """
+    steps = len(tasks[0].height) - 1
     reach = first + (n_samples - 1) * stride + floor(0.5 * window_s / step_s) + 1
-    if reach > len(height) - 1 or first < floor(0.5 * window_s / step_s) + 1:
+    if reach > steps or first < floor(0.5 * window_s / step_s) + 1:
         raise ValueError("the samples do not lie inside the integrated span")
-    inverse = np.linalg.inv(system.mass)
-    laws = padded(system.laws) if system.laws else None
-    y: Array = _integrate(
-        -inverse @ np.hstack([system.stiffness, system.damping]),
-        inverse @ np.hstack([system.input_stiffness, system.input_damping]),
-        np.ascontiguousarray(inverse @ system.force),
-        system.port,
-        system.port_input,
-        np.ascontiguousarray(inverse @ system.port.T),
-        np.array(system.port_law, dtype=np.int64),
-        laws,
-        system.law_parameters,
-        np.nan_to_num(system.output),
-        height,
-        rate,
-        force,
-        initial,
-        step_s,
-        first,
-        stride,
-        window_s,
-        n_samples,
-    )
-    y[:, np.isnan(system.output).any(axis=1)] = np.nan
-    return y
+    sampling = (step_s, first, stride, window_s)
+    found: list[Array] = []
+    for begin in range(0, len(tasks), LANES):
+        together = tasks[begin : begin + LANES]
+        y = aligned((n_samples, len(together[0].system.output), LANES))
+        _integrate(y, _room(together[0]), *_arguments(together), *sampling)
+        for lane, task in enumerate(together):
+            record = y[:, :, lane].copy()
+            record[:, np.isnan(task.system.output).any(axis=1)] = np.nan
+            found.append(record)
+    return found
+
+
+def _arguments(tasks: Sequence[Task]) -> list[object]:
+    """What the loop takes, the sampling left out."""
+    laws = tasks[0].system.laws
+    motion, extension, output = zip(*(_matrices(task.system) for task in tasks), strict=True)
+    return [
+        *(_sparse(motion), _sparse(extension), _sparse(output)),
+        _groups(tasks[0].system.port_law),
+        tuple(for_all_ports(law) for law in padded(laws)) if laws else None,
+        np.stack([task.system.law_parameters for task in tasks]),
+        *(_alike([getattr(task, name) for task in tasks]) for name in ("height", "rate", "force")),
+        side_by_side([task.initial for task in tasks]),
+    ]
+
+
+def _room(task: Task) -> tuple[Array, ...]:
+    """The loop's own vectors: z, the ports, the sums of a step, accelerations, velocities and
+    accelerations at its beginning, their mean over the window and what the outputs show of it."""
+    c, n = task.system.output.shape
+    ports, k, m = len(task.system.port_law), task.force.shape[1], task.height.shape[1]
+    rows = (2 * n + 2 * m + k + ports, 6 * ports, 2 * n, n, n, n, n + c)
+    z, port, *others = (aligned((count, LANES)) for count in rows)
+    return (z, port.reshape(6, ports, LANES), *others)
+
+
+def _matrices(s: System) -> tuple[Array, Array, Array]:
+    """What the loop multiplies its vector z by; see there."""
+    inverse, ports, k = np.linalg.inv(s.mass), len(s.port), s.force.shape[1]
+    motion = [-s.stiffness, -s.damping, s.input_stiffness, s.input_damping, s.force, -s.port.T]
+    none, unmoved = np.zeros_like(s.port), np.zeros_like(s.port_input)
+    beyond = np.zeros((ports, k + ports))
+    extension = [
+        [s.port, none, s.port_input, unmoved, beyond],
+        [none, s.port, unmoved, s.port_input, beyond],
+    ]
+    shown: Array = np.nan_to_num(s.output)
+    return np.asarray(inverse @ np.hstack(motion)), np.block(extension), shown
+
+
+def _sparse(matrices: Sequence[Array]) -> Sparse:
+    """Matrices of the same shape, one for each lane; zero is what is zero in all."""
+    rows, columns = np.nonzero(np.any(matrices, axis=0))
+    begins = np.searchsorted(rows, np.arange(len(matrices[0]) + 1))
+    return begins, columns, side_by_side([matrix[rows, columns] for matrix in matrices])
+
+
+def _alike(given: Sequence[Array]) -> Array:
+    """Motions (T, k, LANES), or (T, k, 1) where they are the same for all."""
+    if all(one is given[0] for one in given):
+        return np.ascontiguousarray(given[0])[:, :, None]
+    return side_by_side(given)

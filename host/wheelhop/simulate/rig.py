@@ -7,6 +7,7 @@ laws with memory going through the record step by step.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numba
 import numpy as np
@@ -66,6 +67,10 @@ class RigSimulator:
         own = model.runs[self.run.id]
         start = [own[name] for name in INITIAL]
         return self._displacement(system, self._stable(system, longest), start)[:, None]
+
+    def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
+        """The same for several models."""
+        return [self.record(model, system) for model, system in trials]
 
     def motion(self, stride: int) -> Array:
         """Recorded displacement, velocity and acceleration (3, T), in SI, at so many steps per

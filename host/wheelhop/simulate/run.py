@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,9 @@ from scipy import interpolate
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.frequency import ForceResponse
-from wheelhop.simulate.integrator import integrate
+from wheelhop.simulate.integrator import Task, integrate
+from wheelhop.simulate.job import Job, heights_of, without_sensors
+from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.unevenness import HeightSeries
 from wheelhop.track import Wheel, WheelPath, make_track
@@ -51,7 +54,10 @@ REACH = 1.08
 MOVING_PLACES = ("track", "speed", "wheel", "sensor")
 """Where effects change the prescribed motion; faults of sensors do where axles are measured."""
 
-KEPT_MOTIONS = 12
+KEPT_MOTIONS = 4
+
+MOST_WAITING = 32
+"""So many jobs, each with its motion of the ground, wait for others to be integrated with."""
 
 INITIAL = ("heave", "pitch", "roll")
 """With measured axles the motion before the record is unknown: these start anywhere."""
@@ -69,19 +75,6 @@ class Response:
     run_id: str
     record: Array
     position_m: Array | None
-
-
-@dataclass(eq=False)
-class _Integrated:
-    """The last model that was integrated, the motion of the ground, the accelerations, so many per
-    sample, and what applied forces do to it."""
-
-    model: Model
-    system: System
-    height: Array
-    per_sample: int
-    acceleration: Array
-    response: ForceResponse | None = None
 
 
 class RunSimulator:
@@ -114,8 +107,7 @@ class RunSimulator:
         )
         self._track = make_track(run.track) if self.drive == "road" else None
         self.series = self._series()
-        self._last: tuple[object, Array] | None = None
-        self._integrated: _Integrated | None = None
+        self._done: list[Job] = []
         self._step_s: float | None = None
         self._motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
 
@@ -171,9 +163,36 @@ class RunSimulator:
 
     def record(self, model: Model, system: System) -> Array:
         """Accelerations (n, n_channels), m/s², as the instrument gives them."""
-        # A sensor's faults act before its signal is sampled: on every step of the integration.
-        per_sample = self._stride(model) if any(e.place == "sensor" for e in model.effects) else 1
-        acceleration = self._mechanics(model, system, per_sample)
+        return self.records([(model, system)])[0]
+
+    def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
+        """The same for several models with their equations of motion; side by side, they cost
+        little more than one."""
+        jobs, waiting = list[Job](), list[Job]()
+        bases = {job.base: job for job in self._done}
+        for model, system in trials:
+            job = self._job(model, system, [*jobs[:1], *jobs[-1:], *self._done])
+            if job.acceleration is None and job not in waiting:
+                base = bases.setdefault(job.base, job)
+                if base is job or system.laws or self.drive == "axles":
+                    waiting.append(job)
+                    alike = sum(other.make == job.make for other in waiting)
+                    if alike == LANES or len(waiting) == MOST_WAITING:
+                        self._integrate(waiting)
+                else:
+                    if base in waiting:
+                        self._integrate(waiting)
+                    job.acceleration = self._superposed(base, job)
+            jobs.append(job)
+        self._integrate(waiting)
+        # What only sensors or a force change is asked for next: about the first, or the last.
+        self._done = [*jobs[:1], *jobs[-1:]] if self.drive == "road" else []
+        return [self._sensed_by(job, model) for job, (model, _) in zip(jobs, trials, strict=True)]
+
+    def _sensed_by(self, job: Job, model: Model) -> Array:
+        """What the instrument makes of the true accelerations, at the run's samples."""
+        assert job.acceleration is not None
+        acceleration, per_sample = job.acceleration, job.per_sample
         rate_hz = self.campaign.sample_rate_hz * per_sample
         for effect in filter(self.acts, model.effects):
             theta = model.theta(effect, self.run.id)
@@ -181,22 +200,37 @@ class RunSimulator:
         first, last = self._before, self._before + len(self.run.time_s) - 1
         return acceleration[first * per_sample : last * per_sample + 1 : per_sample]
 
-    def _mechanics(self, model: Model, system: System, per_sample: int) -> Array:
-        """True accelerations, so many per sample, some before and after the record included; those
-        of the last model are kept, for what only sensors change."""
-        key = (per_sample, _without_sensors(model, self.run.id))
-        if self.drive == "road" and self._last is not None and self._last[0] == key:
-            return self._last[1]
+    def _job(self, model: Model, system: System, known: Sequence[Job]) -> Job:
+        """The job that a model asks for, or one of those `known` that does."""
         stride = self._stride(model)
+        # A sensor's faults act before its signal is sampled: on every step of the integration.
+        per_sample = stride if any(e.place == "sensor" for e in model.effects) else 1
+        key = (per_sample, without_sensors(model, self.run.id))
+        same = next((job for job in known if job.key == key), None)
+        if same is not None and self.drive == "road":
+            return same
         height, rate = self._motion(model, stride)
-        acceleration = self._superposed(model, system, height, per_sample)
-        if acceleration is None:
-            acceleration = integrate(
-                system,
-                height,
-                rate,
-                self._forces(model, system, self._times(stride, 2)),
-                initial=self._initial(model, system),
+        return Job(model, system, height, rate, stride, per_sample, key)
+
+    def _integrate(self, waiting: list[Job]) -> None:
+        """Integrate the jobs that wait, those of one make together, and let none wait any more."""
+        while waiting:
+            jobs = [job for job in waiting if job.make == waiting[0].make]
+            waiting[:] = [job for job in waiting if job not in jobs]
+            stride, per_sample = jobs[0].stride, jobs[0].per_sample
+            time_s = self._times(stride, 2)
+            tasks = [
+                Task(
+                    job.system,
+                    job.height,
+                    job.rate,
+                    self._forces(job.model, job.system, time_s),
+                    self._initial(job.model, job.system),
+                )
+                for job in jobs
+            ]
+            found = integrate(
+                tasks,
                 step_s=1.0 / (self.campaign.sample_rate_hz * stride),
                 first=(self._lead - self._before) * stride,
                 stride=stride // per_sample,
@@ -204,33 +238,27 @@ class RunSimulator:
                 window_s=self.campaign.averaging_s if self.drive == "road" else 0.0,
                 n_samples=self._sensed * per_sample + 1,
             )
-            self._integrated = _Integrated(model, system, height, per_sample, acceleration)
-        self._last = (key, acceleration)
-        return acceleration
+            for job, acceleration in zip(jobs, found, strict=True):
+                job.acceleration = acceleration
 
-    def _superposed(
-        self, model: Model, system: System, height: Array, per_sample: int
-    ) -> Array | None:
-        """What was integrated last plus the response to the change of the applied forces, where
-        nothing else changed and no force law forbids it: derivatives of a force's history cost
-        next to nothing."""
-        last = self._integrated
-        if last is None or last.system is not system or last.height is not height:
-            return None
-        if last.per_sample != per_sample or system.laws or self.drive == "axles":
-            return None
-        time_s = self._times(per_sample, 1)
-        change = self._forces(model, system, time_s) - self._forces(last.model, system, time_s)
-        if last.response is None:
-            last.response = ForceResponse(
-                system,
+    def _superposed(self, base: Job, job: Job) -> Array:
+        """What is known of `base` plus the response to the change of the applied forces, all that
+        differs: derivatives of a force's history cost next to nothing."""
+        assert base.acceleration is not None
+        per_sample, time_s = job.per_sample, self._times(job.per_sample, 1)
+        change = self._forces(job.model, job.system, time_s)
+        change = change - self._forces(base.model, base.system, time_s)
+        if base.response is None:
+            base.response = ForceResponse(
+                base.system,
                 len(time_s),
                 self._lead * per_sample,
                 1.0 / (self.campaign.sample_rate_hz * per_sample),
                 self.campaign.averaging_s,
             )
         first = (self._lead - self._before) * per_sample
-        return last.acceleration + last.response(change)[first : first + len(last.acceleration)]
+        rise = base.response(change)[first : first + len(base.acceleration)]
+        return np.asarray(base.acceleration + rise)
 
     def _forces(self, model: Model, system: System, time_s: Array) -> Array:
         """Applied forces (T, k), N."""
@@ -256,17 +284,17 @@ class RunSimulator:
                 *(model.values[k] for k in PATH_KEYS),
                 *(item for item in own.items() if "." not in item[0]),
                 *((e, *model.theta(e, self.run.id).items()) for e in upstream),
-                _heights(model, self.run.id),
+                heights_of(model, self.run.id),
             ]
         )
-        if key not in self._motions:
-            time_s = self._times(stride, 1)
+        motion = self._motions.pop(key, None)
+        if motion is None:
             make = self._road if self.drive == "road" else self._axles
-            motion = make(model, time_s)
+            motion = make(model, self._times(stride, 1))
             while len(self._motions) >= KEPT_MOTIONS:
                 del self._motions[next(iter(self._motions))]
-            self._motions[key] = motion
-        return self._motions[key]
+        self._motions[key] = motion  # the last to go
+        return motion
 
     def _path(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         """Distance (T, 4), m, each wheel has come along the track, and its rate, m/s."""
@@ -343,20 +371,6 @@ class RunSimulator:
         if self._track is None:
             return None
         return np.asarray(self.way(model)[:, :2].mean(axis=1))
-
-
-def _without_sensors(model: Model, run_id: str) -> object:
-    """All of the model that moves the vehicle in a run."""
-    sensors = tuple(f"{e.id}." for e in model.effects if e.place == "sensor")
-    values = {k: v for k, v in model.values.items() if not k.startswith(sensors)}
-    own = {k: v for k, v in model.runs.get(run_id, {}).items() if not k.startswith(sensors)}
-    effects = [e for e in model.effects if e.place != "sensor"]
-    return values, own, effects, _heights(model, run_id)
-
-
-def _heights(model: Model, run_id: str) -> bytes:
-    """The heights of a run, to be compared."""
-    return model.heights[run_id].tobytes() if run_id in model.heights else b""
 
 
 def slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSpline:

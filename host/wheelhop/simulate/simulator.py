@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -50,6 +51,9 @@ class Simulator(Protocol):
 
     def record(self, model: Model, system: System) -> NDArray[np.float64]:
         """What the instrument should have recorded (n, n_channels), in the channels' units."""
+
+    def records(self, trials: Sequence[tuple[Model, System]]) -> list[NDArray[np.float64]]:
+        """The same for several models, each with its equations of motion."""
 
 
 def drive_of(run: Run) -> Drive:

@@ -1,0 +1,56 @@
+"""A model that waits to be integrated, with others of its make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.simulate.frequency import ForceResponse
+from wheelhop.simulate.model import Model
+from wheelhop.vehicle import System
+
+Array = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Job:
+    """A model to be integrated, with the motion of the ground: accelerations are wanted so many per
+    sample; and what applied forces do to it, once that was asked for."""
+
+    model: Model
+    system: System
+    height: Array
+    rate: Array
+    stride: int
+    per_sample: int
+    key: object  #: all of the model that moves the vehicle
+    acceleration: Array | None = None
+    response: ForceResponse | None = None
+
+    @property
+    def make(self) -> tuple[object, ...]:
+        """What models that are integrated side by side have in common."""
+        s = self.system
+        shapes = *s.output.shape, s.force.shape[1]
+        return self.stride, self.per_sample, *shapes, s.port_law, s.laws
+
+    @property
+    def base(self) -> tuple[object, ...]:
+        """What models have in common that differ in nothing but applied forces."""
+        return id(self.system), id(self.height), self.per_sample
+
+
+def without_sensors(model: Model, run_id: str) -> object:
+    """All of the model that moves the vehicle in a run."""
+    sensors = tuple(f"{e.id}." for e in model.effects if e.place == "sensor")
+    values = {k: v for k, v in model.values.items() if not k.startswith(sensors)}
+    own = {k: v for k, v in model.runs.get(run_id, {}).items() if not k.startswith(sensors)}
+    effects = [e for e in model.effects if e.place != "sensor"]
+    return values, own, effects, heights_of(model, run_id)
+
+
+def heights_of(model: Model, run_id: str) -> bytes:
+    """The heights of a run, to be compared."""
+    return model.heights[run_id].tobytes() if run_id in model.heights else b""
