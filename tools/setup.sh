@@ -37,7 +37,7 @@ fi
 
 # The firmware's tests build it and run it on a simulated board; without these they are skipped.
 firmware="gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev libelf-dev dosfstools mtools"
-firmware="$firmware clang-format cppcheck"
+firmware="$firmware clang-format cppcheck avrdude"
 
 install_firmware_tools() {
     missing=
