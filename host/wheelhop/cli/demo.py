@@ -143,7 +143,7 @@ def _tell_failure(step: Step, console: Console) -> None:
     console.print(
         Text(
             f"Fitted as well as it can be, it misses the held-out runs by {percent(error)};"
-            f" the sensors' noise alone would leave {percent(floor)}."
+            f" the sensors alone would leave {percent(floor)}."
         )
     )
     for sentence in describe(step.comparison.breakdown):

@@ -208,7 +208,7 @@ def ladder_table(steps: Sequence[Step]) -> str:
                 escape(" + ".join(["baseline", *step.added])),
                 percent(step.rung.error_fit),
                 percent(step.rung.error_validate),
-                significant(step.comparison.breakdown.total.ratio),
+                significant(step.comparison.breakdown.total.error / step.comparison.floor.error),
             ]
         )
     rows.append(["noise floor", percent(floor.error_fit), percent(floor.error_validate), "1"])

@@ -1,0 +1,40 @@
+"""What is known of a channel's scale is part of the floor, and nothing else changes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.campaign.build import write_campaign
+from wheelhop.calibration import nominal_constants, write_constants
+from wheelhop.campaign import read_campaign
+from wheelhop.compare.floor import noise_floor
+
+
+def test_a_calibration_beside_the_campaign_says_how_well_scales_are_known(tmp_path):
+    folder = write_campaign(tmp_path / "c")
+    assert {c.scale_uncertainty for c in read_campaign(folder).channels} == {0.0}
+    write_constants(nominal_constants(["A1", "B1"]), folder / "calibration.toml")
+    known = {c.name: c.scale_uncertainty for c in read_campaign(folder).channels}
+    # Data sheet: gain ± 10 %, across the axis ± 1 %, both rectangular.
+    assert known["A1"] == pytest.approx(np.hypot(0.10, 0.01) / np.sqrt(3), rel=1e-6)
+    assert known["A2"] == 0.0
+
+
+def test_the_floor_grows_by_the_share_of_the_measured_power(tmp_path):
+    folder = write_campaign(tmp_path / "c")
+    campaign = read_campaign(folder)
+
+    class Record:
+        def __init__(self, run):
+            self.run, self.measured = run, run.record
+            self.predicted = np.ones(len(campaign.channels), bool)
+            self.band = type("Band", (), {"n": len(run.record)})
+
+    records = [Record(run) for run in campaign.runs]
+    sure = noise_floor(campaign, records)
+    unsure = replace(
+        campaign, channels=tuple(replace(c, scale_uncertainty=0.03) for c in campaign.channels)
+    )
+    assert noise_floor(unsure, records).error == pytest.approx(np.hypot(sure.error, 0.03), rel=1e-9)
+    assert np.array_equal(noise_floor(unsure, records).noise_rms, sure.noise_rms)
