@@ -75,6 +75,18 @@ def assert_json_keeps_its_contract(document):
     assert all({"error_fit", "error_validate"} <= set(step) for step in document["ladder"])
 
 
+def test_before_nothing_is_believed_the_best_few_are_fitted_in_full(tmp_path):
+    """Springs in series with soft mounts look like soft springs: a quick fit, with the derivatives
+    of the car without mounts, does not come out of that valley."""
+    hidden = {"mount-bushing": {"stiffness_N_m": 50000.0, "damping_N_s_m": 260.0}}
+    folder = truth.make_campaign(
+        tmp_path, seed=31, effects=hidden, preset="passenger-car", short=True
+    )
+    diagnosis = diagnosed(folder)
+    assert diagnosis.verdict == ("mount-bushing",)
+    assert diagnosis.ladder[-1].over_floor <= 1.1
+
+
 def test_physics_that_is_not_in_the_library_is_unknown(tmp_path):
     """Friction is hidden and nobody has heard of it: whatever was accepted on the way, it is said
     that something is left, and the first entry is not claimed with confidence."""

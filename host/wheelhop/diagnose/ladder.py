@@ -9,7 +9,14 @@ from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
 from wheelhop.diagnose.exchange import exchange
-from wheelhop.diagnose.judge import MATERIAL, best_first, log_odds, p_value, relative_to_noise
+from wheelhop.diagnose.judge import (
+    MATERIAL,
+    at_noise,
+    best_first,
+    log_odds,
+    p_value,
+    relative_to_noise,
+)
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.screen import Screened, screen
@@ -24,6 +31,9 @@ SIGNIFICANT = 0.05
 HOPELESS = 2.0
 """An effect that leaves this many times the leader's held-out error won't catch up in a refit; nor
 will a model that lacks an effect, if a quick fit leaves so much."""
+
+LAST_RESORT = 3
+"""So many effects are fitted in full where none holds and something is left."""
 
 
 def diagnose(
@@ -119,13 +129,16 @@ def _refit_leaders(
 ) -> list[Candidate]:
     """The candidates, the best two that hold fitted with all derivatives; the best first.
 
-    A quick fit favours effects that resemble what the vehicle's own parameters do.
+    A quick fit favours effects that resemble what the vehicle's own parameters do, and it may end
+    where its derivatives no longer hold: before none is believed, the best few are fitted so, too.
     """
     leaders = [c for c in candidates if c.holds][:2]
     if len(leaders) == 2:
         first, second = sorted(leaders, key=lambda c: c.rung.error_validate)
         if second.rung.error_validate > HOPELESS * first.rung.error_validate:
             leaders = [first]
+    if not leaders and not at_noise(rung, workshop.noise):
+        leaders = list(candidates[:LAST_RESORT])
     refitted = []
     for leader in leaders:
         progress(f"fitting the vehicle with {leader.id}")
