@@ -38,6 +38,7 @@ from wheelhop.logger.recording import CODE, Recording
 Array = NDArray[np.float64]
 
 LOCK_S = 0.03  # what the rough clocks may be off by
+PERIODS_S = 0.5  # and by which they are, where steady sines have matched a period too early
 FEWEST_FREQUENCIES = 3
 HIGHEST_CODE = 1023
 NO_FIT = 100.0  # times what the points' own scatter allows
@@ -66,15 +67,10 @@ def compare_with_reference(
         clock = whole_clock(reference, log, loudest, clock)
     else:
         clock = swept_clock(reference, log, loudest, clock)
-    found = []
-    for column, channel in enumerate(log.channels):
-        tell(f"fitting channel {channel.name}")
-        found.append(_points(reference, log, column, steps, clock, conditions))
-    usable = [points.where(points.coherence >= LEAST_COHERENCE) for points in found]
-    exact, _ = lock(usable[loudest], clock, LOCK_S)
-    usable = [rephased(points, clock, exact) for points in usable]
-    raw = any(channel.unit == CODE for channel in log.channels)
-    chain = fit_chain(usable, exact, fixed_corner=not raw)
+    found, usable, chain = _fitted(reference, log, loudest, steps, clock, conditions, tell)
+    if chain.birge.min() > NO_FIT:  # some period too early or too late
+        clock, _ = lock(usable[loudest], clock, PERIODS_S)
+        found, usable, chain = _fitted(reference, log, loudest, steps, clock, conditions, tell)
     if chain.birge.min() > NO_FIT:
         raise CalibrationError(
             "no clock and no filter make the phases of the two recordings agree: are they of the"
@@ -90,6 +86,27 @@ def compare_with_reference(
     offset = Value(chain.clock.offset_s, 2 * chain.deviation(mean))
     findings = tuple(find(channels, usable, chain, conditions))
     return Comparison(conditions, device_of(log), bool(steps), offset, drift, channels, findings)
+
+
+def _fitted(
+    reference: Recording,
+    log: Recording,
+    loudest: int,
+    steps: list[Step],
+    clock: Clock,
+    conditions: Conditions,
+    tell: Callable[[str], None],
+) -> tuple[list[Points], list[Points], Chain]:
+    """All points of every channel, those usable with the clocks locked, and their fit."""
+    found = []
+    for column, channel in enumerate(log.channels):
+        tell(f"fitting channel {channel.name}")
+        found.append(_points(reference, log, column, steps, clock, conditions))
+    usable = [points.where(points.coherence >= LEAST_COHERENCE) for points in found]
+    exact, _ = lock(usable[loudest], clock, LOCK_S)
+    usable = [rephased(points, clock, exact) for points in usable]
+    raw = any(channel.unit == CODE for channel in log.channels)
+    return found, usable, fit_chain(usable, exact, fixed_corner=not raw)
 
 
 def _check_frequencies(steps: list[Step]) -> None:
