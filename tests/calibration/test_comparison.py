@@ -191,6 +191,16 @@ def test_a_sensor_driven_into_its_end_is_refused():
         calibrate(replace(PLAIN, shaking=Shaking(steps)))
 
 
+def test_sines_that_match_a_period_too_early_are_locked_anew():
+    """Five tones of 5 s, and clocks apart by as much as once sent the rough offset 0.36 s away."""
+    tones = tuple((f, min(15.0, 0.012 * (2 * np.pi * f) ** 2), 5.0) for f in (9.7, 3.7, 21.7, 43.3))
+    sensors = tuple(Sensor(f"B{k}", 0.48 + 0.01 * k, 531.3 + k) for k in range(1, 5))
+    shaking = Shaking((*tones, (15.3, 15.0, 5.0)))
+    for offset_s in np.linspace(-0.1, 0.1, 17):
+        found = calibrate(Rig(sensors, shaking, clock_offset_s=float(offset_s)), 1)
+        assert found.offset_s.value == pytest.approx(offset_s, abs=0.2e-3)
+
+
 @pytest.mark.parametrize("seed", range(1000, 1004))
 def test_sweeps_against_a_reference_of_few_samples_a_second(seed):
     """Steps between its samples would look like a slower sensor, and that like a delay."""

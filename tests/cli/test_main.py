@@ -156,7 +156,8 @@ def test_the_demo_takes_its_own_folder_afresh_and_no_other(tmp_path):
     (folder / "campaign.toml").write_text("spoilt")
     make_folder(folder)
     assert list(folder.iterdir()) == []
+    (folder / "turned.hop").write_bytes(b"")
     (folder / "thesis.docx").write_text("precious")
-    with pytest.raises(CampaignError, match="not from a demo"):
+    with pytest.raises(CampaignError, match="more than a demo leaves"):
         make_folder(folder)
     assert (folder / "thesis.docx").exists()

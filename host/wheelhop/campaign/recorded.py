@@ -25,11 +25,12 @@ def read_recording(
     recording = read(file)
     if recording.notes.get("clock_ppm"):
         recording = correct_clock(recording)
+    if all(channel.unit != CODE for channel in recording.channels):
+        return recording  # of another instrument, or calibrated before
     if constants_file is not None:
         return _calibrated(recording, read_constants(constants_file))
-    if nominal and any(channel.unit == CODE for channel in recording.channels):
-        names = [channel.name for channel in recording.channels]
-        return _calibrated(recording, nominal_constants(names))
+    if nominal:
+        return _calibrated(recording, nominal_constants(c.name for c in recording.channels))
     return recording
 
 

@@ -10,9 +10,11 @@ from rich.console import Console
 from rich.text import Text
 
 from wheelhop.campaign import Campaign, CampaignError, read_campaign
+from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.cli.add import MODEL_FILE
 from wheelhop.cli.console import open_console
 from wheelhop.cli.demo_field import (
+    CARD,
     DRIVEN,
     TURNED,
     calibrate,
@@ -33,6 +35,10 @@ from wheelhop.report.words import judged, percent
 from wheelhop.vehicle import Vehicle, read_nominal
 
 REPORT_FILE = "report.html"
+LEAVES = (
+    *(TURNED, DRIVEN, CARD, CONSTANTS_FILE),
+    *("campaign.toml", "vehicle.toml", "runs", MODEL_FILE, REPORT_FILE),
+)
 
 
 def run(arguments: Namespace) -> int:
@@ -77,8 +83,8 @@ def run_demo(folder: Path) -> int:
 def make_folder(folder: Path) -> None:
     """An empty folder; what an earlier demo left there goes. Raises CampaignError for any other."""
     if folder.exists():
-        if any(folder.iterdir()) and not (folder / TURNED).exists():
-            raise CampaignError(f"{folder}: is not empty, and not from a demo: choose another")
+        if any(item.name not in LEAVES for item in folder.iterdir()):
+            raise CampaignError(f"{folder}: holds more than a demo leaves: choose another folder")
         shutil.rmtree(folder)
     folder.mkdir(parents=True)
 

@@ -23,8 +23,7 @@ from wheelhop.logger.download import Downloader
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.link_find import connect
 
-TURNED, DRIVEN = "turned.hop", "driven.hop"
-
+TURNED, DRIVEN, CARD = "turned.hop", "driven.hop", "card"
 MARGIN_S = 1.0  # of logger time, for its start
 BUILD = Path(simulated.__file__).parents[3] / "tools" / "firmware_build.py"
 ELF = BUILD.parents[1] / "build" / "firmware" / "nano" / "firmware.elf"
@@ -55,7 +54,7 @@ def find_firmware() -> Path | None:
 
 def record(signals: Signals, folder: Path, name: str, elf: Path | None) -> Recorded:
     """Let a logger record these signals, fetch its log over the line, and keep it as `name`."""
-    card = folder / f"card-{Path(name).stem}"
+    card = folder / CARD
     card.mkdir(parents=True, exist_ok=True)
     seconds = len(signals.codes) / signals.rate_hz
     with stand_in(signals, card, elf) as logger:

@@ -1,0 +1,69 @@
+"""Runs that are the logger's own files, or another recorder's, in a campaign folder."""
+
+import numpy as np
+import pytest
+
+from tests.campaign.build import POINTS, edit, write_campaign
+from tests.logger.session import NAMES, session
+from wheelhop.calibration import nominal_constants, write_constants
+from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2
+from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.exchange import write
+from wheelhop.logger.recording import Channel, Recording
+
+CODES_PER_G = 57e-3 / 3.0 * 1024
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return write_campaign(tmp_path / "c")
+
+
+def replace_slow(folder, suffix):
+    (folder / "runs/slow.csv").unlink()
+    edit(folder / "campaign.toml", "slow.csv", f"slow{suffix}")
+    return folder / f"runs/slow{suffix}"
+
+
+def slow_sines(amplitude_code=60.0, hz=2.0, rows=600):
+    """Far below the sensors' corner, so that what they take away is known to be small."""
+    code = 531.0 + amplitude_code * np.sin(2 * np.pi * hz * np.arange(rows) / 100)
+    return np.repeat(np.round(8 * code).astype(int)[:, None], 8, axis=1)
+
+
+def test_a_log_of_codes_with_its_constants_is_in_m_s2(folder):
+    log = session(slow_sines(), calibration="", device=0, clock_ppm="", close=False)
+    replace_slow(folder, ".hop").write_bytes(log)
+    write_constants(nominal_constants(NAMES), folder / "calibration.toml")
+    campaign = read_campaign(folder)
+    slow, fast = campaign.runs  # the other one is a csv, in m/s² already
+    wanted = 60.0 / CODES_PER_G * STANDARD_GRAVITY_M_S2
+    assert np.allclose(slow.record.std(axis=0) * np.sqrt(2), wanted, rtol=0.01)
+    assert fast.record.shape[1] == len(campaign.channels) == 8
+
+
+def test_a_log_without_constants_says_what_to_do(folder):
+    log = session(slow_sines(), calibration="", device=0, clock_ppm="", close=False)
+    replace_slow(folder, ".hop").write_bytes(log)
+    with pytest.raises(CampaignError, match=r"slow\.hop: holds codes.*copy the one of this logger"):
+        read_campaign(folder)
+
+
+def test_a_log_with_a_gap_says_where(folder):
+    log = session(
+        slow_sines(), lost=range(200, 220), calibration="", device=0, clock_ppm="", close=False
+    )
+    replace_slow(folder, ".hop").write_bytes(log)
+    write_constants(nominal_constants(NAMES), folder / "calibration.toml")
+    with pytest.raises(CampaignError, match=r"slow\.hop: row 201: .* is nan; cut the run"):
+        read_campaign(folder)
+
+
+@pytest.mark.parametrize("constants", [False, True])
+def test_another_recorder_s_mf4_is_taken_as_it_is(folder, constants):
+    values = np.random.default_rng(0).normal(size=(500, 8))
+    channels = tuple(Channel(name, "m/s²") for name in POINTS)
+    write(Recording(values, 100.0, channels), replace_slow(folder, ".mf4"))
+    if constants:
+        write_constants(nominal_constants(POINTS), folder / "calibration.toml")
+    assert np.array_equal(read_campaign(folder).runs[0].record, values)
