@@ -26,37 +26,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
-    check = commands.add_parser("check", help="read a campaign and show what is in it")
-    _campaign(check)
-
-    compare = commands.add_parser("compare", help="compare the model with the measurements")
-    _campaign(compare)
-    compare.add_argument(
-        "--add",
-        metavar="EFFECT",
-        action="append",
-        default=[],
-        help="make an effect part of the model, more than once if wanted",
-    )
-    _library(compare)
-    _outputs(compare)
-
-    diagnose = commands.add_parser("diagnose", help="find out which effects are missing")
-    _campaign(diagnose)
-    diagnose.add_argument(
-        "--max-effects", metavar="N", type=_count, default=4, help="longest ladder (default 4)"
-    )
-    diagnose.add_argument(
-        "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="parallel threads"
-    )
-    _library(diagnose)
-    _outputs(diagnose)
-
-    add = commands.add_parser("add", help="add effects, refit, and store the model in CAMPAIGN")
-    _campaign(add)
-    add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")
-    _library(add, "effects_file")  # "effects" are those to add
-
+    _make_analysis(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
         "folder",
@@ -88,6 +58,39 @@ def make_parser() -> argparse.ArgumentParser:
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
     commands.add_parser("version", help="print the version")
     return parser
+
+
+def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    check = commands.add_parser("check", help="read a campaign and show what is in it")
+    _campaign(check)
+
+    compare = commands.add_parser("compare", help="compare the model with the measurements")
+    _campaign(compare)
+    compare.add_argument(
+        "--add",
+        metavar="EFFECT",
+        action="append",
+        default=[],
+        help="make an effect part of the model, more than once if wanted",
+    )
+    _library(compare)
+    _outputs(compare)
+
+    diagnose = commands.add_parser("diagnose", help="find out which effects are missing")
+    _campaign(diagnose)
+    diagnose.add_argument(
+        "--max-effects", metavar="N", type=_count, default=4, help="longest ladder (default 4)"
+    )
+    diagnose.add_argument(
+        "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="parallel threads"
+    )
+    _library(diagnose)
+    _outputs(diagnose)
+
+    add = commands.add_parser("add", help="add effects, refit, and store the model in CAMPAIGN")
+    _campaign(add)
+    add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")
+    _library(add, "effects_file")  # "effects" are those to add
 
 
 def _make_recording(commands: "argparse._SubParsersAction[_Parser]") -> None:
