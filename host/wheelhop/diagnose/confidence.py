@@ -20,6 +20,13 @@ are no more exact than that near the noise, whatever the evidence says."""
 PART = 4
 """Confidence falls with this power of the share explained where something is left."""
 
+STEADY = 0.3
+"""So much of what speaks for an effect should be left without the run that speaks loudest."""
+
+STAND_IN = 0.5
+"""Where one effect is accepted and leaves something that nothing explains, one unknown effect that
+it resembles is at least as likely as that effect and an unknown one beside it."""
+
 UNKNOWN_SCALE = 0.05
 """Error over the floor, less one, at which "unknown" is two thirds sure."""
 
@@ -62,8 +69,9 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     """That the verdict's first entry is right.
 
     Of an effect: how clearly it leads its best rival, times the chance that it does not hold at
-    all, times how much of what the baseline left is explained in the end: a wrong effect may
-    explain a part, hardly ever nearly everything. Of "none": how far the likeliest effect is from
+    all; where something is left, times how much of what the baseline left is explained in the end
+    (a wrong effect may explain a part, hardly ever nearly everything), and less where a single run
+    speaks for it. Of "none": how far the likeliest effect is from
     being accepted. Of "unknown": how far the residual is above the floor's own uncertainty.
     """
     if verdict[0] == "unknown":
@@ -72,7 +80,12 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
         return CEILING * (0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE))
     leads = 1.0 / (1.0 + exp(-max(grounds.lead, 0.0) / LEAD_SCALE))
     sure = CEILING * leads * (1.0 - grounds.p_value)
-    return sure * _explained(grounds) ** PART if "unknown" in verdict else sure
+    if "unknown" not in verdict:
+        return sure
+    if len(verdict) == 2:
+        sure *= STAND_IN
+    steady = min(max(grounds.stability / STEADY, 0.0), 1.0)
+    return sure * steady * _explained(grounds) ** PART
 
 
 def _explained(grounds: Grounds) -> float:

@@ -53,8 +53,10 @@ class Rung:
 
     @property
     def evidence(self) -> float:
-        """Logarithm of the model's evidence by Laplace's method, up to a constant of the data."""
-        return self.fit.evidence
+        """Logarithm of the model's evidence by Laplace's method, up to a constant of the data: that
+        of the runs fitted, and of the others given what was fitted."""
+        held_out = 0.0 if self.validation is None else self.validation.evidence
+        return self.fit.evidence + held_out
 
 
 def validate(workshop: Workshop, fitted: Fit) -> Rung:

@@ -20,6 +20,9 @@ MATERIAL = 0.02
 """What takes less than this share of the noise's power out of the held-out residual is immaterial:
 a rounding of the simulation could be mistaken for physics."""
 
+SIGNIFICANT = 0.05
+"""An effect is accepted below this chance of being mistaken, all effects tried counted."""
+
 WHITE = 1.1
 """A residual whose mean square is within this factor of the noise's is taken for noise."""
 
@@ -60,13 +63,24 @@ def p_value(odds: float, tried: int) -> float:
     return min(1.0, tried * float(np.exp(-max(odds, 0.0))))
 
 
+def holds_against(base: Rung, rival: Rung, odds: float, tried: int, noise: float) -> bool:
+    """Whether a rival with these log-odds, one of `tried`, takes something material out of what
+    the base leaves, and not by chance."""
+    return relative_to_noise(base, rival, noise) > MATERIAL and p_value(odds, tried) < SIGNIFICANT
+
+
 def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
     """Drop of the held-out sum of squares, charged, in units of what noise alone leaves there.
 
     `noise` is the standard deviation of one in-band coefficient; infinite if that is 0.
     """
-    size = sum(run.bench.size for run in judging(base).runs)
-    return (_charged(base) - _charged(rival)) / (size * noise**2) if noise > 0 else np.inf
+    return excess(base, noise) - excess(rival, noise) if noise > 0 else np.inf
+
+
+def excess(rung: Rung, noise: float) -> float:
+    """What is left of the runs that judge above the noise, in units of what noise alone leaves."""
+    fit = judging(rung)
+    return _charged(fit) / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
 
 
 def lead(rung: Rung, rival: Rung) -> float:
@@ -87,9 +101,13 @@ def lead(rung: Rung, rival: Rung) -> float:
 def at_noise(rung: Rung, noise: float) -> bool:
     """Whether the residual of the runs that judge is no larger than noise, `noise` being the
     standard deviation of one in-band coefficient."""
-    size = sum(run.bench.size for run in judging(rung).runs)
-    by_chance = 3.0 * float(np.sqrt(2.0 / size))  # few data: their mean square is uncertain itself
-    return _charged(rung) < (WHITE + by_chance) * noise**2 * size
+    return all_noise(judging(rung), noise)
+
+
+def all_noise(fit: Fit, noise: float) -> bool:
+    """The same for the runs of a fit."""
+    by_chance = 3.0 * float(np.sqrt(2.0 / fit.size))  # few data: their mean square is uncertain
+    return _charged(fit) < (WHITE + by_chance) * noise**2 * fit.size
 
 
 def best_first(rungs: Sequence[Rung], noise: float) -> list[Rung]:
@@ -116,8 +134,8 @@ def _cost(rung: Rung, noise: float) -> float:
     return total
 
 
-def _charged(rung: Rung) -> float:
-    return sum(run.rss / _freedom(run) for run in judging(rung).runs)
+def _charged(fit: Fit) -> float:
+    return sum(run.rss / _freedom(run) for run in fit.runs)
 
 
 def _freedom(run: RunFit) -> float:

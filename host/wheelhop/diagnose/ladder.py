@@ -9,24 +9,15 @@ from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import Rung, confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
 from wheelhop.diagnose.exchange import exchange
-from wheelhop.diagnose.judge import (
-    MATERIAL,
-    at_noise,
-    best_first,
-    log_odds,
-    p_value,
-    relative_to_noise,
-)
+from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.together import look_for_two
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 from wheelhop.vehicle import Vehicle
-
-SIGNIFICANT = 0.05
-"""An effect is accepted below this chance of being mistaken, all effects tried counted."""
 
 HOPELESS = 2.0
 """An effect that leaves this many times the leader's held-out error won't catch up in a refit; nor
@@ -80,15 +71,16 @@ def climb(
     shorter: Mapping[str, Rung] = {}
     margins: Mapping[str, float] = {}
     for _ in range(2 * max_effects):
-        if look.chosen is not None and len(rung.model.effects) < max_effects:
-            better = look.chosen.rung
-        elif len(rung.model.effects) > 1:
+        room = max_effects - len(rung.model.effects)
+        better = look.chosen.rung if look.chosen is not None and room > 0 else None
+        if better is None and len(rung.model.effects) > 1:
             exchanged = exchange(workshop, rung, shorter, effects, progress)
-            margins = exchanged.margins
-            if exchanged.rung is None:
-                break
-            better = exchanged.rung
-        else:
+            margins, better = exchanged.margins, exchanged.rung
+        if better is None and room > 1 and not at_noise(rung, workshop.noise):
+            look = look_for_two(workshop, look, effects, progress)
+            first = look if len(steps) == 1 else first
+            better = look.chosen.rung if look.chosen is not None else None
+        if better is None:
             break
         rung, shorter = _without_idle(workshop, better, progress)
         step = step_of(workshop, rung)
@@ -158,8 +150,7 @@ def _judged(
     workshop: Workshop, rung: Rung, screened: Screened, rival: Rung, tried: int
 ) -> Candidate:
     odds = log_odds(rung, rival, workshop.noise)
-    material = relative_to_noise(rung, rival, workshop.noise) > MATERIAL
-    likely = material and p_value(odds, tried) < SIGNIFICANT
+    likely = holds_against(rung, rival, odds, tried, workshop.noise)
     holds = likely and not contradicted(rival, screened.variant.effect)
     return Candidate(screened, rival, odds, tried, holds)
 
@@ -181,8 +172,8 @@ def _without_idle(
         if roughly.error_judging > HOPELESS * rung.error_judging:
             continue
         without_it = without(workshop, rung, effect.id)
-        material = relative_to_noise(without_it, rung, workshop.noise) > MATERIAL
-        if material and p_value(log_odds(without_it, rung, workshop.noise), 1) < SIGNIFICANT:
+        odds = log_odds(without_it, rung, workshop.noise)
+        if holds_against(without_it, rung, odds, 1, workshop.noise):
             shorter[effect.id] = without_it
         else:
             rung, shorter = without_it, {}

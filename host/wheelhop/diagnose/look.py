@@ -16,13 +16,15 @@ from wheelhop.fit import Workshop
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """An effect simulated in full: its log-odds over the rung's model on held-out runs, of how many
-    effects tried it is one, and whether that is significant and material."""
+    effects tried it is one, and whether that is significant and material; and beside which other
+    effect, if that was needed for it to show."""
 
     screened: Screened
     rung: Rung
     log_odds: float
     tried: int
     holds: bool
+    beside: str = ""
 
     @property
     def id(self) -> str:
@@ -33,7 +35,7 @@ class Candidate:
     def variant(self) -> Variant:
         """The variant that the full simulation came to: its form, for one."""
         tried = (self.screened, *self.screened.others)
-        found = (s.variant for s in tried if s.variant.effect is self.rung.model.effects[-1])
+        found = (s.variant for s in tried if s.variant.effect in self.rung.model.effects)
         return next(found, self.screened.variant)
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.diagnose.confirm import Rung
-from wheelhop.diagnose.judge import MATERIAL, at_noise
+from wheelhop.diagnose.judge import MATERIAL, all_noise, at_noise
 from wheelhop.diagnose.screen import Screened
 from wheelhop.fit import Workshop
 
@@ -34,4 +34,8 @@ def worth_simulating(
         # the ground. Of sensors screening already says all.
         switches = [s for s in screened if s.freedom == 0 and s.variant.effect.place != "sensor"]
         chosen += [s for s in switches if s not in chosen]
+        if all_noise(rung.fit, workshop.noise):
+            # So may what is free in every run: a driver need not be unsteady in all of them.
+            own = [s for s in screened if s.freedom > 0 and not s.variant.parameters]
+            chosen += [s for s in own if s not in chosen]
     return chosen

@@ -87,6 +87,8 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
         return "screened: others explain far more"
     before, after = look.rung.error_judging, candidate.rung.error_judging
     change = f"error {percent(before)} → {percent(after)}"
+    if candidate.beside:
+        return f"accepted together with {candidate.beside}: {change}, p = {candidate.p:.1g}"
     if chosen is not None and candidate.id == chosen.id:
         return f"accepted: {change}, p = {candidate.p:.1g}"
     if not candidate.holds:

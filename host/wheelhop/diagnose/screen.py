@@ -60,7 +60,7 @@ class Variant:
 @dataclass(frozen=True)
 class Screened:
     """An effect's best variant: the amplitudes (and per-run values) it would take, the drop of
-    the cost, the number of parameters that bought it and the price of one, and the error E that
+    the cost, the number of parameters that bought it and their price, and the error E that
     would be left. ``signatures`` (size, a) per run are free of what the run itself could absorb;
     ``along`` is how the base's shared parameters would move with it, and ``others`` are further
     variants that screening cannot dismiss."""
@@ -77,8 +77,8 @@ class Screened:
 
     @property
     def score(self) -> float:
-        """Half of the gain less the price of its parameters: half the BIC difference."""
-        return 0.5 * (self.gain - self.freedom * self.price)
+        """Half of the gain less the price of its parameters: a logarithm of evidence."""
+        return 0.5 * (self.gain - self.price)
 
 
 def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
@@ -162,14 +162,13 @@ def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened
     if heights is None:
         return None
     parameters = effect.parameters_for(base.model.values, workshop.campaign.channels)
-    freedom = max(heights.freedom, 1.0)
     rss = max(base.rss - heights.gain * base.sigma**2, 0.0)
     return Screened(
         Variant(effect, "", heights.theta, tuple(parameters)),
         {},
         heights.gain,
-        freedom,
-        price=(heights.gain - heights.worth) / freedom,
+        max(heights.freedom, 1.0),
+        price=heights.gain - heights.worth,
         error=float(np.sqrt(rss / sum(run.bench.energy for run in base.runs))),
         signatures={run.bench.run.id: np.zeros((len(run.residual), 0)) for run in base.runs},
     )
@@ -201,6 +200,7 @@ class _Table:
     gradient: Array  # (g + a,)
     gain: float  # what the run's own parameters gain by themselves
     freedom: int  # how many of them the effect brought
+    price: float  # of these: the logarithm of prior over posterior volume, twice
     signatures: Array  # (size, a)
 
 
@@ -248,8 +248,13 @@ def _run_table(
         rest[:-1, -1],
         float(whole[-1, :n] @ back[:, -1]),
         q,
+        _log_det(inner) - _log_det(inner[:r, :r]) - q * float(np.log(base.sigma**2)),
         columns - nuisance @ back[:, g:-1],
     )
+
+
+def _log_det(matrix: Array) -> float:
+    return float(np.linalg.slogdet(matrix)[1])
 
 
 def _columns(
@@ -327,14 +332,14 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
     gain = (gain + own_gain) / base.sigma**2
     rss = max(base.rss - gain * base.sigma**2, 0.0)
     energy = sum(run.bench.energy for run in base.runs)
+    numbers = sum(not p.switch for p in variant.amplitudes) + len(variant.shapes)
     return Screened(
         variant,
         amplitudes,
         gain,
-        freedom=sum(not p.switch for p in variant.amplitudes)
-        + len(variant.shapes)
-        + sum(t.freedom for t in tables),
-        price=float(np.log(base.size)),
+        numbers + sum(t.freedom for t in tables),
+        # What all runs share has no firm prior: as in BIC, it is worth one datum.
+        price=numbers * float(np.log(base.size)) + sum(t.price for t in tables),
         error=float(np.sqrt(rss / energy)),
         signatures={r.bench.run.id: t.signatures for r, t in zip(base.runs, tables, strict=True)},
         along=along,

@@ -1,0 +1,68 @@
+"""Two effects that hide each other: found together where neither is found alone."""
+
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import CASES, LIBRARY, diagnosed
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.confirm import confirm
+from wheelhop.diagnose.judge import at_noise, log_odds
+from wheelhop.diagnose.look import Candidate, Look
+from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.together import look_for_two
+from wheelhop.vehicle import read_vehicle
+
+FEW = ("dry-friction", "progressive-spring", "sensor-mount")
+OTHERS = ("progressive-spring", "asymmetric-damper", "bump-stop", "sensor-mount", "sensor-gain")
+HIDDEN = {
+    "dry-friction": {"coulomb_front_N": 34.0, "coulomb_rear_N": 51.0, "presliding_N_m": 6e5},
+    "sensor-mount": {"channel": "A2", "freq_hz": 19.2, "zeta": 0.05},
+}
+
+
+def quiet(text):
+    pass
+
+
+def look_at(folder, library):
+    """The first look, all effects simulated in full, none believed."""
+    campaign = read_campaign(folder)
+    base = fit_baseline(campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=quiet)
+    workshop, rung = base.workshop, base.rung
+    screened = screen(workshop, rung.fit, list(library.values()))
+    candidates = []
+    for item in screened:
+        alone = confirm(workshop, rung, item)
+        odds = log_odds(rung, alone, workshop.noise)
+        candidates.append(Candidate(item, alone, odds, len(library), False))
+    return workshop, Look(rung, tuple(screened), tuple(candidates), None)
+
+
+def test_a_loose_sensor_that_magnifies_friction(tmp_path):
+    """The mount rings at 19 Hz, where friction excites the axle: without friction in the model no
+    mount explains channel A2, and with A2 as it is no friction explains the car."""
+    folder = truth.make_campaign(
+        tmp_path, seed=1476, effects=HIDDEN, preset="formula-student", short=True
+    )
+    library = {name: LIBRARY[name] for name in FEW}
+    workshop, look = look_at(folder, library)
+    assert not any(at_noise(c.rung, workshop.noise) for c in look.candidates)
+    found = look_for_two(workshop, look, library, quiet)
+    assert found.chosen is not None
+    assert {found.chosen.id, found.chosen.beside} == set(HIDDEN)
+    assert at_noise(found.chosen.rung, workshop.noise)
+    theta = found.chosen.rung.model.values
+    assert theta["sensor-mount.freq_hz"] == pytest.approx(19.2, rel=0.01)
+    assert theta["dry-friction.front_N"] == pytest.approx(34.0, rel=0.15)
+    assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
+
+
+def test_no_pair_stands_in_for_physics_that_is_not_in_the_library(tmp_path):
+    """Friction is hidden and unknown: what two others together make of it is not believed."""
+    case = CASES["dry-friction"]
+    folder = truth.make_campaign(tmp_path, seed=case.seed, effects=case.hidden, short=True)
+    diagnosis = diagnosed(folder, {name: LIBRARY[name] for name in OTHERS})
+    assert diagnosis.verdict[-1] == "unknown"
+    assert len(diagnosis.verdict) < 3
+    assert diagnosis.verdict == ("unknown",) or diagnosis.confidence < 0.5
