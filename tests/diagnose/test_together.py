@@ -1,4 +1,4 @@
-"""Two effects that hide each other: found together where neither is found alone."""
+"""Two effects that hide each other."""
 
 import pytest
 
@@ -56,6 +56,17 @@ def test_a_loose_sensor_that_magnifies_friction(tmp_path):
     assert theta["sensor-mount.freq_hz"] == pytest.approx(19.2, rel=0.01)
     assert theta["dry-friction.front_N"] == pytest.approx(34.0, rel=0.15)
     assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
+
+
+def test_a_driver_who_brakes_changes_the_speed_and_pitches_the_body(tmp_path):
+    """A speed that changes within a second is told from one that wanders, or what the slower form
+    cannot follow would hide the pitch; both are named, and nothing is left."""
+    hidden = {"longitudinal-pitch": {"peak_m_s2": 1.5, "speed_follows": 1.0}}
+    folder = truth.make_campaign(tmp_path, seed=77, effects=hidden, short=True)
+    few = ("speed-fluctuation", "longitudinal-pitch", "progressive-tyre")
+    diagnosis = diagnosed(folder, {name: LIBRARY[name] for name in few})
+    assert diagnosis.verdict == ("speed-fluctuation", "longitudinal-pitch")
+    assert diagnosis.ladder[-1].over_floor <= 1.1
 
 
 def test_no_pair_stands_in_for_physics_that_is_not_in_the_library(tmp_path):

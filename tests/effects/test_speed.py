@@ -76,17 +76,22 @@ def test_speed_fluctuation_summary_is_the_wander_over_the_speed():
 
 
 class Washboard:
-    """Two channels over a sine of wavelength 0.6 m; the model drives at constant speed."""
+    """A left and a right axle over a sine of wavelength 0.6 m; the model drives at constant speed,
+    the record is ahead of it by `gain` (of either side)."""
 
-    def __init__(self, gain, noise):
+    channels = tuple(c for c in CHANNELS if c.name in ("A1", "A2"))
+
+    def __init__(self, gain, noise, right=None):
         self.time = np.arange(1024) / 100.0
         rng = np.random.default_rng(3)
-        self._record = self._wave(4.0 * self.time + gain(self.time))
+        ahead = [gain(self.time), (right or gain)(self.time)]
+        self._record = self._wave(4.0 * self.time[:, None] + np.column_stack(ahead))
         self._record += noise * rng.normal(size=self._record.shape)
 
     def _wave(self, x):
+        left, right = np.broadcast_to(x, (len(x), 2)).T
         return np.column_stack(
-            [np.sin(2 * np.pi * x / 0.6), 0.5 * np.cos(2 * np.pi * (x - 0.1) / 0.6)]
+            [np.sin(2 * np.pi * left / 0.6), 0.5 * np.cos(2 * np.pi * (right - 0.1) / 0.6)]
         )
 
     def time_s(self, run_id):
@@ -96,7 +101,7 @@ class Washboard:
         return self._record
 
     def modelled(self, run_id, changes):
-        return self._wave(4.0 * self.time + changes.get("start_m", 0.0))
+        return self._wave(4.0 * self.time[:, None] + changes.get("start_m", 0.0))
 
     def all_modelled(self, run_id, trials):
         return [self.modelled(run_id, changes) for changes in trials]
@@ -116,6 +121,41 @@ def test_speed_fluctuation_begins_near_the_wander_of_a_record(fraction, period):
     inside = (probe.time > 0.5) & (probe.time < 9.5)
     error = (found[:, 0] - gain(probe.time))[inside]
     assert np.sqrt(np.mean(error**2)) < 0.06
+
+
+def test_left_right_drift_begins_near_the_lead_of_the_left_side():
+    """A serpentine, the sides half a wavelength apart at its turns, on top of a wandering speed."""
+
+    def wander(t):
+        return 0.06 * np.sin(2 * np.pi * t / 5.0 + 0.4)
+
+    def lead(t):
+        return 0.3 * np.sin(2 * np.pi * t / 6.0)
+
+    probe = Washboard(lambda t: wander(t) + lead(t) / 2, 0.05, lambda t: wander(t) - lead(t) / 2)
+    effect = EFFECTS["left-right-drift"]
+    for form in effect.choices(probe.channels):
+        drift = effect.with_choice(form)
+        theta = drift.run_start(probe, SETTING)
+        found, _ = drift.travel(theta, SETTING, probe.time, 4.0 * probe.time, 4.0)
+        inside = (probe.time > 0.5) & (probe.time < 9.5)
+        error = (found[:, 0] - found[:, 1] - lead(probe.time))[inside]
+        assert np.sqrt(np.mean(error**2)) < 0.06
+
+
+@pytest.mark.parametrize("name", ["speed-fluctuation", "left-right-drift"])
+def test_the_fast_form_follows_a_driver_who_brakes_and_swerves(name):
+    """A history of 0.9 s period, which the slow form cannot follow."""
+    gain, left = np.sin(2 * np.pi * TIME[RECORD] / 0.9), {}
+    for form in ("slow", "fast"):
+        effect = EFFECTS[name].with_choice(form)
+        names = [p.name for p in effect.per_run(SETTING)]
+        ways = [effect.travel({n: 1.0}, SETTING, TIME, 4.0 * TIME, 4.0)[0] for n in names]
+        columns = np.column_stack([way[RECORD, 0] for way in ways])
+        rest = gain - columns @ np.linalg.lstsq(columns, gain, rcond=None)[0]
+        left[form] = np.sqrt(np.mean(rest**2) / np.mean(gain**2))
+    assert left["fast"] < 5e-3
+    assert left["slow"] > 0.05
 
 
 @given(st.integers(0, 10**6))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
@@ -135,9 +136,24 @@ def _refit_leaders(
     for leader in leaders:
         progress(f"fitting the vehicle with {leader.id}")
         better = refit(workshop, leader.rung)
+        if not at_noise(better, workshop.noise):
+            better = _best_form(workshop, rung, leader.screened, better)
         refitted.append(_judged(workshop, rung, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
     return _best_first(refitted, workshop.noise) + others
+
+
+def _best_form(workshop: Workshop, rung: Rung, screened: Screened, found: Rung) -> Rung:
+    """The effect in the form that explains most in full simulation: to first order a strong effect
+    shows little difference between its forms."""
+    tried = (screened, *screened.others)
+    present = {s.variant.choice for s in tried if s.variant.effect in found.model.effects}
+    for other in tried:
+        if other.variant.choice not in present:
+            present.add(other.variant.choice)
+            rival = refit(workshop, confirm(workshop, rung, replace(other, others=())))
+            found = best_first([found, rival], workshop.noise)[0]
+    return found
 
 
 def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate]:

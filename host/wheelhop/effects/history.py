@@ -10,6 +10,10 @@ from wheelhop.effects.base import Array, Parameter, RunSetting, Values
 LEAD_S = 0.8
 """Histories begin this long before the record: the vehicle remembers no longer."""
 
+KNOTS_S = {"slow": 0.4, "fast": 0.15}
+"""Spacing of the knots of a driver who lets the speed wander, and of one who brakes and swerves: a
+wander of 2.5 s period is followed to 0.1 %, or one of 0.9 s."""
+
 
 class History:
     """Cubic B-splines over one run, constant before and after.

@@ -7,11 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, Parameter, Probe, RunSetting, Values
 from wheelhop.effects.history import History
+from wheelhop.effects.phase import shift_along
 
-KNOT_S = 1.0
-"""Spacing of the spline's knots: curves and slip come slowly."""
+KNOTS_S = {"slow": 1.0, "fast": 0.15}
+"""Spacing of the spline's knots: slip comes slowly, swerving does not."""
+
+SIDES = (0, 2), (1, 3)
+"""Corners on the left and on the right."""
 
 EXPECTED = 0.01
 """Relative difference of the two sides' distance that a curve or slip makes."""
@@ -25,10 +29,21 @@ class LeftRightDrift(Effect):
     title = "left and right wheels travel different distances (no differential, slip, curved path)"
     equation = (
         r"x_\mathrm{left} - x_\mathrm{right} = \sum_j c_j B_j(t),"
-        r"\quad B_j \text{ cubic B-splines, 1 s apart}"
+        r"\quad B_j \text{ cubic B-splines, 1 s apart (slow) or 0.15 s (fast)}"
     )
     source = "thesis 4.4, points 4 and 5: no differential, tracks that are not straight"
     needs_road = True
+
+    def __init__(self, form: str = "slow") -> None:
+        self._knot_s = KNOTS_S[form]
+
+    def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
+        """How fast it may change."""
+        return tuple(KNOTS_S)
+
+    def with_choice(self, choice: str) -> LeftRightDrift:
+        """Wheels that slip and curves that come slowly, or a driver who swerves."""
+        return LeftRightDrift(choice)
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """All of it differs from run to run."""
@@ -39,14 +54,14 @@ class LeftRightDrift(Effect):
         if not run.on_road or run.speed_m_s <= 0:
             return ()
         scale = EXPECTED * run.speed_m_s * (run.end_s - run.record_start_s) / 2
-        return History(run, KNOT_S).parameters("m", "lead of the left wheels", scale)
+        return History(run, self._knot_s).parameters("m", "lead of the left wheels", scale)
 
     def travel(
         self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float
     ) -> tuple[Array, Array] | None:
         """Half the lead to the left wheels, half taken from the right ones: the run's speed and
         start are the vehicle's."""
-        lead = History(run, KNOT_S).at(theta, time_s)
+        lead = History(run, self._knot_s).at(theta, time_s)
         if lead is None:
             return None
         side = np.array([0.5, -0.5, 0.5, -0.5])
@@ -56,8 +71,15 @@ class LeftRightDrift(Effect):
         """Lead gained per metre driven, root mean square over the runs."""
         rates = []
         for run, theta in runs:
-            lead = History(run, KNOT_S).at(theta, np.array([run.record_start_s, run.end_s]))
+            lead = History(run, self._knot_s).at(theta, np.array([run.record_start_s, run.end_s]))
             if lead is not None:
                 driven = run.speed_m_s * (run.end_s - run.record_start_s)
                 rates.append((lead[0][1] - lead[0][0]) / driven)
         return {"relative_rate": float(np.sqrt(np.mean(np.square(rates))))} if rates else {}
+
+    def run_start(self, probe: Probe, run: RunSetting) -> Values:
+        """Follow the phase of either side along the track."""
+        if not run.on_road or run.speed_m_s <= 0:
+            return {}
+        (time, left), (_, right) = (shift_along(probe, run, side) for side in SIDES)
+        return History(run, self._knot_s).through(time, left - right)
