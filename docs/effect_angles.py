@@ -30,18 +30,13 @@ def angles_picture(effects: Mapping[str, Effect], stage: Stage, folder: Path) ->
     known = [effect for effect in effects.values() if not effect.has_random_heights]
     forms = [form for effect in known for form in _forms(effect, campaign.channels)]
     absorbed = _baseline_columns(base)
-    signatures, columns = [], []
-    for _, form in forms:
-        print(f"signature of {form.id}", flush=True)
-        signatures.append(_signature(base, form, stage))
-        columns.append(_columns(base, form, stage))
-    alone = [_left_over(s, absorbed, np.zeros((len(s), 0)), base) for s in signatures]
-    table = np.array(
-        [
-            [_left_over(s, absorbed, c, base) / max(rest, 1e-12) for c in columns]
-            for s, rest in zip(signatures, alone, strict=True)
-        ]
-    )
+    signatures = np.column_stack([_signature(base, form, stage) for _, form in forms])
+    alone = _left_over(signatures, absorbed, np.zeros((len(signatures), 0)), base)
+    table = np.empty((len(forms), len(forms)))
+    for j, (name, form) in enumerate(forms):
+        print(f"angles to {name}", flush=True)
+        left = _left_over(signatures, absorbed, _columns(base, form, stage), base)
+        table[:, j] = left / np.maximum(alone, 1e-12)
     return _draw([name for name, _ in forms], np.degrees(np.arcsin(np.clip(table, 0.0, 1.0))))
 
 
@@ -70,13 +65,13 @@ def _prior(base: Baseline, count: int) -> Array:
     return base.rung.fit.sigma**2 * np.array([*shared, *own, *[0.0] * count])
 
 
-def _left_over(signature: Array, absorbed: Array, columns: Array, base: Baseline) -> float:
-    """Size of the part of a signature that neither the baseline nor these columns can take."""
+def _left_over(signatures: Array, absorbed: Array, columns: Array, base: Baseline) -> Array:
+    """Size of the part of each signature that neither the baseline nor these columns can take."""
     matrix = np.hstack([absorbed, columns])
     square = matrix.T @ matrix
     prior = _prior(base, columns.shape[1]) + 1e-9 * np.diag(square) + 1e-30
-    taken = matrix @ np.linalg.solve(square + np.diag(prior), matrix.T @ signature)
-    return float(np.linalg.norm(signature - taken))
+    taken = matrix @ np.linalg.solve(square + np.diag(prior), matrix.T @ signatures)
+    return np.asarray(np.linalg.norm(signatures - taken, axis=0))
 
 
 def _signature(base: Baseline, form: Effect, stage: Stage) -> Array:

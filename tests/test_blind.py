@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from benchmarks.blind import without
@@ -84,8 +84,9 @@ def test_the_amount_is_found_that_shows_as_much_as_wanted(power, visible, aim):
     def measure(amount):
         return sqrt(1.0 + (visible * amount**power) ** 2)
 
-    wanted = Wanted(aim, aim / 1.03, aim * 1.03)
-    amount, ratio = seek(measure, wanted, 1.0, (1e-4, 1e3))
+    wanted, most = Wanted(aim, aim / 1.03, aim * 1.03), 1e3
+    assume(measure(most) > aim)
+    amount, ratio = seek(measure, wanted, 1.0, (1e-4, most))
     assert wanted.low <= ratio == measure(amount) <= wanted.high
     with pytest.raises(Unreachable):
         seek(lambda amount: 1.0 + 0.1 * amount / (1.0 + amount), Wanted(3.0, 2.0, 4.0), 1.0, (1, 9))

@@ -61,7 +61,7 @@ def test_a_loose_sensor_that_magnifies_friction(tmp_path):
 def test_a_driver_who_brakes_changes_the_speed_and_pitches_the_body(tmp_path):
     """A speed that changes within a second is told from one that wanders, or what the slower form
     cannot follow would hide the pitch; both are named, and nothing is left."""
-    hidden = {"longitudinal-pitch": {"peak_m_s2": 1.5, "speed_follows": 1.0}}
+    hidden = {"longitudinal-pitch": {"peak_m_s2": 0.5, "speed_follows": 1.0}}
     folder = truth.make_campaign(tmp_path, seed=77, effects=hidden, short=True)
     few = ("speed-fluctuation", "longitudinal-pitch", "progressive-tyre")
     diagnosis = diagnosed(folder, {name: LIBRARY[name] for name in few})
