@@ -6,7 +6,7 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.confirm import confirm
+from wheelhop.diagnose.confirm import confirm, refit
 from wheelhop.diagnose.screen import screen
 from wheelhop.vehicle import read_vehicle
 
@@ -28,3 +28,20 @@ def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
     assert rung.fit.rss < 1.05 * noise < base.rung.fit.rss / 1.5
     assert rung.model.values["driver-rocking.inertia_kg_m2"] == pytest.approx(6.0, rel=0.1)
     assert rung.model.values["driver-rocking.freq_hz"] == pytest.approx(2.4, rel=0.05)
+
+
+def test_a_driver_on_a_stiff_seat_is_no_negative_mass(tmp_path):
+    """Above a formula car's heave: of a soft seat one would need less than nothing there."""
+    hidden = {"driver-seat": {"mass_kg": 60.0, "freq_hz": 12.0, "zeta": 0.15, "x_m": 0.05}}
+    folder = truth.make_campaign(
+        tmp_path, seed=104, effects=hidden, preset="formula-student", short=True
+    )
+    campaign = read_campaign(folder)
+    base = fit_baseline(
+        campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=lambda text: None
+    )
+    (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["driver-seat"]])
+    assert screened.score > 0.0
+    rung = refit(base.workshop, confirm(base.workshop, base.rung, screened))
+    assert rung.fit.rss < 1.05 * base.workshop.noise**2 * rung.fit.size
+    assert rung.model.values["driver-seat.freq_hz"] == pytest.approx(12.0, rel=0.05)

@@ -43,7 +43,7 @@ class DriverSeat(Effect):
                 1.5,
                 lower=0.8,
                 upper=15.0,
-                starts=(2.0, 3.5, 6.0),
+                starts=(2.0, 3.5, 6.0, 10.0),
             ),
             Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
             Parameter(
