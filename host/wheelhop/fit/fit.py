@@ -27,7 +27,9 @@ ComplexArray = NDArray[np.complex128]
 
 ITERATIONS = 60
 
-LEAST_DAMPING = 1e-4
+LEAST_DAMPING = 1e-8
+"""Along what little but the priors holds (every distance gained, against the start) a step of a
+larger damping would be a hundredth of the way."""
 
 CONVERGED = 1e-4
 """The fit ends when a step lowers the cost by less than this fraction of it."""
