@@ -9,7 +9,7 @@ demo: .venv/installed
 	$(bin)/wheelhop demo
 
 test: lint
-	$(bin)/pytest -n auto
+	$(bin)/pytest -n auto --dist worksteal
 
 lint: .venv/installed-test
 	$(bin)/ruff check

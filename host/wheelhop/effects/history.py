@@ -12,7 +12,7 @@ LEAD_S = 0.8
 
 KNOTS_S = {"slow": 0.4, "fast": 0.15}
 """Spacing of the knots of a driver who lets the speed wander, and of one who brakes and swerves: a
-wander of 2.5 s period is followed to 0.1 %, or one of 0.9 s."""
+wander of 2.5 s period is followed to 0.3 %, or one of 0.9 s."""
 
 
 class History:
