@@ -3,7 +3,7 @@
 import pytest
 
 from tests import truth
-from tests.diagnose.cases import CASES, LIBRARY, diagnosed
+from tests.diagnose.cases import LIBRARY, diagnosed
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.confirm import confirm
@@ -14,7 +14,7 @@ from wheelhop.diagnose.together import look_for_two
 from wheelhop.vehicle import read_vehicle
 
 FEW = ("dry-friction", "progressive-spring", "sensor-mount")
-OTHERS = ("progressive-spring", "asymmetric-damper", "bump-stop", "sensor-mount", "sensor-gain")
+OTHERS = ("sensor-mount", "progressive-spring", "sensor-gain")
 HIDDEN = {
     "dry-friction": {"coulomb_front_N": 34.0, "coulomb_rear_N": 51.0, "presliding_N_m": 6e5},
     "sensor-mount": {"channel": "A2", "freq_hz": 19.2, "zeta": 0.05},
@@ -39,14 +39,22 @@ def look_at(folder, library):
     return workshop, Look(rung, tuple(screened), tuple(candidates), None)
 
 
-def test_a_loose_sensor_that_magnifies_friction(tmp_path):
+@pytest.fixture(scope="module")
+def loose(tmp_path_factory):
+    return truth.make_campaign(
+        tmp_path_factory.mktemp("loose"),
+        seed=1476,
+        effects=HIDDEN,
+        preset="formula-student",
+        short=True,
+    )
+
+
+def test_a_loose_sensor_that_magnifies_friction(loose):
     """The mount rings at 19 Hz, where friction excites the axle: without friction in the model no
     mount explains channel A2, and with A2 as it is no friction explains the car."""
-    folder = truth.make_campaign(
-        tmp_path, seed=1476, effects=HIDDEN, preset="formula-student", short=True
-    )
     library = {name: LIBRARY[name] for name in FEW}
-    workshop, look = look_at(folder, library)
+    workshop, look = look_at(loose, library)
     assert not any(at_noise(c.rung, workshop.noise) for c in look.candidates)
     found = look_for_two(workshop, look, library, quiet)
     assert found.chosen is not None
@@ -69,11 +77,9 @@ def test_a_driver_who_brakes_changes_the_speed_and_pitches_the_body(tmp_path):
     assert diagnosis.ladder[-1].over_floor <= 1.1
 
 
-def test_no_pair_stands_in_for_physics_that_is_not_in_the_library(tmp_path):
-    """Friction is hidden and unknown: what two others together make of it is not believed."""
-    case = CASES["dry-friction"]
-    folder = truth.make_campaign(tmp_path, seed=case.seed, effects=case.hidden, short=True)
-    diagnosis = diagnosed(folder, {name: LIBRARY[name] for name in OTHERS})
-    assert diagnosis.verdict[-1] == "unknown"
-    assert len(diagnosis.verdict) < 3
-    assert diagnosis.verdict == ("unknown",) or diagnosis.confidence < 0.5
+def test_no_pair_stands_in_for_what_is_not_in_the_library(loose):
+    """Without friction to be had, a mount and a wrong gain explain half of what is left, and
+    significantly: not nearly all, so that they are not believed."""
+    library = {name: LIBRARY[name] for name in OTHERS}
+    workshop, look = look_at(loose, library)
+    assert look_for_two(workshop, look, library, quiet) is look
