@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import Diagnosis, diagnose
+from wheelhop.diagnose import Baseline, Diagnosis, diagnose, fit_baseline
 from wheelhop.effects import Effect, load_effects
 from wheelhop.vehicle import read_vehicle
 
@@ -113,6 +113,13 @@ def diagnosed(folder: Path, effects: Mapping[str, Effect] = LIBRARY) -> Diagnosi
     """The diagnosis of a campaign folder; one thread, as tests run beside each other."""
     campaign = read_campaign(folder)
     return diagnose(campaign, read_vehicle(campaign.vehicle_file), effects, jobs=1)
+
+
+def baseline_of(folder: Path) -> Baseline:
+    """The fitted baseline of a campaign folder, in silence, on one thread."""
+    campaign = read_campaign(folder)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    return fit_baseline(campaign, vehicle, jobs=1, progress=lambda text: None)
 
 
 def oracle_of(truth_file: Path) -> float:

@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 
 from tests import truth
-from tests.diagnose.cases import CASES, LIBRARY
-from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import fit_baseline
+from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.ambiguity import AMBIGUOUS_DEG, Angles
 from wheelhop.diagnose.screen import screen
 from wheelhop.effects.dry_friction import DryFriction
-from wheelhop.vehicle import read_vehicle
 
 
 class Twin(DryFriction):
@@ -25,10 +22,7 @@ def screened(tmp_path_factory):
     folder = truth.make_campaign(
         tmp_path_factory.mktemp("friction"), seed=case.seed, effects=case.hidden, short=True
     )
-    campaign = read_campaign(folder)
-    base = fit_baseline(
-        campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=lambda text: None
-    )
+    base = baseline_of(folder)
     names = ("dry-friction", "digressive-damper", "progressive-spring", "driver-seat")
     effects = [*(LIBRARY[name] for name in names), Twin()]
     fitted = base.rung.fit

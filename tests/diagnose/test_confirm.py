@@ -3,12 +3,9 @@
 import pytest
 
 from tests import truth
-from tests.diagnose.cases import LIBRARY
-from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import fit_baseline
+from tests.diagnose.cases import LIBRARY, baseline_of
 from wheelhop.diagnose.confirm import confirm, refit
 from wheelhop.diagnose.screen import screen
-from wheelhop.vehicle import read_vehicle
 
 
 def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
@@ -18,10 +15,7 @@ def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
     folder = truth.make_campaign(
         tmp_path, seed=103, effects=hidden, preset="formula-student", short=True
     )
-    campaign = read_campaign(folder)
-    base = fit_baseline(
-        campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=lambda text: None
-    )
+    base = baseline_of(folder)
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["driver-rocking"]])
     rung = confirm(base.workshop, base.rung, screened)
     noise = base.workshop.noise**2 * rung.fit.size
@@ -36,10 +30,7 @@ def test_a_driver_on_a_stiff_seat_is_no_negative_mass(tmp_path):
     folder = truth.make_campaign(
         tmp_path, seed=104, effects=hidden, preset="formula-student", short=True
     )
-    campaign = read_campaign(folder)
-    base = fit_baseline(
-        campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=lambda text: None
-    )
+    base = baseline_of(folder)
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["driver-seat"]])
     assert screened.score > 0.0
     rung = refit(base.workshop, confirm(base.workshop, base.rung, screened))

@@ -1,12 +1,9 @@
 """Exchange: a wrong effect on the ladder makes way for the right one."""
 
 from tests import truth
-from tests.diagnose.cases import CASES, LIBRARY
-from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import fit_baseline
+from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.added import fit_with
 from wheelhop.diagnose.exchange import exchange
-from wheelhop.vehicle import read_vehicle
 
 FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
 
@@ -20,8 +17,7 @@ def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
     gain: friction takes the damper's place, and then nothing is exchanged any more."""
     hidden = {**CASES["dry-friction"].hidden, **CASES["sensor-gain"].hidden}
     folder = truth.make_campaign(tmp_path, seed=104, effects=hidden, short=True)
-    campaign = read_campaign(folder)
-    base = fit_baseline(campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=quiet)
+    base = baseline_of(folder)
     library = {name: LIBRARY[name] for name in FEW}
     wrong = fit_with(base, [library["digressive-damper"], library["sensor-gain"]], quiet)[-1]
 

@@ -3,15 +3,12 @@
 import pytest
 
 from tests import truth
-from tests.diagnose.cases import LIBRARY, diagnosed
-from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import fit_baseline
+from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose.confirm import confirm
 from wheelhop.diagnose.judge import at_noise, log_odds
 from wheelhop.diagnose.look import Candidate, Look
 from wheelhop.diagnose.screen import screen
 from wheelhop.diagnose.together import look_for_two
-from wheelhop.vehicle import read_vehicle
 
 FEW = ("dry-friction", "progressive-spring", "sensor-mount")
 OTHERS = ("sensor-mount", "progressive-spring", "sensor-gain")
@@ -27,8 +24,7 @@ def quiet(text):
 
 def look_at(folder, library):
     """The first look, all effects simulated in full, none believed."""
-    campaign = read_campaign(folder)
-    base = fit_baseline(campaign, read_vehicle(campaign.vehicle_file), jobs=1, progress=quiet)
+    base = baseline_of(folder)
     workshop, rung = base.workshop, base.rung
     screened = screen(workshop, rung.fit, list(library.values()))
     candidates = []

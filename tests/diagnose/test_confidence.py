@@ -1,0 +1,77 @@
+"""Confidence: what it may claim, by what the verdict stands on."""
+
+from dataclasses import replace
+from math import inf
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wheelhop.diagnose.confidence import CEILING, confidence
+from wheelhop.diagnose.diagnosis import Grounds
+
+VERDICTS = (
+    ("none",),
+    ("unknown",),
+    ("backlash",),
+    ("backlash", "sensor-gain"),
+    ("backlash", "unknown"),
+    ("backlash", "sensor-gain", "unknown"),
+)
+over = st.floats(1.0, 50.0)
+grounds = st.builds(
+    Grounds,
+    log_odds=st.floats(-50.0, 1e4),
+    lead=st.one_of(st.floats(-1.0, 10.0), st.just(inf)),
+    stability=st.floats(-1.0, 1.0),
+    p_value=st.floats(0.0, 1.0),
+    over_floor=over,
+    baseline_over_floor=over,
+)
+CLEAR = Grounds(
+    log_odds=1e4,
+    lead=1.0,
+    stability=0.9,
+    p_value=0.0,
+    over_floor=1.0,
+    baseline_over_floor=3.0,
+)
+
+
+@given(verdict=st.sampled_from(VERDICTS), grounds=grounds)
+def test_no_verdict_is_impossible_or_certain(verdict, grounds):
+    assert 0.0 <= confidence(verdict, grounds) <= CEILING < 1.0
+
+
+@given(grounds=grounds)
+def test_one_effect_that_leaves_something_is_as_likely_a_stand_in(grounds):
+    """An unknown effect that it resembles would leave the same; beside a second one that is
+    needed, too, it may claim more."""
+    one = confidence(("backlash", "unknown"), grounds)
+    assert one <= 0.5
+    assert one <= confidence(("backlash", "sensor-gain", "unknown"), grounds)
+
+
+@given(grounds=grounds, less=st.floats(0.0, 1.0))
+def test_where_something_is_left_one_run_alone_does_not_convince(grounds, less):
+    verdict = ("backlash", "unknown")
+    shakier = replace(grounds, stability=grounds.stability - less)
+    assert confidence(verdict, shakier) <= confidence(verdict, grounds)
+    assert confidence(verdict, replace(grounds, stability=0.0)) == 0.0
+    # At the floor nothing is left that another run could have meant.
+    assert confidence(("backlash",), shakier) == confidence(("backlash",), grounds)
+
+
+@given(grounds=grounds, more=st.floats(0.0, 10.0))
+def test_the_more_is_left_the_less_is_claimed(grounds, more):
+    left = replace(grounds, over_floor=grounds.over_floor + more)
+    for verdict in VERDICTS[4:]:
+        assert confidence(verdict, left) <= confidence(verdict, grounds)
+    assert confidence(("unknown",), left) >= confidence(("unknown",), grounds)
+
+
+def test_plain_cases():
+    assert confidence(("backlash",), CLEAR) == CEILING
+    assert confidence(("backlash",), replace(CLEAR, lead=0.0)) == CEILING / 2.0  # two alike
+    assert confidence(("unknown",), replace(CLEAR, over_floor=3.0)) == CEILING
+    assert confidence(("none",), replace(CLEAR, p_value=1.0)) == CEILING
+    assert confidence(("none",), replace(CLEAR, p_value=0.0)) == CEILING / 2.0

@@ -1,0 +1,53 @@
+"""Screening: its score is the evidence that the full fit then finds, and what shows only in the
+runs held out is not passed over."""
+
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
+from wheelhop.diagnose.confirm import confirm
+from wheelhop.diagnose.judge import all_noise, at_noise
+from wheelhop.diagnose.screen import screen
+
+UNSTEADY = {"speed-fluctuation": {"fraction": 3e-4, "period_min_s": 1.8, "period_max_s": 6.4}}
+
+
+def campaign(folder, seed, hidden):
+    return truth.make_campaign(
+        folder, seed=seed, effects=hidden, preset="passenger-car", short=True
+    )
+
+
+@pytest.mark.parametrize(
+    ("seed", "hidden", "within"),
+    [
+        # Too small to be seen, and 385 numbers that the runs hardly settle: as if each cost what
+        # a settled one does (log n), they would be charged twice as much.
+        (51, {"longitudinal-pitch": {"peak_m_s2": 0.05}}, 0.02),
+        (53, {"left-right-drift": {"rate": 2e-5}}, 0.2),
+        # Large enough to change the noise that the fit finds.
+        (51, {"left-right-drift": {"rate": 2e-5}}, 0.2),
+        (53, UNSTEADY, 0.2),
+    ],
+)
+def test_the_score_is_the_evidence_of_the_full_fit(tmp_path, seed, hidden, within):
+    """To first order; numbers of single runs are priced by how little their prior knows of them."""
+    base = baseline_of(campaign(tmp_path, seed, hidden))
+    (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY[name] for name in hidden])
+    rung = confirm(base.workshop, base.rung, screened)
+    evidence = rung.fit.evidence - base.rung.fit.evidence
+    assert screened.score == pytest.approx(evidence, rel=within)
+
+
+def test_a_driver_unsteady_in_the_runs_held_out_alone(tmp_path):
+    """What the fitted runs show of it is noise and not worth its price; nothing else explains the
+    others, and it would be taken for an effect unknown."""
+    folder = campaign(tmp_path, 51, UNSTEADY)
+    base = baseline_of(folder)
+    workshop, rung = base.workshop, base.rung
+    assert all_noise(rung.fit, workshop.noise) and not at_noise(rung, workshop.noise)
+    (screened,) = screen(workshop, rung.fit, [LIBRARY["speed-fluctuation"]])
+    assert screened.score < 0.0
+    few = ("speed-fluctuation", "engine-vibration", "dry-friction", "sensor-gain")
+    diagnosis = diagnosed(folder, {name: LIBRARY[name] for name in few})
+    assert diagnosis.verdict == ("speed-fluctuation",)
