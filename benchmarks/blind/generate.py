@@ -33,6 +33,9 @@ from tests.truth.effect import Effect
 CLEAR, IN_COMPANY, WEAK = (2.2, 20.0), (2.2, 10.0), (1.25, 1.45)
 """What the fitted baseline leaves on held-out runs, over the floor: aims are drawn from here, for
 several effects at once each for itself."""
+FAINT = (0.02, 0.12)
+"""What is left over the floor, less one: at the edge of what these runs can show, where confidence
+cannot be all or nothing."""
 CLEAR_FROM, WEAK_WITHIN = 2.0, (1.2, 1.5)
 NEARLY = 1.4  # a clear strength may miss its aim by this factor
 
@@ -139,6 +142,9 @@ def _make(case: Case, folder: Path, short: bool) -> dict[str, Any]:
 def _wanted(case: Case, rng: np.random.Generator) -> Wanted:
     if case.kind == "weak":
         return Wanted(float(rng.uniform(*WEAK)), *WEAK_WITHIN)
+    if case.kind == "faint":
+        more = _between(FAINT, rng)
+        return Wanted(1.0 + more, 1.0 + more / NEARLY, 1.0 + more * NEARLY)
     aim = _between(IN_COMPANY if len(case.hidden) > 1 else CLEAR, rng)
     return Wanted(aim, max(CLEAR_FROM, aim / NEARLY), aim * NEARLY)
 

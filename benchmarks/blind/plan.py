@@ -64,9 +64,9 @@ ALSO_IN_THE_FIELD = (
     "frame-twist",
 )
 
-KINDS = ("clear", "weak", "none", "two", "four", "outside", "without")
+KINDS = ("clear", "weak", "none", "two", "four", "outside", "without", "faint")
 FIRST_SLOT = {"clear": 0, "weak": 30, "none": 60, "two": 70, "four": 80, "outside": 90}
-FIRST_SLOT["without"] = 100
+FIRST_SLOT |= {"without": 100, "faint": 130}
 COUNT = {"none": 10, "two": 10, "four": 7}
 
 
@@ -107,7 +107,7 @@ def plan(first_seed: int, rounds: int, available: Collection[str]) -> Iterator[C
     for first in range(first_seed, first_seed + rounds * ROUND, ROUND):
         for kind in KINDS:
             for number, hidden in enumerate(_hidden(kind, first, available)):
-                if kind == "weak" and hidden[0] in ALL_OR_NOTHING:
+                if kind in ("weak", "faint") and hidden[0] in ALL_OR_NOTHING:
                     continue
                 if kind != "outside" and not set(hidden) <= set(available):
                     continue
@@ -118,15 +118,15 @@ def _case(first: int, kind: str, number: int, hidden: tuple[str, ...]) -> Case:
     seed = first + FIRST_SLOT[kind] + number
     presets = sorted(PRESETS)
     campaign_seed = first + number if kind == "without" else seed
-    # Every effect meets every kind of vehicle in three rounds, weak and clear in different ones.
-    turn = number + first // ROUND + (kind == "weak")
+    # Every effect meets every kind of vehicle in three rounds, and one each at every strength.
+    turn = number + first // ROUND + {"weak": 1, "faint": 2}.get(kind, 0)
     return Case(seed, kind, hidden, presets[turn % len(presets)], campaign_seed)
 
 
 def _hidden(kind: str, first: int, available: Collection[str]) -> list[tuple[str, ...]]:
     if kind in ("clear", "without"):
         return [(effect,) for effect in EFFECTS]
-    if kind == "weak":
+    if kind in ("weak", "faint"):
         return [(e,) for e in EFFECTS]
     if kind == "outside":
         return [(effect,) for effect in OUTSIDE]

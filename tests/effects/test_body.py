@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
 from tests.truth.closed_form import matrices
-from wheelhop.effects import RunSetting
+from wheelhop.effects import OwnValues, RunSetting
 from wheelhop.simulate import Model, frequency_response
 
 SETTING = RunSetting("run", 4.0, -4.0, 0.0, 5.0, True)
@@ -130,7 +130,7 @@ def test_engine_vibration_is_a_harmonic_force_locked_to_time(frequency, cosine, 
     np.testing.assert_allclose(
         history, amplitude * np.cos(2 * pi * frequency * time - phase), atol=1e-9
     )
-    summary = effect.summary([(SETTING, theta), (SETTING, theta)])
+    summary = effect.summary([OwnValues(SETTING, theta)] * 2)
     assert summary == {"force_N": pytest.approx(amplitude)}
 
 

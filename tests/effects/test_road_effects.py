@@ -17,7 +17,7 @@ from tests.simulate.setup import (
     simulated,
 )
 from tests.simulate.test_against_mujoco import RUNS
-from wheelhop.effects import RunSetting
+from wheelhop.effects import OwnValues, RunSetting
 from wheelhop.effects.progressive_tyre import beyond_linear
 from wheelhop.effects.tyre_lift_off import no_pull
 from wheelhop.vehicle import baseline
@@ -221,7 +221,7 @@ def test_imbalance_summary_tells_run_out_from_imbalance(exponent):
     runs = []
     for v in (2.0, 3.0, 4.0, 6.0):
         theta = {"rear_left_cos_kg_m": 0.3 * v ** (exponent - 2.0), "rear_left_sin_kg_m": 0.0}
-        runs.append((RunSetting(f"{v}", v, -4.0, 0.0, 10.3, True), theta))
+        runs.append(OwnValues(RunSetting(f"{v}", v, -4.0, 0.0, 10.3, True), theta))
     summary = effect.summary(runs)
     assert summary["speed_exponent"] == pytest.approx(exponent, abs=1e-6)
     if exponent == 2.0:
@@ -231,7 +231,7 @@ def test_imbalance_summary_tells_run_out_from_imbalance(exponent):
 def test_imbalance_summary_keeps_quiet_about_an_exponent_the_runs_do_not_show():
     effect = EFFECTS["wheel-imbalance"].with_choice("rear_left")
     runs = [
-        (RunSetting(f"{v}", v, -4.0, 0.0, 10.3, True), {"rear_left_cos_kg_m": u})
+        OwnValues(RunSetting(f"{v}", v, -4.0, 0.0, 10.3, True), {"rear_left_cos_kg_m": u})
         for v, u in ((2.0, 0.1), (3.0, 0.9), (4.0, 0.05), (6.0, 0.2))
     ]
     assert set(effect.summary(runs)) == {"rear_left_kg_m"}

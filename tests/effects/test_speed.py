@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
-from wheelhop.effects import RunSetting
+from wheelhop.effects import OwnValues, RunSetting
 
 SETTING = RunSetting("run", 4.0, -4.0, 0.0, 10.3, True)
 STANDING = RunSetting("standing", 0.0, -4.0, 0.0, 10.3, True)
@@ -70,7 +70,7 @@ def test_speed_fluctuation_summary_is_the_wander_over_the_speed():
     theta = drawn(effect, 5)
     _, rate = effect.travel(theta, SETTING, TIME, 4.0 * TIME, 4.0)
     wander = rate[RECORD, 0] - rate[RECORD, 0].mean()
-    summary = effect.summary([(SETTING, theta)])
+    summary = effect.summary([OwnValues(SETTING, theta)])
     assert summary["rms_fraction"] == pytest.approx(np.std(wander) / 4.0, rel=0.02)
     assert summary["peak_fraction"] == pytest.approx(np.abs(wander).max() / 4.0, rel=0.02)
 
@@ -168,7 +168,7 @@ def test_left_right_drift_leaves_the_mean_of_the_sides(seed):
     np.testing.assert_allclose(distance[:, 0] + distance[:, 1], 0.0, atol=1e-12)
     lead = distance[:, 0] - distance[:, 1]
     gained = abs(lead[-1] - lead[RECORD][0]) / (4.0 * 10.3)
-    assert effect.summary([(SETTING, theta)])["relative_rate"] == pytest.approx(gained)
+    assert effect.summary([OwnValues(SETTING, theta)])["relative_rate"] == pytest.approx(gained)
 
 
 @pytest.mark.parametrize("wander", [0.0, 0.03])

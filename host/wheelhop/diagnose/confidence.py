@@ -7,7 +7,7 @@ from math import exp, inf
 
 from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Grounds, Step
-from wheelhop.diagnose.judge import judging, lead, log_odds
+from wheelhop.diagnose.judge import judging, lead, left, log_odds
 from wheelhop.diagnose.look import Look
 
 CEILING = 0.99
@@ -109,6 +109,6 @@ def _stability(rival: Rung, accepted: Rung) -> float:
     loudest is left out, fitted runs and held-out ones alike; negative: it turns against it."""
     gains = []
     for before, after in ((rival.fit, accepted.fit), (judging(rival), judging(accepted))):
-        gains += [a.rss - b.rss for a, b in zip(before.runs, after.runs, strict=True)]
+        gains += [left(a) - left(b) for a, b in zip(before.runs, after.runs, strict=True)]
     total = sum(gains)
     return (total - max(gains)) / total if total > 0.0 else -1.0

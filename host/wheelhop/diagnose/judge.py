@@ -90,12 +90,31 @@ def lead(rung: Rung, rival: Rung) -> float:
     Evidence grows with the number of data even where two models differ by less than either is
     exact; this does not.
     """
-    more = sum(
-        b.rss - a.rss
-        for mine, its in ((rung.fit, rival.fit), (judging(rung), judging(rival)))
-        for a, b in zip(mine.runs, its.runs, strict=True)
-    )
-    return more / ((rung.fit.size + judging(rung).size) * rung.fit.sigma**2)
+    size = rung.fit.size + judging(rung).size
+    mine, its = (sum(left(run) for run in (*r.fit.runs, *judging(r).runs)) for r in (rung, rival))
+    return (its - mine) / (size * rung.fit.sigma**2)
+
+
+def left(run: RunFit) -> float:
+    """Sum of squares a model leaves of a run, as if nothing in it followed the noise.
+
+    Heights that nobody knows do so twice, in what they take and in what they spoil (generalised
+    cross-validation: T. Hastie, R. Tibshirani, J. Friedman, The Elements of Statistical Learning,
+    2009, eq. 7.52).
+    """
+    spent = 0.0 if run.heights is None else run.heights.freedom / run.bench.size
+    return run.rss / _freedom(run) / (1.0 - spent)
+
+
+def _left(rung: Rung) -> float:
+    """What a model leaves of all runs, as if nothing in it followed the noise: heights that nobody
+    knows do so twice, in what they take and in what they spoil (generalised cross-validation: G.
+    Golub, M. Heath, G. Wahba, Technometrics 21 (1979) 215, eq. 1.4)."""
+    total = 0.0
+    for run in (*rung.fit.runs, *judging(rung).runs):
+        spent = 0.0 if run.heights is None else run.heights.freedom / run.bench.size
+        total += run.rss / _freedom(run) / (1.0 - spent)
+    return total
 
 
 def at_noise(rung: Rung, noise: float) -> bool:

@@ -9,7 +9,7 @@ from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.judge import p_value
 from wheelhop.diagnose.screen import Screened, Variant
-from wheelhop.effects import Effect, RunSetting
+from wheelhop.effects import Effect, OwnValues
 from wheelhop.fit import Workshop
 
 
@@ -83,9 +83,12 @@ def contradicted(rung: Rung, effect: Effect) -> bool:
     return effect.contradicted(_run_by_run(rung, effect))
 
 
-def _run_by_run(rung: Rung, effect: Effect) -> list[tuple[RunSetting, dict[str, float]]]:
-    return [
-        (run.bench.simulator.setting, rung.model.theta(effect, run.bench.run.id))
-        for run in rung.fit.runs
-        if run.bench.simulator.acts(effect)
-    ]
+def _run_by_run(rung: Rung, effect: Effect) -> list[OwnValues]:
+    found, prefix = [], f"{effect.id}."
+    for run in rung.fit.runs:
+        if run.bench.simulator.acts(effect):
+            theta = rung.model.theta(effect, run.bench.run.id)
+            own = run.uncertainties(rung.fit.sigma)
+            known_to = {k.removeprefix(prefix): v for k, v in own.items() if k.startswith(prefix)}
+            found.append(OwnValues(run.bench.simulator.setting, theta, known_to))
+    return found

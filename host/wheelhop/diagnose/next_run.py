@@ -22,6 +22,11 @@ FEW = 4
 """For so many of the runs that promise most, a new fit of the vehicle is allowed for, too."""
 
 
+LEAST_LOG_ODDS = 1.0
+"""A run expected to say less is not worth driving: of what differs from run to run by its nature (a
+driver's speed, heights nobody knows) nothing can be said beforehand."""
+
+
 @dataclass(frozen=True)
 class NextRun:
     """A run that would settle a doubt.
@@ -54,7 +59,7 @@ def propose(
     workshop: Workshop, first: tuple[str, Rung], second: tuple[str, Rung], present_deg: float
 ) -> NextRun | None:
     """The run, of all the campaign's tracks and the speeds it was driven at, that separates two
-    fitted explanations best; None if no run drives over a known track.
+    fitted explanations best; None if no run drives over a known track, or none separates them.
 
     Both are simulated on each such run. Of the difference d of their records, in units of the noise
     σ, a new fit would absorb what speed, start and the vehicle's numbers can; the rest is evidence:
@@ -71,6 +76,8 @@ def propose(
     gains = workshop.each(
         lambda trial: _gain(workshop, trial.bench, first[1], second[1], refitted=True), few
     )
+    if max(gains) < LEAST_LOG_ODDS:
+        return None
     best = few[int(np.argmax(gains))]
     one, other = (_contribution(workshop, best.bench, rung, id_) for id_, rung in (first, second))
     return NextRun(

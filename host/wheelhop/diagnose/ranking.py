@@ -6,7 +6,8 @@ from collections.abc import Collection, Sequence
 
 from wheelhop.diagnose.ambiguity import Angles
 from wheelhop.diagnose.diagnosis import Ranked, Step
-from wheelhop.diagnose.look import Candidate, Look, summary_of
+from wheelhop.diagnose.judge import SIGNIFICANT
+from wheelhop.diagnose.look import Candidate, Look, contradicted, summary_of
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
 from wheelhop.vehicle import Drive
@@ -92,13 +93,21 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
     if chosen is not None and candidate.id == chosen.id:
         return f"accepted: {change}, p = {candidate.p:.1g}"
     if not candidate.holds:
-        return f"not confirmed by held-out runs: {change}, p = {candidate.p:.1g}"
+        return f"{_why_not_believed(candidate)}: {change}, p = {candidate.p:.1g}"
     if chosen is not None:
         best = chosen.rung.error_judging
         return f"explains part: {change}, but {chosen.id} reaches {percent(best)}"
     return f"{change}, p = {candidate.p:.1g}"
 
 
+def _why_not_believed(candidate: Candidate) -> str:
+    if candidate.p >= SIGNIFICANT:
+        return "not confirmed by held-out runs"
+    if contradicted(candidate.rung, candidate.variant.effect):
+        return "its numbers, run by run, are against its nature"
+    return "too small a part of the noise to be told from a rounding of the simulation"
+
+
 def percent(error: float) -> str:
     """An error as people read it."""
-    return f"{100 * error:.2f} %"
+    return f"{100 * error:.{2 if error >= 0.01 else 3}f} %"

@@ -40,7 +40,7 @@ def conclude(
         grounds=stands_on,
         ranking=ranking(first, angles, effects, steps[0]),
         ladder=tuple(steps),
-        next_run=_next_run(workshop, first, angles),
+        next_run=_next_run(workshop, accepted, first, angles),
         explanation=explanation(verdict, steps, last),
     )
 
@@ -50,10 +50,12 @@ def _unexplained(step: Step) -> bool:
     return step.over_floor > 1.0 + 2.0 * step.comparison.floor.tolerance
 
 
-def _next_run(workshop: Workshop, first: Look, angles: Angles) -> NextRun | None:
-    """The run that tells the effect chosen first from the rival that comes nearest to it, if any
+def _next_run(
+    workshop: Workshop, accepted: Sequence[str], first: Look, angles: Angles
+) -> NextRun | None:
+    """The run that tells the effect accepted first from the rival that comes nearest to it, if any
     comes near."""
-    chosen = first.chosen
+    chosen = next((c for c in first.candidates if c.id in accepted), None)
     if chosen is None:
         return None
     near = dict(angles.near(chosen.id))

@@ -2,6 +2,7 @@
 
 from wheelhop.effects.base import (
     Effect,
+    OwnValues,
     Parameter,
     Place,
     Probe,
@@ -10,4 +11,13 @@ from wheelhop.effects.base import (
 )
 from wheelhop.effects.library import load_effects
 
-__all__ = ["Effect", "Parameter", "Place", "Probe", "RunSetting", "law", "load_effects"]
+__all__ = [
+    "Effect",
+    "OwnValues",
+    "Parameter",
+    "Place",
+    "Probe",
+    "RunSetting",
+    "law",
+    "load_effects",
+]

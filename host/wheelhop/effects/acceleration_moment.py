@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, RunSetting, Values
 from wheelhop.effects.history import History
 from wheelhop.vehicle import Assembly
 from wheelhop.vehicle.assembly import Row
@@ -60,10 +60,10 @@ class AccelerationMoment(Effect):
         found = _history(run).at(theta, time_s)
         return (np.zeros_like(time_s) if found is None else found[0],)
 
-    def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
+    def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Size of the acceleration, root mean square over the runs."""
         power = []
-        for run, theta in runs:
+        for run, theta, _ in runs:
             found = _history(run).at(theta, np.linspace(run.record_start_s, run.end_s, 400))
             if found is not None:
                 power.append(np.mean(found[0] ** 2))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Protocol
+from types import MappingProxyType
+from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import numba
 import numpy as np
@@ -116,6 +117,15 @@ class RunSetting:
     on_rig: bool = False
 
 
+class OwnValues(NamedTuple):
+    """What an effect leaves free in one run, as fitted: the run, the values, and their standard
+    deviations as far as they are known."""
+
+    run: RunSetting
+    values: Values
+    uncertainty: Values = MappingProxyType({})
+
+
 class Effect:
     """Base class: an effect overrides `parameters_for` and the hooks of its place in the chain.
 
@@ -169,11 +179,11 @@ class Effect:
         """Where the fit of what one run leaves free may begin, from the data; empty: absent."""
         return {}
 
-    def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
+    def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Numbers that stand for what is left free per run, for people to read."""
         return {}
 
-    def contradicted(self, runs: Sequence[tuple[RunSetting, Values]]) -> bool:
+    def contradicted(self, runs: Sequence[OwnValues]) -> bool:
         """Whether what was fitted run by run is against the effect's own nature."""
         return False
 

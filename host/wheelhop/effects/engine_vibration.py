@@ -9,7 +9,7 @@ import numpy as np
 from scipy import fft
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
 from wheelhop.vehicle import Assembly, Body
 
 
@@ -56,9 +56,9 @@ class EngineVibration(Effect):
             total[np.abs(grid - best) < 0.5] = 0.0
         return lines
 
-    def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
+    def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Amplitude of the force, root mean square over the runs."""
-        power = [theta["cos_N"] ** 2 + theta["sin_N"] ** 2 for _, theta in runs]
+        power = [theta["cos_N"] ** 2 + theta["sin_N"] ** 2 for _, theta, _ in runs]
         return {"force_N": float(np.sqrt(np.mean(power)))}
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
 from wheelhop.effects.history import History
 from wheelhop.effects.phase import shift_along
 
@@ -67,10 +67,10 @@ class LeftRightDrift(Effect):
         side = np.array([0.5, -0.5, 0.5, -0.5])
         return lead[0][:, None] * side, lead[1][:, None] * side
 
-    def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
+    def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Lead gained per metre driven, root mean square over the runs."""
         rates = []
-        for run, theta in runs:
+        for run, theta, _ in runs:
             lead = History(run, self._knot_s).at(theta, np.array([run.record_start_s, run.end_s]))
             if lead is not None:
                 driven = run.speed_m_s * (run.end_s - run.record_start_s)

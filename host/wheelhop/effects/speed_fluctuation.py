@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
 from wheelhop.effects.history import KNOTS_S, History
 from wheelhop.effects.phase import EXPECTED, shift_along
 
@@ -58,10 +58,10 @@ class SpeedFluctuation(Effect):
         gain, rate = gained
         return np.repeat(gain[:, None], 4, axis=1), np.repeat(rate[:, None], 4, axis=1)
 
-    def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
+    def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Wander over mean speed: root mean square, and its peak averaged over the runs."""
         shares, peaks = [], []
-        for run, theta in runs:
+        for run, theta, _ in runs:
             time = np.linspace(run.record_start_s, run.end_s, 400)
             gained = History(run, self._knot_s).at(theta, time)
             if gained is not None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
 from wheelhop.vehicle import CORNERS, Assembly, axle, axle_name
 
 WHEELS: Mapping[str, tuple[int, ...]] = {
@@ -22,8 +22,14 @@ WHEELS: Mapping[str, tuple[int, ...]] = {
 SCALE_KG_M = 0.5
 """At 20 km/h a fifth of the weight on a wheel of a small vehicle: it shows at any speed."""
 
+SHOWN = 3.0
+"""A force this many times its uncertainty is one: of less, noise makes an amplitude, too."""
+
+ALIKE = 0.02
+"""What else is wrong with the forces, as a fraction of the largest: alike in all runs."""
+
 EXPONENT_KNOWN = 0.3
-"""Standard deviation, from the scatter of the runs, up to which an exponent of speed is stated;
+"""Standard deviation up to which an exponent of speed is stated;
 nominal speeds that are 5 % off give it 0.1 to 0.2."""
 
 LEAST_EXPONENT = 1.0
@@ -121,20 +127,22 @@ class WheelImbalance(Effect):
             start[f"{end}_m"] = radius
         return [start]
 
-    def summary(self, runs: Sequence[tuple[RunSetting, Values]]) -> dict[str, float]:
+    def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Each imbalance, root mean square of the force over that of the speed squared; and where
         the runs tell it, with which power of the speed the strongest force grows: 2 for an
         imbalance, 0 for a wheel that is out of round."""
-        speed = np.array([run.speed_m_s for run, _ in runs])
-        found, strongest = {}, np.zeros(len(runs))
+        speed = np.array([run.speed_m_s for run, _, _ in runs])
+        found, strongest, known_to = {}, np.zeros(len(runs)), np.zeros(len(runs))
         for i in self.wheels:
-            force = speed**2 * np.array([np.hypot(*_parts(theta, i)) for _, theta in runs])
+            force = speed**2 * np.array([np.hypot(*_parts(theta, i)) for _, theta, _ in runs])
             found[f"{_name(i)}_kg_m"] = float(np.sqrt((force**2).sum() / (speed**4).sum()))
-            strongest = max(strongest, force, key=np.linalg.norm)
-        exponent = _exponent(speed, strongest)
+            if np.linalg.norm(force) > np.linalg.norm(strongest):
+                strongest = force
+                known_to = speed**2 * np.array([np.hypot(*_parts(u, i)) for _, _, u in runs])
+        exponent = _exponent(speed, strongest, known_to)
         return found if exponent is None else {**found, "speed_exponent": exponent}
 
-    def contradicted(self, runs: Sequence[tuple[RunSetting, Values]]) -> bool:
+    def contradicted(self, runs: Sequence[OwnValues]) -> bool:
         """Whether the force does not grow with speed as an imbalance's does."""
         return self.summary(runs).get("speed_exponent", 2.0) < LEAST_EXPONENT
 
@@ -158,16 +166,18 @@ class WheelImbalance(Effect):
         return histories
 
 
-def _exponent(speed: Array, force: Array) -> float | None:
-    """Slope of ln(force) over ln(speed); None if it is not known to `EXPONENT_KNOWN`."""
-    moving = force > 0
-    if len(set(speed[moving])) < 4:
+def _exponent(speed: Array, force: Array, uncertainty: Array) -> float | None:
+    """Slope of ln(force) over ln(speed), of the runs that show a force; None if it is not known to
+    `EXPONENT_KNOWN`, by the forces' uncertainty or by their scatter."""
+    shown = force > SHOWN * uncertainty
+    if len(set(speed[shown])) < 4:
         return None
-    # The forces' errors are alike, so those of their logarithms go with 1 / force.
-    line, covariance = np.polyfit(
-        np.log(speed[moving]), np.log(force[moving]), 1, w=force[moving], cov=True
-    )
-    return float(line[0]) if covariance[0, 0] < EXPONENT_KNOWN**2 else None
+    error = np.hypot(uncertainty, ALIKE * force.max())[shown] / force[shown]
+    x, y = np.log(speed[shown]), np.log(force[shown])
+    line, scattered = np.polyfit(x, y, 1, w=1.0 / error, cov=True)
+    _, expected = np.polyfit(x, y, 1, w=1.0 / error, cov="unscaled")
+    variance = max(scattered[0, 0], expected[0, 0])
+    return float(line[0]) if variance < EXPONENT_KNOWN**2 else None
 
 
 def _name(corner: int) -> str:

@@ -68,6 +68,15 @@ class RunFit:
             return self.residual
         return self.residual + self.heights.contribution()
 
+    def uncertainties(self, sigma: float) -> dict[str, float]:
+        """Standard deviation of each of the run's own numbers, what runs share held fixed, where
+        `sigma` is that of one in-band coefficient."""
+        columns = self.own_jacobian
+        prior = [max((f.scale * sigma / f.sigma) ** 2, 1e-12) for f in self.own]
+        inverse = np.linalg.inv(columns.T @ self.freed(columns) + np.diag(prior))
+        spread = sigma * np.sqrt(np.diag(inverse))
+        return {f.name: f.scale * float(s) for f, s in zip(self.own, spread, strict=True)}
+
     def freed(self, columns: Array) -> Array:
         """What heights would leave of columns (size, m)."""
         return columns if self.heights is None else self.heights.freed(columns)
