@@ -33,6 +33,8 @@ def answer(kind, hidden, verdict, confidence=0.9, ranking=(), error=1.0):
         ("clear", ("backlash",), ("dry-friction",), 0.9, False),
         ("weak", ("backlash",), ("none",), 0.9, False),
         ("weak", ("backlash",), (), 1.0, False),  # the program gave no answer
+        ("faint", ("backlash",), ("backlash",), 0.6, True),
+        ("faint", ("backlash",), ("none",), 0.5, False),
         ("none", (), ("none",), 0.9, True),
         ("none", (), ("backlash",), 0.1, False),
         ("none", (), ("unknown",), 0.9, False),
@@ -68,8 +70,8 @@ def test_boasting_is_found_out():
     half = [hidden, ("dry-friction",)] * 20
     boasting = [answer("clear", hidden, verdict, 0.99) for verdict in half]
     modest = [answer("clear", hidden, verdict, 0.5) for verdict in half]
-    low, high = reliability([*boasting, *modest])
-    assert low.met and low.within
+    low, high, middle = reliability([*boasting, *modest])
+    assert low.met and low.within and (middle.of, middle.claimed) == (low.of, low.claimed)
     assert not high.met and not high.within
 
 

@@ -8,6 +8,9 @@ from typing import Any
 
 from benchmarks.blind.plan import Case
 
+SINGLE = ("clear", "weak", "faint")
+"""Kinds that hide one effect of the library."""
+
 CONFIDENT = 0.5
 """Below this, a wrong first entry is no claim."""
 
@@ -57,7 +60,7 @@ class Outcome:
         """As the table counts: see README.md."""
         if not self.verdict:
             return False
-        if self.kind in ("clear", "weak"):
+        if self.kind in SINGLE:
             return self.first_is_right
         if self.kind == "none":
             return self.verdict == ("none",)

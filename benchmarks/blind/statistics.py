@@ -9,9 +9,12 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
-from benchmarks.blind.score import Outcome
+from benchmarks.blind.score import SINGLE, Outcome
 
 Z = 1.96  # two-sided 95 %
+
+MIDDLE = (0.1, 0.9)
+"""Confidence that is neither a claim nor a refusal: too rare to be judged tenth by tenth."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
         rate("weak, single: top-1", "weak", lambda o: o.passed, 0.80),
         rate("weak, single: top-3", "weak", lambda o: o.among_three, 0.95),
         rate("weak, single: named alone", "weak", lambda o: o.exact, 0.0),
+        rate("faint, single: top-1", "faint", lambda o: o.passed, 0.0),
         rate("false alarms on none", "none", lambda o: not o.passed, 0.05, at_least=False),
         rate("outside the library", "outside", lambda o: o.passed, 0.90),
         rate("taken out of the library", "without", lambda o: o.passed, 0.90),
@@ -123,9 +127,9 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
 
 def figures(outcomes: Sequence[Outcome], short: bool) -> list[Figure]:
     """Errors over the true model's floor, and times."""
-    single = [o.error_over_floor for o in outcomes if o.kind in ("clear", "weak", "none")]
+    single = [o.error_over_floor for o in outcomes if o.kind in (*SINGLE, "none")]
     every = [o.error_over_floor for o in outcomes if o.kind in ("two", "four")]
-    seconds = [o.seconds for o in outcomes if o.kind in ("clear", "weak")]
+    seconds = [o.seconds for o in outcomes if o.kind in SINGLE]
     longest = inf if short else 60.0
     return [
         Figure("error / floor, single and none: median", _median(single), 1.05, 3),
@@ -138,10 +142,11 @@ def figures(outcomes: Sequence[Outcome], short: bool) -> list[Figure]:
 
 
 def reliability(outcomes: Sequence[Outcome]) -> list[Decile]:
-    """All answers by tenths of confidence; empty tenths are left out."""
+    """All answers by tenths of confidence, then those of the middle together; empty ones are left
+    out."""
+    tenths = [(tenth / 10.0, (tenth + 1) / 10.0) for tenth in range(10)]
     table = []
-    for tenth in range(10):
-        low, high = tenth / 10.0, (tenth + 1) / 10.0
+    for low, high in (*tenths, MIDDLE):
         inside = [
             o for o in outcomes if low <= o.confidence < high or (o.confidence == 1.0 == high)
         ]
