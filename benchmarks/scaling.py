@@ -28,11 +28,11 @@ def main(arguments: Sequence[str]) -> None:
     """Print two tables."""
     campaign = read_campaign(Path(arguments[0] if arguments else ROOT / "examples/clean"))
     effects = load_effects()
-    _seconds(campaign, effects)  # compiles
-    print(f"{campaign.folder.name}: processor seconds of a diagnosis, one thread")
+    verdict = diagnose(campaign, read_nominal(campaign), effects).verdict  # compiles, too
+    print(f"{campaign.folder.name} ({', '.join(verdict)}): processor seconds of a diagnosis")
     runs = [_some_runs(campaign, share) for share in SHARES]
     _table("runs", [len(c.runs) for c in runs], [_seconds(c, effects) for c in runs])
-    some = [_some_effects(effects, share) for share in SHARES]
+    some = [_some_effects(effects, share, verdict) for share in SHARES]
     _table("effects", [len(e) for e in some], [_seconds(campaign, e) for e in some])
 
 
@@ -46,11 +46,15 @@ def _some_runs(campaign: Campaign, share: float) -> Campaign:
     return replace(campaign, runs=tuple(kept))
 
 
-def _some_effects(effects: Mapping[str, Effect], share: float) -> dict[str, Effect]:
-    """Evenly spread over the library."""
-    names = list(effects)
-    places = np.linspace(0, len(names) - 1, round(share * len(names)))
-    return {names[round(place)]: effects[names[round(place)]] for place in places.tolist()}
+def _some_effects(
+    effects: Mapping[str, Effect], share: float, verdict: Sequence[str]
+) -> dict[str, Effect]:
+    """Those of the verdict, without which it would be another question, and others evenly spread
+    over the library."""
+    kept = [name for name in effects if name in verdict]
+    others = [name for name in effects if name not in verdict]
+    places = np.linspace(0, len(others) - 1, round(share * len(effects)) - len(kept))
+    return {name: effects[name] for name in (*kept, *(others[round(p)] for p in places.tolist()))}
 
 
 def _seconds(campaign: Campaign, effects: Mapping[str, Effect]) -> float:

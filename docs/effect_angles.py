@@ -16,6 +16,7 @@ from scipy.linalg import block_diag
 from wheelhop.campaign import Channel, read_campaign
 from wheelhop.diagnose import Baseline, fit_baseline
 from wheelhop.effects import Effect
+from wheelhop.fit import RunFit, effect_run_parameters, moves
 from wheelhop.simulate import Model
 
 OWN_SHARE = 0.1  # of the scale of what is free in each run: a distance is nonlinear on short waves
@@ -23,32 +24,33 @@ HEAT = LinearSegmentedColormap.from_list("near to far", ["#06263f", EFFECT, "#cf
 
 
 def angles_picture(effects: Mapping[str, Effect], stage: Stage, folder: Path) -> Figure:
-    """How far each effect is from anything each other can do, on the campaign's fitted runs."""
+    """How far each effect is from anything each other can do, on the campaign's fitted runs; of the
+    forms of either the two that come nearest to each other."""
     campaign = read_campaign(folder)
     base = fit_baseline(campaign, stage.vehicle, progress=lambda text: print(text, flush=True))
     # Heights that may be anything have no signature.
     known = [effect for effect in effects.values() if not effect.has_random_heights]
     forms = [form for effect in known for form in _forms(effect, campaign.channels)]
     absorbed = _baseline_columns(base)
-    signatures = np.column_stack([_signature(base, form, stage) for _, form in forms])
+    signatures = np.column_stack([_signature(base, form, stage) for form in forms])
     alone = _left_over(signatures, absorbed, np.zeros((len(signatures), 0)), base)
     table = np.empty((len(forms), len(forms)))
-    for j, (name, form) in enumerate(forms):
-        print(f"angles to {name}", flush=True)
+    for j, form in enumerate(forms):
+        print(f"angles to {form.id}, form {j + 1} of {len(forms)}", flush=True)
         left = _left_over(signatures, absorbed, _columns(base, form, stage), base)
         table[:, j] = left / np.maximum(alone, 1e-12)
-    return _draw([name for name, _ in forms], np.degrees(np.arcsin(np.clip(table, 0.0, 1.0))))
+    first = [i for i, form in enumerate(forms) if i == 0 or form.id != forms[i - 1].id]
+    nearest = np.minimum.reduceat(np.minimum.reduceat(table, first, axis=0), first, axis=1)
+    names = [effect.id for effect in known]
+    return _draw(names, np.degrees(np.arcsin(np.clip(nearest, 0.0, 1.0))))
 
 
-def _forms(effect: Effect, channels: Sequence[Channel]) -> list[tuple[str, Effect]]:
+def _forms(effect: Effect, channels: Sequence[Channel]) -> list[Effect]:
     """The laws of an effect that has several; a sensor's fault in one channel stands for all."""
     choices = effect.choices(channels)
     if effect.place == "sensor":
         choices = choices[:1]
-    return [
-        (f"{effect.id}{f', {c}' if c else ''}", effect.with_choice(c) if c else effect)
-        for c in choices
-    ]
+    return [effect.with_choice(c) if c else effect for c in choices]
 
 
 def _baseline_columns(base: Baseline) -> Array:
@@ -95,31 +97,39 @@ def _columns(base: Baseline, form: Effect, stage: Stage) -> Array:
         model = switched_on(base.rung.model, form, settings, values, own_share=0.0)
         columns.append(np.concatenate(_change(base, model)))
     nothing = switched_on(base.rung.model, form, settings, absent, own_share=0.0)
-    for i, setting in enumerate(settings):
-        for p in form.per_run(setting):
-            value = p.absent + OWN_SHARE * p.scale
-            model = nothing.with_run(setting.run_id, {f"{form.id}.{p.name}": value})
-            columns.append(np.concatenate(_change(base, model, only=i)))
     size = sum(len(run.residual) for run in runs)
-    return np.stack(columns, axis=1) if columns else np.zeros((size, 0))
+    shared = np.stack(columns, axis=1) if columns else np.zeros((size, 0))
+    return np.hstack(
+        [shared, block_diag(*(_own_columns(base, run, form, nothing) for run in runs))]
+    )
 
 
-def _change(base: Baseline, model: Model, only: int | None = None) -> list[Array]:
-    """Change of the model's in-band data, run by run; zero but for one run if that is given."""
+def _own_columns(base: Baseline, run: RunFit, form: Effect, nothing: Model) -> Array:
+    """What each number that the effect leaves free in a run does there, (size, numbers)."""
+    own = effect_run_parameters(run.bench.simulator.setting, form)
+    made = moves(run.bench, nothing, own, lambda f: OWN_SHARE * f.scale)
+    systems = base.workshop.systems(nothing)
+    record, *others = run.bench.records([(m, systems) for m in (nothing, *(m.model for m in made))])
+    columns = np.zeros((len(run.residual), len(own)))
+    for move, other in zip(made, others, strict=True):
+        for i, part in move.parts(run.bench, other - record):
+            columns[:, i] = part
+    return columns
+
+
+def _change(base: Baseline, model: Model) -> list[Array]:
+    """Change of the model's in-band data, run by run."""
     systems = base.workshop.systems(model)
     parts = []
-    for i, run in enumerate(base.rung.fit.runs):
-        part = np.zeros(len(run.residual))
-        if only in (None, i):
-            measured = run.bench.measured[:, run.bench.predicted].ravel()
-            part = run.bench.modelled(model, systems) - (measured - run.residual)
-        parts.append(part)
+    for run in base.rung.fit.runs:
+        measured = run.bench.measured[:, run.bench.predicted].ravel()
+        parts.append(run.bench.modelled(model, systems) - (measured - run.residual))
     return parts
 
 
 def _draw(names: Sequence[str], table: Array) -> Figure:
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10.4, 0.42 * len(names) + 2.6), layout="constrained")
+        figure = Figure(figsize=(11.0, 0.32 * len(names) + 2.2), layout="constrained")
         axes = figure.add_subplot()
         axes.imshow(table, cmap=HEAT, vmin=0, vmax=90, aspect="auto")
         for i, row in enumerate(table):
@@ -127,7 +137,7 @@ def _draw(names: Sequence[str], table: Array) -> Figure:
                 colour = "white" if angle < 45 else INK
                 text = "" if i == j else f"{angle:.0f}"
                 axes.text(j, i, text, ha="center", va="center", color=colour, fontsize=8)
-        axes.set_xticks(range(len(names)), names, rotation=35, ha="left", rotation_mode="anchor")
+        axes.set_xticks(range(len(names)), names, rotation=90)
         axes.set_yticks(range(len(names)), names)
         axes.xaxis.tick_top()
         axes.tick_params(length=0, colors=INK)
