@@ -55,6 +55,11 @@ class Step:
         held_out = self.rung.validation is not None
         return self.rung.error_judging / (floor.error_validate if held_out else floor.error_fit)
 
+    @property
+    def above_floor(self) -> bool:
+        """Whether that is more than the floor is uncertain by."""
+        return self.over_floor > 1.0 + 2.0 * self.comparison.floor.tolerance
+
 
 @dataclass(frozen=True)
 class Grounds:

@@ -33,6 +33,12 @@ def explanation(verdict: Sequence[str], steps: Sequence[Step], last: Look) -> tu
         lines.extend(_nearest(last))
         lines.extend(_held_out_only(steps[-1]))
     elif len(steps) > 1:
+        if last.settled and steps[-1].above_floor:
+            lines.append(
+                f"Held-out runs stay at {steps[-1].over_floor:.2f} times the floor because the"
+                " fitted ones do not tell the vehicle's numbers better: fitted to all runs at once,"
+                " the same model leaves nothing to explain."
+            )
         lines.append("Where the baseline failed:")
         lines.extend(describe(steps[0].comparison.breakdown))
     return tuple(lines)

@@ -80,7 +80,7 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
 def excess(rung: Rung, noise: float) -> float:
     """What is left of the runs that judge above the noise, in units of what noise alone leaves."""
     fit = judging(rung)
-    return _charged(fit) / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
+    return charged(fit) / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
 
 
 def lead(rung: Rung, rival: Rung) -> float:
@@ -126,7 +126,7 @@ def at_noise(rung: Rung, noise: float) -> bool:
 def all_noise(fit: Fit, noise: float) -> bool:
     """The same for the runs of a fit."""
     by_chance = 3.0 * float(np.sqrt(2.0 / fit.size))  # few data: their mean square is uncertain
-    return _charged(fit) < (WHITE + by_chance) * noise**2 * fit.size
+    return charged(fit) < (WHITE + by_chance) * noise**2 * fit.size
 
 
 def best_first(rungs: Sequence[Rung], noise: float) -> list[Rung]:
@@ -153,7 +153,8 @@ def _cost(rung: Rung, noise: float) -> float:
     return total
 
 
-def _charged(fit: Fit) -> float:
+def charged(fit: Fit) -> float:
+    """Sum of squares, each run's charged for the numbers that are free in it."""
     return sum(run.rss / _freedom(run) for run in fit.runs)
 
 

@@ -14,6 +14,7 @@ from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odd
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.settled import is_settled
 from wheelhop.diagnose.together import look_for_two
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
@@ -77,7 +78,7 @@ def climb(
         if better is None and len(rung.model.effects) > 1:
             exchanged = exchange(workshop, rung, shorter, effects, progress)
             margins, better = exchanged.margins, exchanged.rung
-        if better is None and room > 1 and not at_noise(rung, workshop.noise):
+        if better is None and room > 1 and not (look.settled or at_noise(rung, workshop.noise)):
             look = look_for_two(workshop, look, effects, progress)
             first = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
@@ -99,6 +100,8 @@ def _look(
     left = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening {len(left)} effects")
     screened = screen(workshop, rung.fit, left)
+    if is_settled(workshop, rung):
+        return Look(rung, tuple(screened), (), None, settled=True)
     candidates = _confirm_best(workshop, rung, screened, progress)
     candidates = _refit_leaders(workshop, rung, candidates, progress)
     chosen = next((c for c in candidates if c.holds), None)

@@ -47,12 +47,14 @@ class Candidate:
 @dataclass(frozen=True, eq=False)
 class Look:
     """What one look at a rung's residual found: all effects screened, those simulated in full
-    (the chosen one first), and the one to accept, or none."""
+    (the chosen one first), and the one to accept, or none; whether nothing is left to explain,
+    though held-out runs stay above the floor."""
 
     rung: Rung
     screened: tuple[Screened, ...]
     candidates: tuple[Candidate, ...]
     chosen: Candidate | None
+    settled: bool = False
 
 
 def step_of(workshop: Workshop, rung: Rung) -> Step:

@@ -32,7 +32,8 @@ def conclude(
     showed, and the library."""
     angles = Angles(first.rung.fit, first.screened)
     accepted = steps[-1].added
-    verdict = (*accepted, "unknown") if _unexplained(steps[-1]) else accepted or ("none",)
+    unexplained = steps[-1].above_floor and not last.settled
+    verdict = (*accepted, "unknown") if unexplained else accepted or ("none",)
     stands_on = grounds(verdict, steps, first, last, margins)
     return Diagnosis(
         verdict=verdict,
@@ -43,11 +44,6 @@ def conclude(
         next_run=_next_run(workshop, accepted, first, angles),
         explanation=explanation(verdict, steps, last),
     )
-
-
-def _unexplained(step: Step) -> bool:
-    """Whether held-out runs (fitted ones, if there are no others) stay above the floor."""
-    return step.over_floor > 1.0 + 2.0 * step.comparison.floor.tolerance
 
 
 def _next_run(

@@ -27,6 +27,7 @@ class TyreLiftOff(Effect):
     equation = r"f = -\max(k_t x + c_t \dot x - W, 0),\quad W \text{ the wheel's static load}"
     source = "unilateral contact of a point-contact tyre model; W from vehicle.toml by statics"
     needs_road = True
+    longest_step_s = 0.00125  # the tyre's stiffness against the unsprung mass comes and goes
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """On or off: the load at which contact is lost is known."""

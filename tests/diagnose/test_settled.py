@@ -1,0 +1,63 @@
+"""Held-out runs that the fitted ones cannot foresee: a wheel that leaves the ground only there."""
+
+import pytest
+
+from benchmarks.blind.vehicles import rougher
+from tests import truth
+from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
+from wheelhop.diagnose.added import fit_with
+from wheelhop.diagnose.judge import MATERIAL, all_noise, excess
+from wheelhop.diagnose.settled import is_settled
+
+CAR = truth.PRESETS["passenger-car"]
+LIFTING = {
+    "tyre-lift-off": {},
+    "digressive-damper": {"knee_m_s": 0.25, "slope_ratio": 0.8},
+}
+UNSTEADY = {
+    "dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0},
+    "speed-fluctuation": {"fraction": 1.5e-4, "period_min_s": 1.8, "period_max_s": 6.4},
+}
+
+
+def campaign(folder, hidden, *, seed, severity=1.0):
+    effects = truth.make_effects(hidden)
+    return truth.write_campaign(
+        folder, rougher(CAR, severity), effects, seed=seed, short=True, noise_rms=0.15
+    )
+
+
+def fitted(folder, names):
+    """The baseline's workshop and the vehicle fitted with these effects."""
+    base = baseline_of(folder)
+    rungs = fit_with(base, [LIBRARY[name] for name in names], lambda text: None)
+    return base.workshop, rungs[-1]
+
+
+@pytest.fixture(scope="module")
+def lifting(tmp_path_factory):
+    return campaign(tmp_path_factory.mktemp("lifting"), LIFTING, seed=1994, severity=1.2)
+
+
+def test_a_prediction_is_no_better_than_its_numbers(lifting):
+    """The fitted runs know the static loads too little to say when a wheel lands; with all runs
+    fitted at once nothing is left."""
+    workshop, rung = fitted(lifting, LIFTING)
+    assert all_noise(rung.fit, workshop.noise)
+    assert excess(rung, workshop.noise) > MATERIAL
+    assert is_settled(workshop, rung)
+
+
+def test_no_flexible_effect_makes_up_for_uncertain_numbers(lifting):
+    """A braking moment that is free at every instant would, and be a third effect of the two."""
+    few = (*LIFTING, "longitudinal-pitch", "cornering-roll")
+    diagnosis = diagnosed(lifting, {name: LIBRARY[name] for name in few})
+    assert set(diagnosis.verdict) == set(LIFTING)
+
+
+def test_a_second_effect_in_the_held_out_runs_is_not_settled(tmp_path):
+    """A driver who is unsteady in them: no number of the vehicle can make up for that."""
+    workshop, rung = fitted(campaign(tmp_path, UNSTEADY, seed=51), ["dry-friction"])
+    assert all_noise(rung.fit, workshop.noise)
+    assert excess(rung, workshop.noise) > MATERIAL
+    assert not is_settled(workshop, rung)
