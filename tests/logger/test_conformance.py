@@ -374,7 +374,9 @@ def test_the_real_firmware_is_recorded_and_its_card_downloaded(elf, tmp_path):
         (one,) = record_to_disk(RecordOptions(tmp_path, url, start=True, seconds=2.0)).files
         downloader = Downloader(connect(url))
         (tmp_path / "card").mkdir()
-        file = downloader.download(one.path.name, one.path.stat().st_size, tmp_path / "card")
+        # The host's file may have more blocks: it begins a new one where the line lost something.
+        size = downloader.link.files()[one.path.name]
+        file = downloader.download(one.path.name, size, tmp_path / "card")
         downloader.close()
         board.kill()
     mine, told = read_log(one.path.read_bytes()), read_log(file.path.read_bytes())
