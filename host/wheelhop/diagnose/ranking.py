@@ -105,7 +105,7 @@ def _why_not_believed(candidate: Candidate) -> str:
         return "not confirmed by held-out runs"
     if contradicted(candidate.rung, candidate.variant.effect):
         return "its numbers, run by run, are against its nature"
-    return "too small a part of the noise to be told from a rounding of the simulation"
+    return "takes nothing material out of the runs held out"
 
 
 def percent(error: float) -> str:
