@@ -106,17 +106,6 @@ def left(run: RunFit) -> float:
     return run.rss / _freedom(run) / (1.0 - spent)
 
 
-def _left(rung: Rung) -> float:
-    """What a model leaves of all runs, as if nothing in it followed the noise: heights that nobody
-    knows do so twice, in what they take and in what they spoil (generalised cross-validation: G.
-    Golub, M. Heath, G. Wahba, Technometrics 21 (1979) 215, eq. 1.4)."""
-    total = 0.0
-    for run in (*rung.fit.runs, *judging(rung).runs):
-        spent = 0.0 if run.heights is None else run.heights.freedom / run.bench.size
-        total += run.rss / _freedom(run) / (1.0 - spent)
-    return total
-
-
 def at_noise(rung: Rung, noise: float) -> bool:
     """Whether the residual of the runs that judge is no larger than noise, `noise` being the
     standard deviation of one in-band coefficient."""
