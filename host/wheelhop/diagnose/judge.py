@@ -79,7 +79,11 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
 
 def excess(rung: Rung, noise: float) -> float:
     """What is left of the runs that judge above the noise, in units of what noise alone leaves."""
-    fit = judging(rung)
+    return above_noise(judging(rung), noise)
+
+
+def above_noise(fit: Fit, noise: float) -> float:
+    """The same of the runs of a fit."""
     return charged(fit) / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
 
 

@@ -7,10 +7,8 @@ floor although no physics is missing, and an effect with many numbers of its own
 
 from __future__ import annotations
 
-from math import inf
-
 from wheelhop.diagnose.confirm import Rung
-from wheelhop.diagnose.judge import MATERIAL, charged, excess
+from wheelhop.diagnose.judge import MATERIAL, above_noise, charged, excess
 from wheelhop.fit import Workshop, fit
 
 NEARLY_ALL = 0.9
@@ -27,12 +25,11 @@ def is_settled(workshop: Workshop, rung: Rung) -> bool:
     """
     if rung.validation is None or not rung.model.effects:
         return False
-    before, power = excess(rung, workshop.noise), workshop.noise**2
-    fitted = charged(rung.fit) / (rung.fit.size * power) - 1.0 if power > 0.0 else inf
-    if before <= MATERIAL or fitted > MATERIAL:
+    before = excess(rung, workshop.noise)
+    if before <= MATERIAL or above_noise(rung.fit, workshop.noise) > MATERIAL:
         return False
     benches = (*workshop.of_role("fit"), *workshop.of_role("validate"))
     joint = fit(workshop, rung.model, rung.fit.shared, benches)
     added = charged(joint) - charged(rung.fit)
-    after = added / (rung.validation.size * power) - 1.0
+    after = added / (rung.validation.size * workshop.noise**2) - 1.0
     return after <= max(MATERIAL, (1.0 - NEARLY_ALL) * before)
