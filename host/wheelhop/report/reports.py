@@ -68,7 +68,7 @@ def write_comparison_report(
 
 
 def _key_numbers(campaign: Campaign, steps: Sequence[Step]) -> list[tuple[str, str]]:
-    (first, floor), (last, _) = judged(steps[0]), judged(steps[-1])
+    (first, _), (last, floor) = judged(steps[0]), judged(steps[-1])
     runs = "held out" if campaign.validate_runs else "fitted"
     fall = percent(first) if len(steps) == 1 else f"{percent(first)} → {percent(last)}"
     return [
