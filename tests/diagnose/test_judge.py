@@ -1,5 +1,6 @@
 """The judgement on held-out runs: what chance alone makes of it."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.compare.band import InBand
-from wheelhop.diagnose.judge import log_odds, p_value, relative_to_noise
+from wheelhop.diagnose.judge import holds_against, log_odds, p_value, relative_to_noise
+from wheelhop.diagnose.rung import Rung
+from wheelhop.fit import Fit, RunFit
 
 SAMPLES, RUNS = 1024, 6
 BAND = InBand(SAMPLES, 100.0, (0.5, 30.0))
@@ -19,23 +22,11 @@ def rung(signals, own=2):
     runs = []
     for i, signal in enumerate(signals):
         residual = BAND.coefficients(signal).ravel()
-        bench = SimpleNamespace(
-            run=SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0),
-            band=BAND,
-            size=residual.size,
-        )
-        runs.append(
-            SimpleNamespace(
-                bench=bench,
-                residual=residual,
-                own=(None,) * own,
-                freedom=own,
-                heights=None,
-                rss=float(residual @ residual),
-            )
-        )
-    size = sum(run.bench.size for run in runs)
-    return SimpleNamespace(validation=SimpleNamespace(runs=runs, size=size), fit=None)
+        run = SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0)
+        bench = SimpleNamespace(run=run, band=BAND, size=residual.size)
+        runs.append(RunFit(bench, (None,) * own, residual, None))
+    held_out = Fit(None, (), tuple(runs), np.zeros((0, 0)), 1.0, 0.0, 0.0)
+    return Rung(None, held_out)
 
 
 def noise(rng, size=1.0):
@@ -121,3 +112,15 @@ def test_drop_in_units_of_the_noise():
     signals = noise(np.random.default_rng(4), 0.3)
     twice = rung([2.0 * s for s in signals], own=0)
     assert relative_to_noise(twice, rung(signals, own=0), 0.3) == pytest.approx(3.0, rel=0.05)
+
+
+def test_what_a_simulation_may_be_wrong_by_is_no_physics():
+    """A rival that takes a tenth of the noise's power out: enough beside a model that is simulated
+    exactly, not beside one with a strong effect that may itself be wrong by more."""
+    rng = np.random.default_rng(5)
+    signals = noise(rng)
+    base = rung([s + np.sqrt(0.1) * rng.normal(size=s.shape) for s in signals])
+    rival = rung(signals)
+    odds = log_odds(base, rival, 1.0)
+    assert holds_against(base, rival, odds, 27, 1.0)
+    assert not holds_against(replace(base, inexact=0.15), rival, odds, 27, 1.0)

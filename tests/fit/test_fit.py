@@ -8,7 +8,7 @@ import pytest
 from tests import truth
 from tests.simulate.setup import ATV, campaign_of, model_of, simulated
 from wheelhop.campaign import read_campaign
-from wheelhop.fit import Workshop, find_start, fit, initial_model, vehicle_parameters
+from wheelhop.fit import Workshop, find_start, fit, initial_model, update, vehicle_parameters
 from wheelhop.vehicle import Vehicle, read_vehicle
 
 NOISE = 0.1
@@ -165,3 +165,29 @@ def test_what_nothing_depends_on_stays_as_believed(noise_free):
     vehicle = drawn_vehicle(4, {"body.mass_kg"})
     names = {f.name for f in vehicle_parameters(campaign, vehicle)}
     assert names == {key for key in ATV if not key.startswith(FIXED)}
+
+
+def apart(fitted, other):
+    """How far two fits' shared parameters are apart, in joint standard deviations of the other."""
+    off = [fitted.model.values[f.name] - other.model.values[f.name] for f in other.shared]
+    return np.linalg.solve(np.linalg.cholesky(other.covariance), off)
+
+
+def test_runs_fitted_one_after_the_other_say_what_all_say_at_once(noise_free):
+    """Bayes' rule: what the first runs leave uncertain is believed beforehand of the others; then
+    numbers, their precision and the evidence are those of a fit to all of them."""
+    runs, _ = noise_free
+    campaign = recorded(noise_free, 5)
+    vehicle = drawn_vehicle(9, set(ATV))
+    workshop, everything = fitted_to(campaign, vehicle, model_of(vehicle.values, runs))
+    benches = workshop.of_role("fit")
+    start = model_of(vehicle.values, runs)
+    first = fit(workshop, start, everything.shared, benches[:1])
+    then = update(workshop, first, first.model, benches[1:])
+    assert np.abs(apart(first, everything)).max() > 1.0
+    assert np.abs(apart(then, everything)).max() < 0.1
+    unit = np.sqrt(np.diag(everything.precision))
+    assert then.precision / np.outer(unit, unit) == pytest.approx(
+        everything.precision / np.outer(unit, unit), abs=0.03
+    )
+    assert first.evidence + then.evidence == pytest.approx(everything.evidence, abs=2.0)

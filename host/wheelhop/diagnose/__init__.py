@@ -1,10 +1,10 @@
 """Diagnosis: which physics a model is missing."""
 
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, comparison_of, fit_baseline
-from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step, to_json
 from wheelhop.diagnose.ladder import climb, diagnose
 from wheelhop.diagnose.next_run import NextRun
+from wheelhop.diagnose.rung import Rung
 
 __all__ = [
     "Baseline",

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
-from wheelhop.diagnose.confirm import Rung, confirm, refit
+from wheelhop.diagnose.confirm import confirm, refit
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.look import step_of
 from wheelhop.diagnose.ranking import why_not
+from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import screen
 from wheelhop.effects import Effect
 from wheelhop.vehicle import Vehicle

@@ -9,7 +9,8 @@ import numpy as np
 
 from wheelhop.campaign import Campaign, CampaignError, TrackSpec
 from wheelhop.compare import Comparison, compare
-from wheelhop.diagnose.confirm import Rung, validate
+from wheelhop.diagnose.rung import Rung
+from wheelhop.diagnose.validate import validate
 from wheelhop.fit import Free, Workshop, find_start, fit, initial_model, vehicle_parameters
 from wheelhop.simulate import Model, frequency_response
 from wheelhop.vehicle import CORNERS, Vehicle

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import exp, inf
 
-from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Grounds, Step
-from wheelhop.diagnose.judge import judging, lead, left, log_odds
+from wheelhop.diagnose.exchange import Stand
+from wheelhop.diagnose.judge import lead, left, log_odds, p_value
 from wheelhop.diagnose.look import Look
+from wheelhop.diagnose.rung import Rung
 
 CEILING = 0.99
 """No verdict on a single campaign is surer than this."""
@@ -39,30 +40,30 @@ def grounds(
     steps: Sequence[Step],
     first: Look,
     last: Look,
-    margins: Mapping[str, float],
+    stands: Mapping[str, Stand],
+    noise: float,
 ) -> Grounds:
-    """What the verdict's first entry stands on."""
-    over = steps[-1].over_floor
-    baseline = steps[0].over_floor
-    accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
-    if accepted is None:
-        closest = min((c.p for c in last.candidates), default=1.0)
-        margin = margins.get(verdict[0], inf)
-        return Grounds(margin, inf, 1.0, closest, over, baseline)
-    rivals = [c.rung for c in first.candidates if c.id not in verdict]
+    """What the verdict's first entry stands on.
+
+    A single effect is held against its rivals at the first look; one of several, against those in
+    its place beside the others: while these are missing, little can be said of it.
+    """
+    over, baseline = steps[-1].over_floor, steps[0].over_floor
     at_floor = "unknown" not in verdict
-    margin = min(
-        [*(_odds(r, accepted.rung, at_floor) for r in rivals), margins.get(verdict[0], inf)]
-    )
-    best = min(rivals, key=lambda r: lead(accepted.rung, r), default=first.rung)
-    return Grounds(
-        margin,
-        lead(accepted.rung, best),
-        _stability(best, accepted.rung),
-        accepted.p,
-        over,
-        baseline,
-    )
+    accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
+    if verdict[0] in stands:
+        final, stand = steps[-1].rung, stands[verdict[0]]
+        against = p_value(log_odds(stand.without, final, noise), len(first.screened))
+        rivals, best = [stand.rival], stand.rival
+    elif accepted is not None:
+        final, against = accepted.rung, accepted.p
+        rivals = [c.rung for c in first.candidates if c is not accepted]
+        best = min(rivals, key=lambda r: lead(final, r), default=first.rung)
+    else:
+        closest = min((c.p for c in last.candidates), default=1.0)
+        return Grounds(inf, inf, 1.0, closest, over, baseline)
+    margin = min((_odds(rival, final, at_floor) for rival in rivals), default=inf)
+    return Grounds(margin, lead(final, best), _stability(best, final), against, over, baseline)
 
 
 def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
@@ -108,7 +109,7 @@ def _stability(rival: Rung, accepted: Rung) -> float:
     """The share of what speaks for the accepted model that is left when the run that speaks for it
     loudest is left out, fitted runs and held-out ones alike; negative: it turns against it."""
     gains = []
-    for before, after in ((rival.fit, accepted.fit), (judging(rival), judging(accepted))):
+    for before, after in ((rival.fit, accepted.fit), (rival.judging, accepted.judging)):
         gains += [left(a) - left(b) for a, b in zip(before.runs, after.runs, strict=True)]
     total = sum(gains)
     return (total - max(gains)) / total if total > 0.0 else -1.0

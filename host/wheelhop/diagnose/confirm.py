@@ -3,68 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isfinite
 
 import numpy as np
 
 from wheelhop.diagnose.probe import FitProbe
+from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, Variant, with_variant
+from wheelhop.diagnose.validate import validate
 from wheelhop.fit import Bench, Fit, Workshop, effect_parameters, fit, seek_again
 from wheelhop.simulate import Model
-
-
-@dataclass(frozen=True, eq=False)
-class Rung:
-    """A model fitted to the "fit" runs, and what it does on the "validate" runs when only what
-    those leave free is fitted there."""
-
-    fit: Fit
-    validation: Fit | None
-
-    @property
-    def model(self) -> Model:
-        """The model, what every run leaves free included."""
-        fitted = self.fit.model
-        if self.validation is None:
-            return fitted
-        other = self.validation.model
-        runs, heights = {**fitted.runs, **other.runs}, {**fitted.heights, **other.heights}
-        return Model(fitted.values, fitted.effects, runs, heights)
-
-    @property
-    def error_fit(self) -> float:
-        """E over the runs fitted."""
-        return self.fit.error
-
-    @property
-    def error_validate(self) -> float:
-        """E over the other runs, charged for the degrees of freedom each of them was given."""
-        if self.validation is None:
-            return float("nan")
-        runs = self.validation.runs
-        rss = sum(r.rss * r.bench.size / max(r.bench.size - r.freedom, 1) for r in runs)
-        return float(np.sqrt(rss / sum(r.bench.energy for r in runs)))
-
-    @property
-    def error_judging(self) -> float:
-        """E over the runs that judge: those held out, or the fitted ones if there are no others."""
-        return self.error_fit if self.validation is None else self.error_validate
-
-    @property
-    def evidence(self) -> float:
-        """Logarithm of the model's evidence by Laplace's method, up to a constant of the data: that
-        of the runs fitted, and of the others given what was fitted."""
-        held_out = 0.0 if self.validation is None else self.validation.evidence
-        return self.fit.evidence + held_out
-
-
-def validate(workshop: Workshop, fitted: Fit) -> Rung:
-    """Fit what the "validate" runs leave free, everything else kept."""
-    benches = workshop.of_role("validate")
-    if not benches:
-        return Rung(fitted, None)
-    return Rung(fitted, fit(workshop, fitted.model, (), benches))
 
 
 def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:

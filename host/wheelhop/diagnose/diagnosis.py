@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from wheelhop.compare import Comparison, where_to_json
-from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.next_run import NextRun
+from wheelhop.diagnose.rung import Rung
 
 FORMAT = 1
 
@@ -50,15 +50,16 @@ class Step:
 
     @property
     def over_floor(self) -> float:
-        """Error on held-out runs (on fitted ones, if there are no others) over the floor."""
+        """Error on the runs that judge over the floor."""
         floor = self.comparison.floor
         held_out = self.rung.validation is not None
         return self.rung.error_judging / (floor.error_validate if held_out else floor.error_fit)
 
     @property
     def above_floor(self) -> bool:
-        """Whether that is more than the floor is uncertain by."""
-        return self.over_floor > 1.0 + 2.0 * self.comparison.floor.tolerance
+        """Whether that is more than the floor and the simulation are uncertain by."""
+        tolerated = 1.0 + 2.0 * self.comparison.floor.tolerance
+        return self.over_floor**2 > tolerated**2 + self.rung.inexact
 
 
 @dataclass(frozen=True)

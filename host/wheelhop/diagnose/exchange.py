@@ -11,10 +11,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from wheelhop.diagnose.baseline import Progress
-from wheelhop.diagnose.confirm import Rung, confirm, refit, without
-from wheelhop.diagnose.judge import best_first, log_odds
+from wheelhop.diagnose.confirm import confirm, refit, without
+from wheelhop.diagnose.judge import best_first, lead, log_odds
 from wheelhop.diagnose.promising import worth_simulating
+from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.validate import Incumbent
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 
@@ -22,14 +24,27 @@ RIVALS = 2
 """At least so many effects are simulated in full in the place of each one accepted."""
 
 
+NEAR = 0.03
+"""A rival that leaves only this share more is fitted in full before it is held against the effect
+it would stand for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """What an accepted effect stands against: the model without it, and the best one with another
+    effect in its place (the same, if nothing could stand there)."""
+
+    without: Rung
+    rival: Rung
+
+
 @dataclass(frozen=True, eq=False)
 class Exchange:
     """What became of the attempt: ``rung`` with one effect exchanged for a better one, or None;
-    ``margins`` by how much the logarithm of the evidence favours each accepted effect over the
-    best rival in its place."""
+    ``stands`` of the accepted effects looked at, by id."""
 
     rung: Rung | None
-    margins: Mapping[str, float] = field(default_factory=dict)
+    stands: Mapping[str, Stand] = field(default_factory=dict)
 
 
 def exchange(
@@ -43,19 +58,22 @@ def exchange(
     without one of them, as far as they are known."""
     present = {effect.id for effect in rung.model.effects}
     absent = [effect for effect in effects.values() if effect.id not in present]
-    margins: dict[str, float] = {}
+    stands: dict[str, Stand] = {}
+    incumbent = Incumbent(workshop, rung)
     for accepted in rung.model.effects:
         progress(f"could another effect stand for {accepted.id}?")
         base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
         screened = worth_simulating(workshop, base, screen(workshop, base.fit, absent), RIVALS)
         rivals = [confirm(workshop, base, item) for item in screened]
+        as_free = Incumbent(workshop, base).against(rung)
         if not rivals:
-            margins[accepted.id] = rung.evidence - base.evidence
+            stands[accepted.id] = Stand(as_free, as_free)
             continue
         best = best_first(rivals, workshop.noise)[0]
-        if best_first([rung, best], workshop.noise)[0] is best:
+        if best_first([rung, best], workshop.noise)[0] is best or lead(rung, best) < NEAR:
             best = refit(workshop, best)
-            if log_odds(rung, best, workshop.noise) > 0.0:
-                return Exchange(best)
-        margins[accepted.id] = rung.evidence - best.evidence
-    return Exchange(None, margins)
+        better = best_first([rung, best], workshop.noise)[0] is best
+        if better and log_odds(incumbent.against(best), best, workshop.noise) > 0.0:
+            return Exchange(best)
+        stands[accepted.id] = Stand(as_free, best)
+    return Exchange(None, stands)

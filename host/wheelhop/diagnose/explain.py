@@ -33,11 +33,13 @@ def explanation(verdict: Sequence[str], steps: Sequence[Step], last: Look) -> tu
         lines.extend(_nearest(last))
         lines.extend(_held_out_only(steps[-1]))
     elif len(steps) > 1:
-        if last.settled and steps[-1].above_floor:
+        floor = steps[-1].comparison.floor
+        foreseen = steps[-1].rung.error / floor.error_validate
+        if steps[-1].rung.update is not None and foreseen > 1.0 + 2.0 * floor.tolerance:
             lines.append(
-                f"Held-out runs stay at {steps[-1].over_floor:.2f} times the floor because the"
-                " fitted ones do not tell the vehicle's numbers better: fitted to all runs at once,"
-                " the same model leaves nothing to explain."
+                f"Held-out runs are foreseen to {foreseen:.2f} times the floor, because the fitted"
+                " ones do not tell the vehicle's numbers better: within their uncertainty the same"
+                f" model comes to {steps[-1].over_floor:.2f} times the floor."
             )
         lines.append("Where the baseline failed:")
         lines.extend(describe(steps[0].comparison.breakdown))
@@ -47,10 +49,7 @@ def explanation(verdict: Sequence[str], steps: Sequence[Step], last: Look) -> tu
 def _change(before: Step, after: Step) -> str:
     added = [name for name in after.added if name not in before.added]
     taken = [name for name in before.added if name not in after.added]
-    change = (
-        f"the error from {percent(before.rung.error_judging)}"
-        f" to {percent(after.rung.error_judging)}."
-    )
+    change = f"the error from {percent(before.rung.error)} to {percent(after.rung.error)}."
     if added and taken:
         return f"Putting {', '.join(added)} in place of {', '.join(taken)} changes {change}"
     return f"Adding {', '.join(added)} lowers {change}" if added else f"{', '.join(taken)} is idle."

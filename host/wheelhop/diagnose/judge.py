@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.confirm import Rung
+from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Fit, RunFit
 
 Array = NDArray[np.float64]
@@ -17,8 +17,8 @@ BLOCK_S = 0.5
 freedom, however many samples it holds (a second: one oscillation with amplitude and phase)."""
 
 MATERIAL = 0.02
-"""What takes less than this share of the noise's power out of the held-out residual is immaterial:
-a rounding of the simulation could be mistaken for physics."""
+"""What takes less than this share of the noise's power out of the held-out residual is immaterial,
+however simple the model: a rounding of the simulation could be mistaken for physics."""
 
 SIGNIFICANT = 0.05
 """An effect is accepted below this chance of being mistaken, all effects tried counted."""
@@ -44,7 +44,7 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
 
     The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
     """
-    before, after = judging(base), judging(rival)
+    before, after = base.judging, rival.judging
     if at_noise(rival, noise):
         return 0.5 * (_cost(base, noise) - _cost(rival, noise))
     gains = np.concatenate([_gains(a, b) for a, b in zip(before.runs, after.runs, strict=True)])
@@ -66,7 +66,16 @@ def p_value(odds: float, tried: int) -> float:
 def holds_against(base: Rung, rival: Rung, odds: float, tried: int, noise: float) -> bool:
     """Whether a rival with these log-odds, one of `tried`, takes something material out of what
     the base leaves, and not by chance."""
-    return relative_to_noise(base, rival, noise) > MATERIAL and p_value(odds, tried) < SIGNIFICANT
+    return (
+        relative_to_noise(base, rival, noise) > material(base)
+        and p_value(odds, tried) < SIGNIFICANT
+    )
+
+
+def material(rung: Rung) -> float:
+    """The least drop from what a rung leaves that could be physics, in units of what noise alone
+    leaves."""
+    return MATERIAL + rung.inexact
 
 
 def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
@@ -79,12 +88,12 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
 
 def excess(rung: Rung, noise: float) -> float:
     """What is left of the runs that judge above the noise, in units of what noise alone leaves."""
-    return above_noise(judging(rung), noise)
+    return above_noise(rung.judging, noise)
 
 
 def above_noise(fit: Fit, noise: float) -> float:
     """The same of the runs of a fit."""
-    return charged(fit) / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
+    return fit.charged / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
 
 
 def lead(rung: Rung, rival: Rung) -> float:
@@ -94,8 +103,8 @@ def lead(rung: Rung, rival: Rung) -> float:
     Evidence grows with the number of data even where two models differ by less than either is
     exact; this does not.
     """
-    size = rung.fit.size + judging(rung).size
-    mine, its = (sum(left(run) for run in (*r.fit.runs, *judging(r).runs)) for r in (rung, rival))
+    size = rung.fit.size + rung.judging.size
+    mine, its = (sum(left(run) for run in (*r.fit.runs, *r.judging.runs)) for r in (rung, rival))
     return (its - mine) / (size * rung.fit.sigma**2)
 
 
@@ -107,19 +116,19 @@ def left(run: RunFit) -> float:
     2009, eq. 7.52).
     """
     spent = 0.0 if run.heights is None else run.heights.freedom / run.bench.size
-    return run.rss / _freedom(run) / (1.0 - spent)
+    return run.charged / (1.0 - spent)
 
 
 def at_noise(rung: Rung, noise: float) -> bool:
     """Whether the residual of the runs that judge is no larger than noise, `noise` being the
     standard deviation of one in-band coefficient."""
-    return all_noise(judging(rung), noise)
+    return all_noise(rung.judging, noise)
 
 
 def all_noise(fit: Fit, noise: float) -> bool:
     """The same for the runs of a fit."""
     by_chance = 3.0 * float(np.sqrt(2.0 / fit.size))  # few data: their mean square is uncertain
-    return charged(fit) < (WHITE + by_chance) * noise**2 * fit.size
+    return fit.charged < (WHITE + by_chance) * noise**2 * fit.size
 
 
 def best_first(rungs: Sequence[Rung], noise: float) -> list[Rung]:
@@ -130,37 +139,26 @@ def best_first(rungs: Sequence[Rung], noise: float) -> list[Rung]:
     return sorted(rungs, key=lambda r: -r.evidence if explained else r.error_judging)
 
 
-def judging(rung: Rung) -> Fit:
-    """The fit whose runs judge a model."""
-    return rung.fit if rung.validation is None else rung.validation
-
-
 def _cost(rung: Rung, noise: float) -> float:
-    """−2 × the logarithm of the likelihood of the runs that judge, up to a constant."""
+    """−2 × the logarithm of the likelihood of the runs that judge, up to a constant; numbers that
+    were free to move among them are integrated out, as the heights are."""
     total = 0.0
-    for run in judging(rung).runs:
+    for run in rung.judging.runs:
         size = run.bench.size
         total += run.rss / noise**2 * size / max(size - len(run.own), 1)
         if run.heights is not None:
             total += run.heights.penalty - run.heights.log_volume
+    if rung.update is not None:
+        total += rung.fit.posterior.distance(rung.update.model.values)
+        total += rung.update.posterior.log_precision - rung.fit.posterior.log_precision
     return total
-
-
-def charged(fit: Fit) -> float:
-    """Sum of squares, each run's charged for the numbers that are free in it."""
-    return sum(run.rss / _freedom(run) for run in fit.runs)
-
-
-def _freedom(run: RunFit) -> float:
-    """Share of a run's data left over by the numbers that are free in it."""
-    return max(run.bench.size - run.freedom, 1) / run.bench.size
 
 
 def _gains(base: RunFit, rival: RunFit) -> Array:
     time = base.bench.run.time_s
     count = max(1, round(float(time[-1] - time[0]) / BLOCK_S))
     ratio = _block_squares(base, count) / _block_squares(rival, count)
-    return np.asarray(0.5 * np.log(ratio * _freedom(rival) / _freedom(base)))
+    return np.asarray(0.5 * np.log(ratio * rival.spare / base.spare))
 
 
 def _block_squares(run: RunFit, count: int) -> Array:

@@ -7,15 +7,16 @@ from dataclasses import replace
 
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
-from wheelhop.diagnose.confirm import Rung, confirm, refit, without
+from wheelhop.diagnose.confirm import confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
-from wheelhop.diagnose.exchange import exchange
+from wheelhop.diagnose.exchange import Stand, exchange
 from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
 from wheelhop.diagnose.promising import worth_simulating
+from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, screen
-from wheelhop.diagnose.settled import is_settled
-from wheelhop.diagnose.together import look_for_two
+from wheelhop.diagnose.together import look_for_several
+from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
@@ -71,15 +72,15 @@ def climb(
     look = _look(workshop, rung, effects, progress)
     first = look
     shorter: Mapping[str, Rung] = {}
-    margins: Mapping[str, float] = {}
+    stands: Mapping[str, Stand] = {}
     for _ in range(2 * max_effects):
         room = max_effects - len(rung.model.effects)
         better = look.chosen.rung if look.chosen is not None and room > 0 else None
         if better is None and len(rung.model.effects) > 1:
             exchanged = exchange(workshop, rung, shorter, effects, progress)
-            margins, better = exchanged.margins, exchanged.rung
-        if better is None and room > 1 and not (look.settled or at_noise(rung, workshop.noise)):
-            look = look_for_two(workshop, look, effects, progress)
+            stands, better = exchanged.stands, exchanged.rung
+        if better is None and room > 1 and not at_noise(rung, workshop.noise):
+            look = look_for_several(workshop, look, effects, room, progress)
             first = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
         if better is None:
@@ -89,7 +90,7 @@ def climb(
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
         look = _look(workshop, rung, effects, progress)
-    return conclude(workshop, steps, first, look, margins, list(effects.values()))
+    return conclude(workshop, steps, first, look, stands, list(effects.values()))
 
 
 def _look(
@@ -100,38 +101,39 @@ def _look(
     left = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening {len(left)} effects")
     screened = screen(workshop, rung.fit, left)
-    if is_settled(workshop, rung):
-        return Look(rung, tuple(screened), (), None, settled=True)
-    candidates = _confirm_best(workshop, rung, screened, progress)
-    candidates = _refit_leaders(workshop, rung, candidates, progress)
+    incumbent = Incumbent(workshop, rung)
+    candidates = _confirm_best(incumbent, screened, progress)
+    candidates = _refit_leaders(incumbent, candidates, progress)
     chosen = next((c for c in candidates if c.holds), None)
     return Look(rung, tuple(screened), tuple(candidates), chosen)
 
 
 def _confirm_best(
-    workshop: Workshop, rung: Rung, screened: Sequence[Screened], progress: Progress
+    incumbent: Incumbent, screened: Sequence[Screened], progress: Progress
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first."""
+    workshop, rung = incumbent.workshop, incumbent.rung
     chosen = worth_simulating(workshop, rung, screened)
     found = []
     for i, item in enumerate(chosen):
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
-        found.append(_judged(workshop, rung, item, confirm(workshop, rung, item), len(screened)))
+        found.append(_judged(incumbent, item, confirm(workshop, rung, item), len(screened)))
     return _best_first(found, workshop.noise)
 
 
 def _refit_leaders(
-    workshop: Workshop, rung: Rung, candidates: Sequence[Candidate], progress: Progress
+    incumbent: Incumbent, candidates: Sequence[Candidate], progress: Progress
 ) -> list[Candidate]:
     """The candidates, the best two that hold fitted with all derivatives; the best first.
 
     A quick fit favours effects that resemble what the vehicle's own parameters do, and it may end
     where its derivatives no longer hold: before none is believed, the best few are fitted so, too.
     """
+    workshop, rung = incumbent.workshop, incumbent.rung
     leaders = [c for c in candidates if c.holds][:2]
     if len(leaders) == 2:
-        first, second = sorted(leaders, key=lambda c: c.rung.error_validate)
-        if second.rung.error_validate > HOPELESS * first.rung.error_validate:
+        first, second = sorted(leaders, key=lambda c: c.rung.error_judging)
+        if second.rung.error_judging > HOPELESS * first.rung.error_judging:
             leaders = [first]
     if not leaders and not at_noise(rung, workshop.noise):
         leaders = list(candidates[:LAST_RESORT])
@@ -141,7 +143,7 @@ def _refit_leaders(
         better = refit(workshop, leader.rung)
         if not at_noise(better, workshop.noise):
             better = _best_form(workshop, rung, leader.screened, better)
-        refitted.append(_judged(workshop, rung, leader.screened, better, leader.tried))
+        refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
     return _best_first(refitted, workshop.noise) + others
 
@@ -165,11 +167,10 @@ def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate
     return sorted(candidates, key=lambda c: (not c.holds, place[id(c.rung)]))
 
 
-def _judged(
-    workshop: Workshop, rung: Rung, screened: Screened, rival: Rung, tried: int
-) -> Candidate:
-    odds = log_odds(rung, rival, workshop.noise)
-    likely = holds_against(rung, rival, odds, tried, workshop.noise)
+def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -> Candidate:
+    base, noise = incumbent.against(rival), incumbent.workshop.noise
+    odds = log_odds(base, rival, noise)
+    likely = holds_against(base, rival, odds, tried, noise)
     holds = likely and not contradicted(rival, screened.variant.effect)
     return Candidate(screened, rival, odds, tried, holds)
 
@@ -191,8 +192,9 @@ def _without_idle(
         if roughly.error_judging > HOPELESS * rung.error_judging:
             continue
         without_it = without(workshop, rung, effect.id)
-        odds = log_odds(without_it, rung, workshop.noise)
-        if holds_against(without_it, rung, odds, 1, workshop.noise):
+        base = Incumbent(workshop, without_it).against(rung)
+        odds = log_odds(base, rung, workshop.noise)
+        if holds_against(base, rung, odds, 1, workshop.noise):
             shorter[effect.id] = without_it
         else:
             rung, shorter = without_it, {}

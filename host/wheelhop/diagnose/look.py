@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wheelhop.diagnose.baseline import comparison_of
-from wheelhop.diagnose.confirm import Rung
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.judge import p_value
+from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, Variant
 from wheelhop.effects import Effect, OwnValues
 from wheelhop.fit import Workshop
@@ -47,14 +47,12 @@ class Candidate:
 @dataclass(frozen=True, eq=False)
 class Look:
     """What one look at a rung's residual found: all effects screened, those simulated in full
-    (the chosen one first), and the one to accept, or none; whether nothing is left to explain,
-    though held-out runs stay above the floor."""
+    (the chosen one first), and the one to accept, or none."""
 
     rung: Rung
     screened: tuple[Screened, ...]
     candidates: tuple[Candidate, ...]
     chosen: Candidate | None
-    settled: bool = False
 
 
 def step_of(workshop: Workshop, rung: Rung) -> Step:

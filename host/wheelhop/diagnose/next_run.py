@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Run
-from wheelhop.diagnose.confirm import Rung
+from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Bench, Free, Workshop
 from wheelhop.simulate import Model
 
@@ -134,9 +134,7 @@ def _gain(workshop: Workshop, bench: Bench, first: Rung, second: Rung, *, refitt
     sigma = max(second.fit.sigma, first.fit.sigma)
     precision = np.zeros((len(steps), len(steps)))
     if refitted:
-        scale = np.array([f.scale for f in shared])
-        covariance = second.fit.covariance / np.outer(scale, scale)
-        precision[: len(shared), : len(shared)] = np.linalg.pinv(covariance, hermitian=True)
+        precision[: len(shared), : len(shared)] = second.fit.precision
     inner = columns.T @ columns / sigma**2 + precision
     slope = columns.T @ difference / sigma**2
     absorbed = slope @ np.linalg.lstsq(inner, slope, rcond=None)[0]

@@ -1,9 +1,10 @@
-"""Two effects that show only together: none is seen while the other is not in the model.
+"""Effects that show only together: none is seen while the others are not in the model.
 
 A loose sensor on an axle with friction, for one: the mount magnifies what friction excites, and
-neither explains anything alone. Where no single effect holds and something is left, the most
-promising ones are therefore taken for granted one after the other, and the rest of the library
-screened beside each.
+neither explains anything alone. Nor does any of four while wheels leave the ground at moments that
+only all of them foresee. Where no single effect holds and something is left, the most promising
+ones are therefore taken for granted one after the other, and the rest of the library screened
+beside each; from the best pair on, effects are added until nothing is left.
 """
 
 from __future__ import annotations
@@ -14,10 +15,13 @@ from math import comb
 from typing import NamedTuple
 
 from wheelhop.diagnose.baseline import Progress
-from wheelhop.diagnose.confirm import Rung, confirm, refit
-from wheelhop.diagnose.judge import best_first, excess, holds_against, log_odds
+from wheelhop.diagnose.confirm import confirm, refit
+from wheelhop.diagnose.judge import at_noise, excess, holds_against, log_odds
 from wheelhop.diagnose.look import Candidate, Look, contradicted
+from wheelhop.diagnose.promising import worth_simulating
+from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.validate import Incumbent
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 
@@ -27,43 +31,53 @@ FIRSTS = 5
 PAIRS = 3
 """So many pairs, the most promising ones, are simulated in full."""
 
-
 NEARLY_ALL = 0.9
 """A pair must explain this share of the power above the noise: two wrong effects together explain
-more by chance than one does."""
+more by chance than one does. More than two must explain all of it."""
 
 
-class _Pair(NamedTuple):
-    first: Candidate
-    second: Screened
+class _Group(NamedTuple):
+    """Effects as they were screened, each beside those before it, and a model that has them."""
+
+    members: tuple[Screened, ...]
+    rung: Rung
 
     @property
-    def ids(self) -> frozenset[str]:
-        return frozenset((self.first.id, self.second.variant.effect.id))
+    def ids(self) -> list[str]:
+        return sorted(s.variant.effect.id for s in self.members)
 
 
-def look_for_two(
-    workshop: Workshop, look: Look, effects: Mapping[str, Effect], progress: Progress
+def look_for_several(
+    workshop: Workshop, look: Look, effects: Mapping[str, Effect], room: int, progress: Progress
 ) -> Look:
-    """The look at a residual no single effect explains, with the pair of effects chosen that does;
-    as it was if there is none."""
-    pairs = list(_promising(workshop, look, effects, progress))
-    if not pairs:
-        return look
-    rungs = []
-    for pair in pairs:
-        progress(f"simulating {' with '.join(sorted(pair.ids))}")
-        rungs.append(confirm(workshop, pair.first.rung, pair.second))
-    best = best_first(rungs, workshop.noise)[0]
-    pair = pairs[next(i for i, rung in enumerate(rungs) if rung is best)]
-    progress(f"fitting the vehicle with {' and '.join(sorted(pair.ids))}")
-    best = refit(workshop, best)
-    return _with_pair(workshop, look, pair, best, comb(len(effects), 2))
+    """The look at a residual no single effect explains, with a group of effects chosen that does,
+    at most `room` of them; as it was if there is none."""
+    group = _best_pair(workshop, look, effects, progress)
+    incumbent = Incumbent(workshop, look.rung)
+    while group is not None:
+        tried = comb(len(effects), len(group.members))
+        base = incumbent.against(group.rung)
+        odds = log_odds(base, group.rung, workshop.noise)
+        if _holds(workshop, base, group, odds, tried):
+            return _chosen(look, group, odds, tried)
+        group = _grown(workshop, group, effects, progress) if len(group.members) < room else None
+    return look
+
+
+def _best_pair(
+    workshop: Workshop, look: Look, effects: Mapping[str, Effect], progress: Progress
+) -> _Group | None:
+    found = []
+    for first, second in _promising(workshop, look, effects, progress):
+        pair = _Group((first.screened, second), first.rung)
+        progress(f"simulating {' with '.join(pair.ids)}")
+        found.append(pair._replace(rung=confirm(workshop, first.rung, second)))
+    return _fitted(workshop, found, progress)
 
 
 def _promising(
     workshop: Workshop, look: Look, effects: Mapping[str, Effect], progress: Progress
-) -> Iterator[_Pair]:
+) -> Iterator[tuple[Candidate, Screened]]:
     """The pairs that leave least by screening, each once."""
     present = {effect.id for effect in look.rung.model.effects}
     firsts = [c for c in look.candidates if c.rung.evidence > look.rung.evidence][:FIRSTS]
@@ -72,26 +86,61 @@ def _promising(
         progress(f"screening the others beside {first.id}")
         others = [e for e in effects.values() if e.id not in present | {first.id}]
         screened = screen(workshop, first.rung.fit, others)
-        found += [_Pair(first, s) for s in screened if s.score > 0]
+        found += [(first, s) for s in screened if s.score > 0]
     seen = set[frozenset[str]]()
-    for pair in sorted(found, key=lambda p: p.second.error):
-        if len(seen) < PAIRS and pair.ids not in seen:
-            seen.add(pair.ids)
-            yield pair
+    for first, second in sorted(found, key=lambda pair: pair[1].error):
+        ids = frozenset((first.id, second.variant.effect.id))
+        if len(seen) < PAIRS and ids not in seen:
+            seen.add(ids)
+            yield first, second
 
 
-def _with_pair(workshop: Workshop, look: Look, pair: _Pair, rung: Rung, tried: int) -> Look:
-    odds = log_odds(look.rung, rung, workshop.noise)
-    first, second = pair.first.screened, pair.second
-    if (
-        excess(rung, workshop.noise) > (1.0 - NEARLY_ALL) * excess(look.rung, workshop.noise)
-        or not holds_against(look.rung, rung, odds, tried, workshop.noise)
-        or any(contradicted(rung, s.variant.effect) for s in (first, second))
-    ):
-        return look
-    one = Candidate(first, rung, odds, tried, True, beside=second.variant.effect.id)
-    # What screening said of the second effect by itself is what the ranking shows.
-    alone = next((s for s in look.screened if s.variant.effect.id == one.beside), second)
-    other = Candidate(replace(second, error=alone.error), rung, odds, tried, True, beside=one.id)
-    rest = [c for c in look.candidates if c.id not in pair.ids]
-    return replace(look, candidates=(one, other, *rest), chosen=one)
+def _grown(
+    workshop: Workshop, group: _Group, effects: Mapping[str, Effect], progress: Progress
+) -> _Group | None:
+    """The group with the effect that explains most beside it."""
+    present = {effect.id for effect in group.rung.model.effects}
+    others = [effect for effect in effects.values() if effect.id not in present]
+    progress(f"screening the others beside {' and '.join(group.ids)}")
+    found = []
+    for item in worth_simulating(workshop, group.rung, screen(workshop, group.rung.fit, others)):
+        progress(f"simulating {item.variant.effect.id} with {' and '.join(group.ids)}")
+        found.append(_Group((*group.members, item), confirm(workshop, group.rung, item)))
+    return _fitted(workshop, found, progress)
+
+
+def _fitted(workshop: Workshop, found: list[_Group], progress: Progress) -> _Group | None:
+    """The likeliest of some groups, fitted with all derivatives. Runs held out judge it only when
+    nothing more is to join: by themselves, some of its effects make these worse."""
+    if not found:
+        return None
+    group = max(found, key=lambda group: group.rung.evidence)
+    progress(f"fitting the vehicle with {' and '.join(group.ids)}")
+    return group._replace(rung=refit(workshop, group.rung))
+
+
+def _holds(workshop: Workshop, base: Rung, group: _Group, odds: float, tried: int) -> bool:
+    rung, noise = group.rung, workshop.noise
+    if len(group.members) > 2:
+        enough = at_noise(rung, noise)
+    else:
+        enough = excess(rung, noise) <= (1.0 - NEARLY_ALL) * excess(base, noise)
+    return (
+        enough
+        and holds_against(base, rung, odds, tried, noise)
+        and not any(contradicted(rung, s.variant.effect) for s in group.members)
+    )
+
+
+def _chosen(look: Look, group: _Group, odds: float, tried: int) -> Look:
+    """The look with the group's first effect chosen, and the others held, too."""
+    found = []
+    for member in group.members:
+        others = ", ".join(s.variant.effect.id for s in group.members if s is not member)
+        # What screening said of an effect by itself is what the ranking shows.
+        name = member.variant.effect.id
+        alone = next((s for s in look.screened if s.variant.effect.id == name), member)
+        item = replace(member, error=alone.error)
+        found.append(Candidate(item, group.rung, odds, tried, True, beside=others))
+    rest = [c for c in look.candidates if c.id not in group.ids]
+    return replace(look, candidates=(*found, *rest), chosen=found[0])

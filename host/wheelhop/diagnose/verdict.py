@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from wheelhop.diagnose.ambiguity import Angles
 from wheelhop.diagnose.confidence import confidence, grounds
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
+from wheelhop.diagnose.exchange import Stand
 from wheelhop.diagnose.explain import explanation
 from wheelhop.diagnose.judge import lead
 from wheelhop.diagnose.look import Look
@@ -25,16 +26,15 @@ def conclude(
     steps: Sequence[Step],
     first: Look,
     last: Look,
-    margins: Mapping[str, float],
+    stands: Mapping[str, Stand],
     effects: Sequence[Effect],
 ) -> Diagnosis:
     """The diagnosis from the ladder's steps, the first look, the last one, what exchanging effects
     showed, and the library."""
     angles = Angles(first.rung.fit, first.screened)
     accepted = steps[-1].added
-    unexplained = steps[-1].above_floor and not last.settled
-    verdict = (*accepted, "unknown") if unexplained else accepted or ("none",)
-    stands_on = grounds(verdict, steps, first, last, margins)
+    verdict = (*accepted, "unknown") if steps[-1].above_floor else accepted or ("none",)
+    stands_on = grounds(verdict, steps, first, last, stands, workshop.noise)
     return Diagnosis(
         verdict=verdict,
         confidence=confidence(verdict, stands_on),

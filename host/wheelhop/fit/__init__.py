@@ -1,7 +1,7 @@
 """Fit: the vehicle's numbers, and what every run leaves free, from the records."""
 
 from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_density
-from wheelhop.fit.fit import fit
+from wheelhop.fit.fit import fit, update
 from wheelhop.fit.ground import Ground
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.moves import Move, moves
@@ -40,5 +40,6 @@ __all__ = [
     "moves",
     "run_parameters",
     "seek_again",
+    "update",
     "vehicle_parameters",
 ]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.fit.belief import Belief
 from wheelhop.fit.density import Noise, Spectrum, find_density
 from wheelhop.fit.ground import Ground
 from wheelhop.fit.heights import Heights
@@ -55,7 +56,20 @@ def fit(
     Derivatives that a fit of a similar model, `known`, holds already are taken from there: much
     faster, and a fit that ends a little above the minimum.
     """
-    problem = _Problem(workshop, tuple(shared), tuple(benches), known)
+    belief = Belief.of(shared)
+    problem = _Problem(workshop, belief, tuple(benches), known, density_free=bool(shared))
+    return _solved(problem, model, progress)
+
+
+def update(workshop: Workshop, fitted: Fit, model: Model, benches: Sequence[Bench]) -> Fit:
+    """Fit runs that `fitted` was not fitted to, for which its shared parameters are as uncertain
+    as it left them: its posterior is their prior. Start values are those of `model`; a density of
+    unknown heights stays."""
+    problem = _Problem(workshop, fitted.posterior, tuple(benches), None, density_free=False)
+    return _solved(problem, model, None)
+
+
+def _solved(problem: _Problem, model: Model, progress: Callable[[str], None] | None) -> Fit:
     state, damping, fresh = problem.linearise(problem.completed(model)), 1e-3, True
     for iteration in range(ITERATIONS):
         if progress is not None:
@@ -64,7 +78,7 @@ def fit(
         gain = 1.0 - trial.cost / state.cost if np.isfinite(trial.cost) else -np.inf
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
-        if 0 <= gain < (CONVERGED if known is None else CONVERGED_QUICK):
+        if 0 <= gain < (CONVERGED_QUICK if problem.known else CONVERGED):
             break
         if gain > WORTHWHILE:  # old derivatives still serve: new ones cost many simulations
             fresh = False
@@ -95,11 +109,14 @@ class _Problem:
     def __init__(
         self,
         workshop: Workshop,
-        shared: tuple[Free, ...],
+        belief: Belief,
         benches: tuple[Bench, ...],
         known: Fit | None,
+        *,
+        density_free: bool,
     ) -> None:
-        self.workshop, self.shared, self.benches = workshop, shared, benches
+        self.workshop, self.belief, self.benches = workshop, belief, benches
+        self.shared, self.density_free = belief.free, density_free
         self.known = {} if known is None else {run.bench.run.id: run for run in known.runs}
         names = () if known is None else known.shared
         self.column = {free.name: i for i, free in enumerate(names)}
@@ -173,7 +190,8 @@ class _Problem:
         if effect is None or all(run.heights is None for run in state.runs):
             return self._costed(replace(state, sigma=noise.sigma))
         channels = self.workshop.campaign.channels
-        parameters = effect.parameters_for(state.model.values, channels) if self.shared else ()
+        free = self.density_free
+        parameters = effect.parameters_for(state.model.values, channels) if free else ()
         rough = [(run, run.heights) for run in state.runs if run.heights is not None]
         spectra = [Spectrum.of(h.ground, run.data, run.residual) for run, h in rough]
         theta, noise = find_density(effect, parameters, state.model.theta(effect), spectra, noise)
@@ -203,14 +221,14 @@ class _Problem:
         return replace(state, model=model, runs=runs, cost=cost)
 
     def concluded(self, state: Fit) -> Fit:
-        """The state with covariance and prior volume."""
-        covariance, log_volume = self._posterior(state)
+        """The state with precision and prior volume."""
+        precision, log_volume = self._posterior(state)
         runs = tuple(replace(r, heights=r.heights and r.heights.settled()) for r in state.runs)
-        return replace(state, runs=runs, covariance=covariance, log_volume=log_volume)
+        return replace(state, runs=runs, precision=precision, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> Model:
         normals = [self._normal(run, state) for run in state.runs]
-        matrix, gradient = _prior_normal(self.shared, state.model.values)
+        matrix, gradient = self.belief.precision.copy(), self.belief.pull(state.model.values)
         eliminated = []
         for normal in normals:
             own = _damped(normal.own, damping)
@@ -232,16 +250,17 @@ class _Problem:
         return model
 
     def _prior(self, model: Model, runs: Sequence[RunFit]) -> float:
-        total = _distance(self.shared, model.values)
+        total = self.belief.distance(model.values)
         for bench in self.benches:
-            total += _distance(self.own(bench, model), model.runs.get(bench.run.id, {}))
+            own = Belief.of(self.own(bench, model))
+            total += own.distance(model.runs.get(bench.run.id, {}))
         return total + sum(run.heights.penalty for run in runs if run.heights is not None)
 
     def _normal(self, run: RunFit, state: Fit) -> _Normal:
         g, weight = len(self.shared), state.sigma**-2
         square = run.derivatives.square * weight
         slope = run.derivatives.matrix.T @ run.residual * weight
-        prior, pull = _prior_normal(run.own, state.model.runs[run.bench.run.id])
+        belief = Belief.of(run.own)
         heights = None
         if run.heights is not None:
             cross = run.heights.ground.project(run.derivatives.matrix)
@@ -252,30 +271,24 @@ class _Problem:
         return _Normal(
             square[:g, :g],
             square[:g, g:],
-            square[g:, g:] + prior,
+            square[g:, g:] + belief.precision,
             slope[:g],
-            slope[g:] + pull,
+            slope[g:] + belief.pull(state.model.runs[run.bench.run.id]),
             heights,
         )
 
     def _posterior(self, state: Fit) -> tuple[Array, float]:
-        """Covariance of the shared parameters, and the share of prior volume left."""
-        matrix, _ = _prior_normal(self.shared, state.model.values)
-        log_volume = _log_prior_precision(self.shared)
+        """Precision of the shared parameters, and the share of prior volume left."""
+        matrix, log_volume = self.belief.precision.copy(), self.belief.log_precision
         for run in state.runs:
             normal = self._normal(run, state)
             own = _damped(normal.own, 0.0)
             matrix += normal.shared - normal.mixed @ np.linalg.solve(own, normal.mixed.T)
-            log_volume += _log_prior_precision(run.own) - np.linalg.slogdet(own)[1]
+            log_volume += Belief.of(run.own).log_precision - np.linalg.slogdet(own)[1]
             log_volume += 0.0 if run.heights is None else run.heights.log_volume
         matrix = _damped(matrix, 0.0)
         log_volume -= np.linalg.slogdet(matrix)[1]
-        # Forces scale with masses, a direction only the prior holds: precision needs unit diagonal.
-        unit = np.sqrt(np.diag(matrix))
-        scale = np.array([free.scale for free in self.shared]) / unit
-        inverse = np.linalg.inv(matrix / np.outer(unit, unit))
-        covariance = np.asarray(inverse * np.outer(scale, scale))
-        return covariance, 0.5 * float(log_volume)
+        return matrix, 0.5 * float(log_volume)
 
 
 def _heights_in(run: RunFit, model: Model) -> Heights | None:
@@ -285,11 +298,6 @@ def _heights_in(run: RunFit, model: Model) -> Heights | None:
     return replace(run.heights, coefficients=model.heights[run.bench.run.id].ravel())
 
 
-def _log_prior_precision(free: Sequence[Free]) -> float:
-    """Where nothing is believed beforehand, twice the scale stands for the prior's width."""
-    return sum(2 * float(np.log(f.scale / min(f.sigma, 2 * f.scale))) for f in free)
-
-
 def _damped(matrix: Array, damping: float) -> Array:
     """Marquardt's damping; the small constant keeps a parameter nothing depends on where it is.
 
@@ -297,17 +305,6 @@ def _damped(matrix: Array, damping: float) -> Array:
     and forces.
     """
     return matrix + np.diag(damping * np.diag(matrix) + 1e-6)
-
-
-def _prior_normal(free: Sequence[Free], values: Mapping[str, float]) -> tuple[Array, Array]:
-    """The priors' matrix (p, p) and gradient (p,), per scale."""
-    weight = np.array([(f.scale / f.sigma) ** 2 for f in free])
-    away = np.array([(values.get(f.name, f.mean) - f.mean) / f.scale for f in free])
-    return np.diag(weight), -weight * away
-
-
-def _distance(free: Sequence[Free], values: Mapping[str, float]) -> float:
-    return sum(((values.get(f.name, f.mean) - f.mean) / f.sigma) ** 2 for f in free)
 
 
 def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.fit.belief import Belief
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import Free
 from wheelhop.fit.workshop import Bench
@@ -62,6 +63,16 @@ class RunFit:
         return len(self.own) + (0.0 if self.heights is None else self.heights.freedom)
 
     @property
+    def spare(self) -> float:
+        """Share of the run's data left over by the numbers that are free in it."""
+        return max(self.bench.size - self.freedom, 1) / self.bench.size
+
+    @property
+    def charged(self) -> float:
+        """Σ residual², as it would be had nothing in the run followed the noise."""
+        return self.rss / self.spare
+
+    @property
     def data(self) -> Array:
         """The residual (size,) with what heights contribute put back, to first order."""
         if self.heights is None:
@@ -86,7 +97,8 @@ class RunFit:
 class Fit:
     """A fitted model.
 
-    ``covariance`` (g, g) is that of the shared parameters, in the order of ``shared``.
+    ``precision`` (g, g) is that of the shared parameters, in the order of ``shared``, per
+    `Free.scale`.
     ``sigma`` is the standard deviation used for one in-band coefficient, ``log_volume`` half the
     logarithm of prior over posterior precision of all parameters.
     """
@@ -94,7 +106,7 @@ class Fit:
     model: Model
     shared: tuple[Free, ...]
     runs: tuple[RunFit, ...]
-    covariance: Array
+    precision: Array
     sigma: float
     cost: float
     log_volume: float
@@ -114,6 +126,11 @@ class Fit:
         return sum(run.rss for run in self.runs)
 
     @property
+    def charged(self) -> float:
+        """The same, each run's charged for what is free in it."""
+        return sum(run.charged for run in self.runs)
+
+    @property
     def error(self) -> float:
         """E over the runs fitted: √(Σ residual² / Σ measured²)."""
         return float(np.sqrt(self.rss / sum(run.bench.energy for run in self.runs)))
@@ -122,6 +139,20 @@ class Fit:
     def size(self) -> int:
         """Number of in-band data."""
         return sum(run.bench.size for run in self.runs)
+
+    @property
+    def posterior(self) -> Belief:
+        """What is known of the shared parameters after the fit."""
+        return Belief.after(self.shared, self.model.values, self.precision)
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Of the shared parameters (g, g), in their units."""
+        # Forces scale with masses, a direction only the prior holds: unit diagonals keep it apart.
+        unit = np.sqrt(np.diag(self.precision))
+        scale = np.array([free.scale for free in self.shared]) / unit
+        inverse = np.linalg.inv(self.precision / np.outer(unit, unit))
+        return np.asarray(inverse * np.outer(scale, scale))
 
     def uncertainty(self, name: str) -> float:
         """Standard deviation of a shared parameter, in its unit."""

@@ -1,4 +1,4 @@
-"""Held-out runs that the fitted ones cannot foresee: a wheel that leaves the ground only there."""
+"""Held-out runs that the fitted ones foresee badly: a wheel that leaves the ground only there."""
 
 import pytest
 
@@ -6,8 +6,7 @@ from benchmarks.blind.vehicles import rougher
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose.added import fit_with
-from wheelhop.diagnose.judge import MATERIAL, all_noise, excess
-from wheelhop.diagnose.settled import is_settled
+from wheelhop.diagnose.judge import above_noise, all_noise, excess, material
 
 CAR = truth.PRESETS["passenger-car"]
 LIFTING = {
@@ -40,12 +39,17 @@ def lifting(tmp_path_factory):
 
 
 def test_a_prediction_is_no_better_than_its_numbers(lifting):
-    """The fitted runs know the static loads too little to say when a wheel lands; with all runs
-    fitted at once nothing is left."""
+    """The fitted runs know the static loads too little to say when a wheel lands; within their
+    uncertainty nothing is left that two simulators' disagreement on a lifting wheel does not
+    explain. What is reported as foreseen stays so."""
     workshop, rung = fitted(lifting, LIFTING)
     assert all_noise(rung.fit, workshop.noise)
-    assert excess(rung, workshop.noise) > MATERIAL
-    assert is_settled(workshop, rung)
+    foreseen = above_noise(rung.validation, workshop.noise)
+    assert foreseen > 1.5 * material(rung)
+    assert excess(rung, workshop.noise) < 0.5 * material(rung)
+    assert rung.error_validate > 1.02 * rung.error_judging
+    # The shared numbers went no farther than the fitted runs allow: χ² of some forty.
+    assert rung.fit.posterior.distance(rung.update.model.values) < 80.0
 
 
 def test_no_flexible_effect_makes_up_for_uncertain_numbers(lifting):
@@ -55,9 +59,18 @@ def test_no_flexible_effect_makes_up_for_uncertain_numbers(lifting):
     assert set(diagnosis.verdict) == set(LIFTING)
 
 
-def test_a_second_effect_in_the_held_out_runs_is_not_settled(tmp_path):
+def test_a_second_effect_in_the_held_out_runs_is_not_made_up_for(tmp_path):
     """A driver who is unsteady in them: no number of the vehicle can make up for that."""
     workshop, rung = fitted(campaign(tmp_path, UNSTEADY, seed=51), ["dry-friction"])
     assert all_noise(rung.fit, workshop.noise)
-    assert excess(rung, workshop.noise) > MATERIAL
-    assert not is_settled(workshop, rung)
+    assert rung.update is not None
+    assert excess(rung, workshop.noise) > 0.8 * above_noise(rung.validation, workshop.noise)
+
+
+def test_the_baseline_foresees_or_fails(tmp_path):
+    """A faint effect that only held-out runs show must not vanish in the vehicle's numbers."""
+    folder = campaign(tmp_path, {"speed-fluctuation": UNSTEADY["speed-fluctuation"]}, seed=51)
+    workshop, rung = fitted(folder, [])
+    assert all_noise(rung.fit, workshop.noise)
+    assert excess(rung, workshop.noise) > material(rung)
+    assert rung.update is None

@@ -1,0 +1,79 @@
+"""Validation: what a fitted model foresees of the runs it was not fitted to.
+
+A prediction is no better than the numbers it is made with: where the fitted runs hardly show a
+strong effect (no wheel leaves the ground on them), held-out runs that do show it stay above the
+noise although no physics is missing. Nor is it better than the simulation that makes it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from wheelhop.diagnose.judge import all_noise, excess, material
+from wheelhop.diagnose.rung import Rung
+from wheelhop.fit import Bench, Fit, Workshop, fit, update
+
+INEXACT = 1e-3
+"""Simulations of the same car by two programs differ by about this share of what strong effects
+do: 0.06 % where a wheel lifts, against the multibody program of the tests."""
+
+
+def validate(workshop: Workshop, fitted: Fit) -> Rung:
+    """What a fitted model does on the "validate" runs.
+
+    A model with effects that explains the runs it was fitted to may move its numbers as far as
+    those left them uncertain. The baseline may not: it would make up for a faint effect.
+    """
+    benches = workshop.of_role("validate")
+    if not benches:
+        return Rung(fitted, None, inexact=_inexact(workshop, fitted))
+    foreseen = fit(workshop, fitted.model, (), benches)
+    rung = Rung(fitted, foreseen, inexact=_inexact(workshop, foreseen))
+    explained = bool(fitted.model.effects) and all_noise(fitted, workshop.noise)
+    if explained and excess(rung, workshop.noise) > material(rung):
+        moved = update(workshop, fitted, foreseen.model, benches)
+        rung = replace(rung, update=moved, inexact=_inexact(workshop, moved))
+    return rung
+
+
+@dataclass(frozen=True, eq=False)
+class Incumbent:
+    """A rung that others are held against on equal terms: if a rival's numbers may move on the runs
+    held out, so may its own."""
+
+    workshop: Workshop
+    rung: Rung
+
+    def against(self, rival: Rung) -> Rung:
+        """The rung as it is judged beside `rival`."""
+        return self.rung if rival.update is None else self._moved
+
+    @cached_property
+    def _moved(self) -> Rung:
+        if self.rung.validation is None or self.rung.update is not None:
+            return self.rung
+        benches = self.workshop.of_role("validate")
+        start = self.rung.validation.model
+        return replace(self.rung, update=update(self.workshop, self.rung.fit, start, benches))
+
+
+def _inexact(workshop: Workshop, judging: Fit) -> float:
+    """Power by which the simulation of a model's effects may be wrong, in units of the noise's.
+    What a sensor does to the record needs no simulation."""
+    model = judging.model
+    bare = model
+    for effect in model.effects:
+        if effect.place != "sensor":
+            bare = bare.without_effect(effect.id)
+    if bare is model or workshop.noise == 0.0:
+        return 0.0
+    systems = workshop.systems(model), workshop.systems(bare)
+
+    def contributed(bench: Bench) -> float:
+        full, rest = bench.records(list(zip((model, bare), systems, strict=True)))
+        difference = bench.coefficients(full - rest)
+        return float(difference @ difference)
+
+    power = sum(workshop.each(contributed, [run.bench for run in judging.runs]))
+    return INEXACT**2 * power / (judging.size * workshop.noise**2)

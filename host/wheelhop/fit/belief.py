@@ -1,0 +1,53 @@
+"""What is believed of numbers before a fit: a normal density, each number per `Free.scale`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.fit.parameters import Free
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """Numbers with their mean (p,) and precision (p, p), per `Free.scale`; ``log_precision``,
+    logarithm of its determinant."""
+
+    free: tuple[Free, ...]
+    mean: Array
+    precision: Array
+    log_precision: float
+
+    @classmethod
+    def of(cls, free: Sequence[Free]) -> Belief:
+        """Each number by itself, as `Free` says. Where next to nothing is believed of it, twice
+        its scale stands for the width of what it is believed to be."""
+        mean = np.array([f.mean / f.scale for f in free])
+        weight = np.array([(f.scale / f.sigma) ** 2 for f in free])
+        return cls(
+            tuple(free), mean, np.diag(weight), float(np.log(np.maximum(weight, 0.25)).sum())
+        )
+
+    @classmethod
+    def after(cls, free: Sequence[Free], values: Mapping[str, float], precision: Array) -> Belief:
+        """What a fit that came to these values has left of the numbers' uncertainty."""
+        mean = np.array([values[f.name] / f.scale for f in free])
+        return cls(tuple(free), mean, precision, float(np.linalg.slogdet(precision)[1]))
+
+    def pull(self, values: Mapping[str, float]) -> Array:
+        """The force (p,) towards the mean, half the negative gradient of `distance`."""
+        return -self.precision @ self._away(values)
+
+    def distance(self, values: Mapping[str, float]) -> float:
+        """Square of Mahalanobis' distance from the mean."""
+        away = self._away(values)
+        return float(away @ self.precision @ away)
+
+    def _away(self, values: Mapping[str, float]) -> Array:
+        now = np.array([values.get(f.name, f.mean) / f.scale for f in self.free])
+        return np.asarray(now - self.mean)
