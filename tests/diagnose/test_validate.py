@@ -7,6 +7,7 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose.added import fit_with
 from wheelhop.diagnose.judge import above_noise, all_noise, excess, material
+from wheelhop.diagnose.validate import Incumbent
 
 CAR = truth.PRESETS["passenger-car"]
 LIFTING = {
@@ -50,6 +51,19 @@ def test_a_prediction_is_no_better_than_its_numbers(lifting):
     assert rung.error_validate > 1.02 * rung.error_judging
     # The shared numbers went no farther than the fitted runs allow: χ² of some forty.
     assert rung.fit.posterior.distance(rung.update.model.values) < 80.0
+
+
+def test_a_rung_is_held_against_others_on_equal_terms(lifting):
+    """Where a rival's numbers may move on the runs held out, so may those of the rung it is to
+    replace: what the vehicle could do by itself speaks for no effect."""
+    base = baseline_of(lifting)
+    _, rival = fitted(lifting, LIFTING)
+    incumbent = Incumbent(base.workshop, base.rung)
+    assert incumbent.against(base.rung) is base.rung
+    moved = incumbent.against(rival)
+    assert moved.fit is base.rung.fit
+    assert moved.error_validate == base.rung.error_validate
+    assert moved.error_judging < base.rung.error_judging
 
 
 def test_no_flexible_effect_makes_up_for_uncertain_numbers(lifting):

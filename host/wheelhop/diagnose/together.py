@@ -80,7 +80,8 @@ def _promising(
 ) -> Iterator[tuple[Candidate, Screened]]:
     """The pairs that leave least by screening, each once."""
     present = {effect.id for effect in look.rung.model.effects}
-    firsts = [c for c in look.candidates if c.rung.evidence > look.rung.evidence][:FIRSTS]
+    base = look.rung.fit.evidence
+    firsts = [c for c in look.candidates if c.rung.fit.evidence > base][:FIRSTS]
     found = []
     for first in firsts:
         progress(f"screening the others beside {first.id}")
@@ -110,11 +111,11 @@ def _grown(
 
 
 def _fitted(workshop: Workshop, found: list[_Group], progress: Progress) -> _Group | None:
-    """The likeliest of some groups, fitted with all derivatives. Runs held out judge it only when
-    nothing more is to join: by themselves, some of its effects make these worse."""
+    """The group the fitted runs favour, fitted with all derivatives. Runs held out judge it only as
+    a whole: without the others, some of its effects make these worse."""
     if not found:
         return None
-    group = max(found, key=lambda group: group.rung.evidence)
+    group = max(found, key=lambda group: group.rung.fit.evidence)
     progress(f"fitting the vehicle with {' and '.join(group.ids)}")
     return group._replace(rung=refit(workshop, group.rung))
 
