@@ -1,10 +1,13 @@
 """Held-out runs that the fitted ones foresee badly: a wheel that leaves the ground only there."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from benchmarks.blind.vehicles import rougher
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
+from wheelhop.diagnose import caveats
 from wheelhop.diagnose.added import fit_with
 from wheelhop.diagnose.judge import above_noise, all_noise, excess, material
 from wheelhop.diagnose.validate import Incumbent
@@ -64,6 +67,22 @@ def test_a_rung_is_held_against_others_on_equal_terms(lifting):
     assert moved.fit is base.rung.fit
     assert moved.error_validate == base.rung.error_validate
     assert moved.error_judging < base.rung.error_judging
+
+
+def test_a_user_reads_why_held_out_runs_stay_above_the_floor():
+    floor = SimpleNamespace(error_validate=0.24, tolerance=0.05)
+    step = SimpleNamespace(
+        rung=SimpleNamespace(update=object(), error_validate=0.36),
+        comparison=SimpleNamespace(floor=floor),
+        above_floor=False,
+        over_floor=1.01,
+    )
+    (line,) = caveats(step)
+    assert "foreseen to 1.50 times the floor" in line
+    assert "comes to 1.01 times" in line
+    near = SimpleNamespace(update=object(), error_validate=0.25)
+    for other in ({"above_floor": True}, {"rung": near}, {"rung": SimpleNamespace(update=None)}):
+        assert caveats(SimpleNamespace(**{**vars(step), **other})) == []
 
 
 def test_no_flexible_effect_makes_up_for_uncertain_numbers(lifting):

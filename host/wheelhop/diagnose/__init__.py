@@ -2,6 +2,7 @@
 
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, comparison_of, fit_baseline
 from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step, to_json
+from wheelhop.diagnose.explain import caveats
 from wheelhop.diagnose.ladder import climb, diagnose
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.diagnose.rung import Rung
@@ -15,6 +16,7 @@ __all__ = [
     "Rung",
     "Step",
     "axle_driven",
+    "caveats",
     "climb",
     "comparison_of",
     "diagnose",

@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
-from wheelhop.diagnose import Diagnosis, Step
+from wheelhop.diagnose import Diagnosis, Step, caveats
 from wheelhop.effects import Effect
 from wheelhop.report import figures, tables
 from wheelhop.report.cases import WINDOW_S, Case, cases
@@ -37,6 +37,7 @@ def ladder(steps: Sequence[Step]) -> str:
             " and charged for.",
         ),
         tables.ladder_table(steps),
+        *(paragraph(text) for text in caveats(steps[-1])),
     )
 
 
