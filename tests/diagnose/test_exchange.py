@@ -4,6 +4,7 @@ from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.added import fit_with
 from wheelhop.diagnose.exchange import exchange
+from wheelhop.diagnose.judge import lead
 
 FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
 
@@ -27,5 +28,10 @@ def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
 
     second = exchange(base.workshop, first.rung, {}, library, quiet)
     assert second.rung is None
-    assert set(second.margins) == {"dry-friction", "sensor-gain"}
-    assert min(second.margins.values()) > 0.0
+    assert set(second.stands) == {"dry-friction", "sensor-gain"}
+    for name, stand in second.stands.items():
+        # What the confidence is made of: the best without each effect leaves clearly more.
+        assert name not in {e.id for e in stand.without.model.effects}
+        assert name not in {e.id for e in stand.rival.model.effects}
+        assert first.rung.evidence > stand.rival.evidence
+        assert lead(first.rung, stand.without) >= lead(first.rung, stand.rival) > 0.03
