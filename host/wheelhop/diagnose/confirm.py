@@ -38,7 +38,7 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
         if best.error < ASTRAY * screened.error:
             break
     assert best is not None
-    rough = validate(workshop, best)
+    rough = validate(workshop, best, base.update)
     if best.rss > base.fit.rss and all(p.switch for p in screened.variant.amplitudes):
         return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.rss)
     return rough

@@ -78,6 +78,13 @@ def material(rung: Rung) -> float:
     return MATERIAL + rung.inexact
 
 
+def noticeable(rung: Rung, noise: float) -> bool:
+    """Whether what a rung leaves could hold anything material: more than chance makes of noise in
+    one campaign of fifty."""
+    by_chance = 2.0 * float(np.sqrt(2.0 / rung.judging.size))
+    return excess(rung, noise) > material(rung) + by_chance
+
+
 def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
     """Drop of the held-out sum of squares, charged, in units of what noise alone leaves there.
 

@@ -10,7 +10,7 @@ from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis
 from wheelhop.diagnose.exchange import Stand, exchange
-from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds
+from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds, noticeable
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.rung import Rung
@@ -101,6 +101,8 @@ def _look(
     left = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening {len(left)} effects")
     screened = screen(workshop, rung.fit, left)
+    if rung.model.effects and not noticeable(rung, workshop.noise):
+        return Look(rung, tuple(screened), (), None)
     incumbent = Incumbent(workshop, rung)
     candidates = _confirm_best(incumbent, screened, progress)
     candidates = _refit_leaders(incumbent, candidates, progress)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wheelhop.diagnose.judge import MATERIAL, all_noise, excess, material
+from wheelhop.diagnose.judge import MATERIAL, all_noise, noticeable
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened
 from wheelhop.fit import Workshop
@@ -29,7 +29,7 @@ def worth_simulating(
     ]
     reach = REACH * promising[0].gain if promising else 0.0
     chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= reach]
-    if excess(rung, workshop.noise) > material(rung):
+    if noticeable(rung, workshop.noise):
         # What has no number to fit may show in held-out runs alone: only there the wheels leave
         # the ground. Of sensors screening already says all.
         switches = [s for s in screened if s.freedom == 0 and s.variant.effect.place != "sensor"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from wheelhop.diagnose.judge import all_noise, excess, material
+from wheelhop.diagnose.judge import all_noise, noticeable
 from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Bench, Fit, Workshop, fit, update
 
@@ -19,8 +19,9 @@ INEXACT = 1e-3
 do: 0.06 % where a wheel lifts, against the multibody program of the tests."""
 
 
-def validate(workshop: Workshop, fitted: Fit) -> Rung:
-    """What a fitted model does on the "validate" runs.
+def validate(workshop: Workshop, fitted: Fit, known: Fit | None = None) -> Rung:
+    """What a fitted model does on the "validate" runs; `known` is a fit of a similar model to
+    these, whose derivatives may be borrowed.
 
     A model with effects that explains the runs it was fitted to may move its numbers as far as
     those left them uncertain. The baseline may not: it would make up for a faint effect.
@@ -31,8 +32,8 @@ def validate(workshop: Workshop, fitted: Fit) -> Rung:
     foreseen = fit(workshop, fitted.model, (), benches)
     rung = Rung(fitted, foreseen, inexact=_inexact(workshop, foreseen))
     explained = bool(fitted.model.effects) and all_noise(fitted, workshop.noise)
-    if explained and excess(rung, workshop.noise) > material(rung):
-        moved = update(workshop, fitted, foreseen.model, benches)
+    if explained and noticeable(rung, workshop.noise):
+        moved = update(workshop, fitted, foreseen.model, benches, known)
         rung = replace(rung, update=moved, inexact=_inexact(workshop, moved))
     return rung
 

@@ -61,11 +61,17 @@ def fit(
     return _solved(problem, model, progress)
 
 
-def update(workshop: Workshop, fitted: Fit, model: Model, benches: Sequence[Bench]) -> Fit:
+def update(
+    workshop: Workshop,
+    fitted: Fit,
+    model: Model,
+    benches: Sequence[Bench],
+    known: Fit | None = None,
+) -> Fit:
     """Fit runs that `fitted` was not fitted to, for which its shared parameters are as uncertain
     as it left them: its posterior is their prior. Start values are those of `model`; a density of
-    unknown heights stays."""
-    problem = _Problem(workshop, fitted.posterior, tuple(benches), None, density_free=False)
+    unknown heights stays. Derivatives are borrowed from `known` as in `fit`."""
+    problem = _Problem(workshop, fitted.posterior, tuple(benches), known, density_free=False)
     return _solved(problem, model, None)
 
 
