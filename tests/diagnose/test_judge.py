@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.compare.band import InBand
-from wheelhop.diagnose.judge import holds_against, log_odds, p_value, relative_to_noise
+from wheelhop.diagnose.judge import holds_against, log_odds, noticeable, p_value, relative_to_noise
 from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Fit, RunFit
 
@@ -124,3 +124,17 @@ def test_what_a_simulation_may_be_wrong_by_is_no_physics():
     odds = log_odds(base, rival, 1.0)
     assert holds_against(base, rival, odds, 27, 1.0)
     assert not holds_against(replace(base, inexact=0.15), rival, odds, 27, 1.0)
+
+
+def test_noise_is_seldom_worth_another_look():
+    """What is no more than noise and 2 % is left alone, three times as much is not."""
+    rng, tries = np.random.default_rng(10), 300
+    size = rung(noise(rng), own=0).judging.size
+
+    def noticed(power):
+        signals = noise(rng, np.sqrt(1.0 + power))
+        return noticeable(rung(signals, own=0), 1.0)
+
+    assert sum(noticed(0.0) for _ in range(tries)) == 0
+    assert sum(noticed(0.02) for _ in range(tries)) < 0.06 * tries
+    assert all(noticed(0.06 + 8.0 * np.sqrt(2.0 / size)) for _ in range(tries))
