@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigh
 
@@ -60,6 +60,8 @@ def test_slow_forces_see_the_static_stiffness():
     st.floats(0.0, 0.05),
 )  # fmt: skip
 def test_receptance_is_reciprocal_and_takes_power(here, there, frequency_hz, loss, mass):
+    # Two points within a thousandth of the length are taken for one, which of them the order says.
+    assume(here == there or abs(here - there) > 1e-3)
     beam = RULER.carrying(0.4 * LENGTH, mass)
     one = beam.receptance(frequency_hz, here * LENGTH, there * LENGTH, loss).item()
     other = beam.receptance(frequency_hz, there * LENGTH, here * LENGTH, loss).item()
