@@ -23,7 +23,6 @@ from wheelhop.fit import Workshop
 RIVALS = 2
 """At least so many effects are simulated in full in the place of each one accepted."""
 
-
 NEAR = 0.03
 """A rival that leaves only this share more is fitted in full before it is held against the effect
 it would stand for."""

@@ -85,7 +85,7 @@ def climb(
             better = look.chosen.rung if look.chosen is not None else None
         if better is None:
             break
-        rung, shorter = _without_idle(workshop, better, progress)
+        (rung, shorter), stands = _without_idle(workshop, better, progress), {}
         step = step_of(workshop, rung)
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
