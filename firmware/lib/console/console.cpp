@@ -131,6 +131,7 @@ void Console::say_session() {
 
 const FlashChar* Console::carry_out(char* line) {
     Trouble trouble = kNoTrouble;
+    session_.read_clock();  // info and status tell the time of now
     if (same(line, FLASH("start"))) {
         if (!session_.running()) trouble = start();
     } else if (same(line, FLASH("stop"))) {

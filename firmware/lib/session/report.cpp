@@ -71,7 +71,7 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
             put_clock(text, session.clock_ppm());
             break;
         case 8:
-            put(text, FLASH("unix_s="), session.unix_s());
+            put(text, FLASH("unix_s="), session.unix_s);
             break;
         case 9:
             put(text, FLASH("supply_mv="), session.supply_mv);
@@ -130,7 +130,7 @@ bool summary_line(const Session& session, uint8_t index, Text& text) {
             put_clock(text, session.clock_ppm());
             break;
         case 12:
-            put(text, FLASH("unix_s="), session.unix_s());
+            put(text, FLASH("unix_s="), session.unix_s);
             break;
         default:
             return false;

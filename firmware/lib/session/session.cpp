@@ -33,7 +33,13 @@ union {
 }  // namespace
 
 Session::Session(Sampler& sampler, ConfigProblem config_problem)
-    : sampler_(sampler), config_problem_(config_problem), ring_(first.block, second.block) {}
+    : sampler_(sampler),
+      config_problem_(config_problem),
+      ring_(first.block, second.block),
+      running_(false),
+      known_card_(false),
+      in_flight_(false),
+      sealed_(false) {}
 
 void Session::begin() {
     if (!identity::clock_ppm(clock_ppm_)) clock_ppm_ = kUnknownPpm;
@@ -72,6 +78,7 @@ Trouble Session::begin_file(uint16_t number) {
     identity::set_session_number(number);
     board::sample(0);
     supply_mv = board::supply_mv();
+    read_clock();
     memset(&tally, 0, sizeof tally);
     id_ = static_cast<uint32_t>(number) << 16 | board::dice();
     if (!write_header()) return trouble_ = card_trouble();
@@ -92,6 +99,7 @@ Trouble Session::stop(End end) {
     store_clock();
     end_ = end;
     supply_mv = board::supply_mv();
+    read_clock();
     trouble_ = flushed ? close_file() : card_trouble();
     if (trouble_) known_card_ = false;  // when the card is met again, its file is closed
     return trouble_;
@@ -142,7 +150,7 @@ void Session::store_clock() {
     if (clock_ppm_ != kUnknownPpm) identity::set_clock_ppm(clock_ppm_);
 }
 
-uint32_t Session::unix_s() const { return epoch_s ? epoch_s + board::milliseconds() / 1000 : 0; }
+void Session::read_clock() { unix_s = epoch_s ? epoch_s + board::milliseconds() / 1000 : 0; }
 
 // The card has finished with a block, or is gone. A block that failed after the card had taken it
 // cannot be repeated; the next one takes its place in the file.

@@ -60,7 +60,7 @@ class Session {
     uint32_t lost() const { return ring_.lost(); }
     uint8_t deepest() const { return ring_.deepest(); }
     uint8_t room() const { return ring_.room(); }
-    uint32_t unix_s() const;
+    void read_clock();  // into unix_s
 
     static const int16_t kUnknownPpm = INT16_MIN;
     int16_t clock_ppm() const { return clock_ppm_; }
@@ -69,6 +69,8 @@ class Session {
     Settings settings;
     Tally tally = {};
     uint32_t epoch_s = 0;  // when the logger was switched on, since 1970; 0: no host has told
+    // When the session began or ended, so that card and line say the same; 0: no host has told.
+    uint32_t unix_s = 0;
     uint16_t config_errors = 0;
     uint16_t supply_mv = 0;
 
@@ -95,8 +97,8 @@ class Session {
     uint8_t refusals_ = 0;
     Trouble trouble_ = kNoTrouble;
     End end_ = End::Command;
-    bool running_ = false;
-    bool known_card_ = false;
-    bool in_flight_ = false;  // the card is busy with a block of ours
-    bool sealed_ = false;     // the waiting block has its CRC
+    bool running_ : 1;
+    bool known_card_ : 1;
+    bool in_flight_ : 1;  // the card is busy with a block of ours
+    bool sealed_ : 1;     // the waiting block has its CRC
 };

@@ -2,6 +2,7 @@
 
 import random
 
+import numpy as np
 import pytest
 
 from tests.firmware.promises.reader import checked
@@ -152,6 +153,39 @@ def test_the_line_carries_all_that_the_file_has(logger, card):
     last = one.acknowledgements()[-1]
     assert (last.session, last.lost) == (log.session, 0)
     assert last.blocks <= len(log.blocks) - 1
+
+
+@pytest.mark.parametrize(("order", "kind"), [("start", "H"), ("stop", "S")])
+def test_line_and_file_tell_the_same_second(logger, card, order, kind):
+    """Even if the clock moves on between what the card is told and what the line is."""
+    one = logger(card)
+    other = "stop" if order == "start" else "start"
+
+    def told(at_s):
+        """A session with its order given at this moment: what line and file say, and when the line
+        began to."""
+        if other == "start":
+            one.command("start")
+        one.board.run(at_s - one.board.time)
+        begin = len(one.frames)
+        one.command(order)
+        if other == "stop":
+            one.command("stop")
+        frames = [f for f in one.frames[begin:] if f.kind == kind]
+        line = next(f for f in frames if f.text.startswith("unix_s="))
+        log = one.log()
+        told = log.header if order == "start" else log.summary
+        return line.text.removeprefix("unix_s="), told["unix_s"], frames[0].time_s, line.time_s
+
+    one.command("time 1800000000")
+    _, _, first_s, last_s = told(at_s := one.board.time + 1.0)
+    into = 0.5 * (first_s + last_s) - at_s  # between the file and the line, within milliseconds
+    changed = False
+    for late_s in np.arange(-8e-3, 9e-3, 2e-3):
+        line, file, first_s, last_s = told(int(one.board.time) + 2.0 + late_s - into)
+        changed |= int(first_s) < int(last_s)
+        assert line == file
+    assert changed, "no session met a second's end"
 
 
 def test_commands_may_be_repeated_without_harm(logger, card):

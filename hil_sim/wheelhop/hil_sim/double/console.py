@@ -96,9 +96,10 @@ class Console:
         while not session.idle:
             session.memory.finish(device.due)
             yield None
-        session.close(end, self._rest())
+        rest = self._rest()
+        session.close(end, rest)
         device.sample()
-        yield from _lines("S", {**session.summary(), **self._rest()})
+        yield from _lines("S", {**session.summary(), **rest})
 
     def _set(self, line: str, running: bool) -> None:
         device = self._device
