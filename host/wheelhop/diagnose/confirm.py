@@ -12,7 +12,7 @@ from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, Variant, with_variant
 from wheelhop.diagnose.validate import validate
-from wheelhop.fit import Bench, Fit, Workshop, effect_parameters, fit, seek_again
+from wheelhop.fit import Bench, Fit, Free, Workshop, effect_parameters, fit, seek_again
 from wheelhop.simulate import Model
 
 
@@ -21,7 +21,8 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
 
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
     ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
-    screening expects has gone astray and begins again elsewhere; the best one counts. A switch that
+    screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere;
+    the best one counts. A switch that
     makes things worse has changed the derivatives, too: only a full fit does it justice.
     """
     benches = workshop.of_role("fit")
@@ -33,15 +34,21 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
         if 0 < len(amplitudes) < len(free):
             model = fit(workshop, model, [*base.fit.shared, *amplitudes], benches, base.fit).model
         found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit)
-        if best is None or found.rss < best.rss:
+        if best is None or found.evidence > best.evidence:
             best = found
-        if best.error < ASTRAY * screened.error:
+        if best.error < ASTRAY * screened.error and _believable(best, free):
             break
     assert best is not None
     rough = validate(workshop, best, base.update)
     if best.rss > base.fit.rss and all(p.switch for p in screened.variant.amplitudes):
         return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.rss)
     return rough
+
+
+def _believable(found: Fit, free: Sequence[Free]) -> bool:
+    """Whether the numbers lie where they are believed to."""
+    values = found.model.values
+    return all(abs(values[f.name] - f.mean) < FAR * f.sigma for f in free)
 
 
 def refit(workshop: Workshop, rung: Rung) -> Rung:
@@ -80,6 +87,10 @@ SMALLEST_START = 0.05
 
 ASTRAY = 1.2
 """A fit that ends this many times above the error that screening expects has gone astray."""
+
+FAR = 3.0
+"""And so has one that ends so many standard deviations from what is believed of the effect's
+numbers: a gap that is never used up fits from any width above one that is."""
 
 MISPLACED = 2.0
 """A run this many times above the quietest one, in mean square, may be misplaced on its track."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm import confirm, refit, without
-from wheelhop.diagnose.judge import best_first, lead, log_odds
+from wheelhop.diagnose.judge import best_first, lead
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import screen
@@ -71,8 +71,7 @@ def exchange(
         best = best_first(rivals, workshop.noise)[0]
         if best_first([rung, best], workshop.noise)[0] is best or lead(rung, best) < NEAR:
             best = refit(workshop, best)
-        better = best_first([rung, best], workshop.noise)[0] is best
-        if better and log_odds(incumbent.against(best), best, workshop.noise) > 0.0:
+        if incumbent.gives_way_to(best):
             return Exchange(best)
         stands[accepted.id] = Stand(as_free, best)
     return Exchange(None, stands)

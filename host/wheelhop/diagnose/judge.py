@@ -85,6 +85,16 @@ def noticeable(rung: Rung, noise: float) -> bool:
     return excess(rung, noise) > material(rung) + by_chance
 
 
+def unforeseen(rung: Rung, noise: float) -> bool:
+    """Whether a model that explains the runs fitted leaves noticeably more of those held out. What
+    it leaves of both alike, the runs fitted say as much of."""
+    if not all_noise(rung.fit, noise):
+        return False
+    by_chance = 2.0 * float(np.sqrt(2.0 / rung.judging.size + 2.0 / rung.fit.size))
+    foreseen = max(above_noise(rung.fit, noise), 0.0)
+    return excess(rung, noise) > foreseen + material(rung) + by_chance
+
+
 def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
     """Drop of the held-out sum of squares, charged, in units of what noise alone leaves there.
 

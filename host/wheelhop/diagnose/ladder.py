@@ -70,7 +70,7 @@ def climb(
     workshop, rung = base.workshop, base.rung
     steps = [step_of(workshop, rung)]
     look = _look(workshop, rung, effects, progress)
-    first = look
+    first, alone = look, look.chosen is not None
     shorter: Mapping[str, Rung] = {}
     stands: Mapping[str, Stand] = {}
     for _ in range(2 * max_effects):
@@ -83,6 +83,13 @@ def climb(
             look = look_for_several(workshop, look, effects, room, progress)
             first = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
+        if better is None and alone and not at_noise(rung, workshop.noise):
+            # The first may have been taken for what only several explain: it takes a place.
+            alone = False
+            anew = look_for_several(workshop, first, effects, max_effects, progress)
+            group = anew.chosen.rung if anew.chosen is not None else rung
+            if anew is not first and Incumbent(workshop, rung).gives_way_to(group):
+                first, better, steps = anew, group, steps[:1]
         if better is None:
             break
         (rung, shorter), stands = _without_idle(workshop, better, progress), {}

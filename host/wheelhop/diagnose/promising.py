@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wheelhop.diagnose.judge import MATERIAL, all_noise, noticeable
+from wheelhop.diagnose.judge import MATERIAL, all_noise, noticeable, unforeseen
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened
 from wheelhop.fit import Workshop
@@ -29,13 +29,15 @@ def worth_simulating(
     ]
     reach = REACH * promising[0].gain if promising else 0.0
     chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= reach]
-    if noticeable(rung, workshop.noise):
+    surprising = unforeseen(rung, workshop.noise)
+    explained = all_noise(rung.fit, workshop.noise)
+    if surprising or (not explained and noticeable(rung, workshop.noise)):
         # What has no number to fit may show in held-out runs alone: only there the wheels leave
         # the ground. Of sensors screening already says all.
         switches = [s for s in screened if s.freedom == 0 and s.variant.effect.place != "sensor"]
         chosen += [s for s in switches if s not in chosen]
-        if all_noise(rung.fit, workshop.noise):
-            # So may what is free in every run: a driver need not be unsteady in all of them.
-            own = [s for s in screened if s.freedom > 0 and not s.variant.parameters]
-            chosen += [s for s in own if s not in chosen]
+    if surprising:
+        # So may what is free in every run: a driver need not be unsteady in all of them.
+        own = [s for s in screened if s.freedom > 0 and not s.variant.parameters]
+        chosen += [s for s in own if s not in chosen]
     return chosen

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from wheelhop.diagnose.judge import all_noise, noticeable
+from wheelhop.diagnose.judge import best_first, log_odds, unforeseen
 from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Bench, Fit, Workshop, fit, update
 
@@ -31,8 +31,7 @@ def validate(workshop: Workshop, fitted: Fit, known: Fit | None = None) -> Rung:
         return Rung(fitted, None, inexact=_inexact(workshop, fitted))
     foreseen = fit(workshop, fitted.model, (), benches)
     rung = Rung(fitted, foreseen, inexact=_inexact(workshop, foreseen))
-    explained = bool(fitted.model.effects) and all_noise(fitted, workshop.noise)
-    if explained and noticeable(rung, workshop.noise):
+    if fitted.model.effects and unforeseen(rung, workshop.noise):
         moved = update(workshop, fitted, foreseen.model, benches, known)
         rung = replace(rung, update=moved, inexact=_inexact(workshop, moved))
     return rung
@@ -49,6 +48,12 @@ class Incumbent:
     def against(self, rival: Rung) -> Rung:
         """The rung as it is judged beside `rival`."""
         return self.rung if rival.update is None else self._moved
+
+    def gives_way_to(self, rival: Rung) -> bool:
+        """Whether a rival is the better model, and runs held out do not object."""
+        noise = self.workshop.noise
+        better = best_first([self.rung, rival], noise)[0] is rival
+        return better and log_odds(self.against(rival), rival, noise) > 0.0
 
     @cached_property
     def _moved(self) -> Rung:

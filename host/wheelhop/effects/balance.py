@@ -24,7 +24,9 @@ def balance(
         Where screening begins, and the largest size allowed: 1 leaves nothing to one of the axles.
     """
     meaning = f"half the difference of front and rear {what} over their mean"
-    return Parameter(name, "1", meaning, sigma, lower=-most, upper=most, starts=starts)
+    return Parameter(
+        name, "1", meaning, sigma, lower=-most, upper=most, starts=starts, believed=0.0
+    )
 
 
 def share(theta: Values, mean: str, balance: str, end: str) -> float:

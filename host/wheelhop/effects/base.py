@@ -40,7 +40,8 @@ class Parameter:
     An *amplitude* (``starts`` empty) vanishes with the effect: ``absent`` is its value then, and
     ``scale`` a clearly visible strength on the nominal vehicle. A *shape* (a knee velocity, a
     frequency) means nothing while the amplitudes vanish; screening tries each of its ``starts``
-    and ``scale`` is one standard deviation of what is believed about it beforehand. A *switch*
+    and ``scale`` is one standard deviation of what is believed about it beforehand: to be near
+    ``believed``, or if that is None, near where it begins. A *switch*
     is an amplitude that physics fixes: an effect of this kind is there in full or not at all.
     ``span_s`` says when in its run a number acts that is free in every run: derivatives of numbers
     that act far apart come from one simulation.
@@ -54,6 +55,7 @@ class Parameter:
     lower: float = -np.inf
     upper: float = np.inf
     starts: tuple[float, ...] = ()
+    believed: float | None = None
     switch: bool = False
     span_s: tuple[float, float] = (-np.inf, np.inf)
 

@@ -107,10 +107,10 @@ def effect_parameters(campaign: Campaign, model: Model, effect: Effect) -> list[
         if p.switch:
             continue
         name = f"{effect.id}.{p.name}"
-        start = model.values.get(name, p.absent)
+        mean = model.values.get(name, p.absent) if p.believed is None else p.believed
         sigma = p.scale if p.is_shape else np.inf
         shape = p.is_shape
-        free.append(Free(name, start, sigma, p.scale, p.lower, p.upper, is_shape=shape))
+        free.append(Free(name, mean, sigma, p.scale, p.lower, p.upper, is_shape=shape))
     return free
 
 
