@@ -124,6 +124,8 @@ def believed(p: Parameter) -> str:
     words = [f"clearly visible at {number(p.absent + p.scale)}"]
     if p.is_shape:
         words = [f"tried at {', '.join(number(x) for x in p.starts)}"]
+    if p.believed is not None:
+        words += [f"believed to be {number(p.believed)} ± {number(p.scale)}"]
     words += [f"{sign} {number(x)}" for sign, x in (("≥", p.lower), ("≤", p.upper)) if isfinite(x)]
     return "; ".join(words)
 

@@ -36,3 +36,16 @@ def test_a_driver_on_a_stiff_seat_is_no_negative_mass(tmp_path):
     rung = refit(base.workshop, confirm(base.workshop, base.rung, screened))
     assert rung.fit.rss < 1.05 * base.workshop.noise**2 * rung.fit.size
     assert rung.model.values["driver-seat.freq_hz"] == pytest.approx(12.0, rel=0.05)
+
+
+def test_a_gap_that_is_never_used_up_is_not_believed_to_be_wide(tmp_path):
+    """Behind, the strut hangs free and seldom reaches the gap's other side: a gap some times as
+    wide fits nearly as well, and the search may begin there."""
+    hidden = {"backlash": {"gap_m": 0.001}}
+    folder = truth.make_campaign(tmp_path, seed=7101, effects=hidden, short=True)
+    base = baseline_of(folder)
+    (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["backlash"]])
+    values = confirm(base.workshop, base.rung, screened).model.values
+    mean, balance = values["backlash.gap_m"], values["backlash.balance"]
+    assert mean * (1.0 + balance) == pytest.approx(0.001, rel=0.1)
+    assert mean * (1.0 - balance) == pytest.approx(0.001, rel=0.1)

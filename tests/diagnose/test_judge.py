@@ -9,7 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.compare.band import InBand
-from wheelhop.diagnose.judge import holds_against, log_odds, noticeable, p_value, relative_to_noise
+from wheelhop.diagnose.judge import (
+    holds_against,
+    log_odds,
+    noticeable,
+    p_value,
+    relative_to_noise,
+    unforeseen,
+)
 from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Fit, RunFit
 
@@ -138,3 +145,28 @@ def test_noise_is_seldom_worth_another_look():
     assert sum(noticed(0.0) for _ in range(tries)) == 0
     assert sum(noticed(0.02) for _ in range(tries)) < 0.06 * tries
     assert all(noticed(0.06 + 8.0 * np.sqrt(2.0 / size)) for _ in range(tries))
+
+
+def test_what_is_left_of_all_runs_alike_is_no_surprise():
+    """A road's heights are charged by a density that is roughly right: what that leaves of the runs
+    fitted, it leaves of the others. Thrice the material more in these is a surprise."""
+    rng, tries = np.random.default_rng(12), 100
+    size = rung(noise(rng), own=0).judging.size
+
+    def surprising(fitted, held_out):
+        before, after = (
+            rung(noise(rng, np.sqrt(1.0 + power)), own=0).validation for power in (fitted, held_out)
+        )
+        return unforeseen(Rung(before, after), 1.0)
+
+    for power in (0.0, 0.02, 0.05):
+        assert sum(surprising(power, power) for _ in range(tries)) < 0.03 * tries
+        assert sum(surprising(power, 0.0) for _ in range(tries)) == 0
+        more = power + 0.06 + 8.0 * np.sqrt(4.0 / size)
+        assert all(surprising(power, more) for _ in range(tries))
+
+
+def test_a_model_that_leaves_much_of_the_runs_fitted_foresees_nothing():
+    rng = np.random.default_rng(11)
+    fitted = rung(noise(rng, 1.3), own=0).validation
+    assert not unforeseen(Rung(fitted, rung(noise(rng, 3.0), own=0).validation), 1.0)
