@@ -60,7 +60,10 @@ def _change(before: Step, after: Step) -> str:
     change = f"the error from {percent(before.rung.error)} to {percent(after.rung.error)}."
     if added and taken:
         return f"Putting {', '.join(added)} in place of {', '.join(taken)} changes {change}"
-    return f"Adding {', '.join(added)} lowers {change}" if added else f"{', '.join(taken)} is idle."
+    if not added:
+        return f"{', '.join(taken)} is idle."
+    verb = "lowers" if after.rung.error < before.rung.error else "raises"
+    return f"Adding {', '.join(added)} {verb} {change}"
 
 
 def _held_out_only(step: Step) -> list[str]:
