@@ -12,6 +12,7 @@ from wheelhop.hil_sim import CardImage, Faults, from_array
 
 HOURS = float(os.environ.get("WHEELHOP_HOURS", "0"))
 MILLISECONDS_WRAP_S = 2**32 / 1000  # 49.7 days
+CONVERSION_S = 2500 / 16e6  # between triggers
 SAMPLER, DUE, LATE = "_ZN5board7samplerE", 32, 42  # offsets of its counters, see sampler.h
 
 
@@ -80,8 +81,8 @@ def test_the_count_of_late_triggers_stays_at_its_end(logger, card):
     one.run(0.5)
     set_counter(one, LATE, 65533, 2)
     missed = one.board.counters().missed
-    for _ in range(10):
-        one.run(0.1)
+    for k in range(20):  # at every phase of a conversion, of which some cannot be late
+        one.run(0.05 + k / 20 * CONVERSION_S)
         one.board.hold_cpu(2200)
     one.run(0.5)
     assert one.board.counters().missed > missed + 2
