@@ -174,8 +174,8 @@ def test_line_and_file_tell_the_same_second(logger, card, order, kind):
         frames = [f for f in one.frames[begin:] if f.kind == kind]
         line = next(f for f in frames if f.text.startswith("unix_s="))
         log = one.log()
-        told = log.header if order == "start" else log.summary
-        return line.text.removeprefix("unix_s="), told["unix_s"], frames[0].time_s, line.time_s
+        kept = log.header if order == "start" else log.summary
+        return line.text.removeprefix("unix_s="), kept["unix_s"], frames[0].time_s, line.time_s
 
     one.command("time 1800000000")
     _, _, first_s, last_s = told(at_s := one.board.time + 1.0)
