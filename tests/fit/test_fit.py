@@ -167,6 +167,19 @@ def test_what_nothing_depends_on_stays_as_believed(noise_free):
     assert names == {key for key in ATV if not key.startswith(FIXED)}
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_fit_that_begins_at_an_unstable_vehicle_leaves_infinitely_much(noise_free):
+    """So that it comes last wherever fits are compared: NaN would be neither before nor behind."""
+    runs, _ = noise_free
+    runaway = dict(ATV) | {f"suspension.{axle}.damping_N_s_m": -5e4 for axle in ("front", "rear")}
+    campaign = recorded(noise_free, 1)
+    _, fitted = fitted_to(
+        campaign, Vehicle("true", ATV, uncertainty_of(ATV)), model_of(runaway, runs)
+    )
+    assert fitted.error == np.inf
+    assert fitted.evidence == -np.inf
+
+
 def apart(fitted, other):
     """How far two fits' shared parameters are apart, in joint standard deviations of the other."""
     off = [fitted.model.values[f.name] - other.model.values[f.name] for f in other.shared]

@@ -62,7 +62,8 @@ def exchange(
     for accepted in rung.model.effects:
         progress(f"could another effect stand for {accepted.id}?")
         base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
-        screened = worth_simulating(workshop, base, screen(workshop, base.fit, absent), RIVALS)
+        found = screen(workshop, base.fit, absent)
+        screened = worth_simulating(workshop, base, found, at_least=RIVALS)
         rivals = [confirm(workshop, base, item) for item in screened]
         as_free = Incumbent(workshop, base).against(rung)
         if not rivals:

@@ -17,7 +17,12 @@ REACH = 0.5
 
 
 def worth_simulating(
-    workshop: Workshop, rung: Rung, screened: Sequence[Screened], at_least: int = CONFIRMED
+    workshop: Workshop,
+    rung: Rung,
+    screened: Sequence[Screened],
+    *,
+    at_least: int = CONFIRMED,
+    reach: float = REACH,
 ) -> list[Screened]:
     """The most promising effects, the best first.
 
@@ -27,8 +32,8 @@ def worth_simulating(
     promising = [
         s for s in screened if s.score > 0 and s.gain * rung.fit.sigma**2 > MATERIAL / 4 * noise
     ]
-    reach = REACH * promising[0].gain if promising else 0.0
-    chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= reach]
+    enough = reach * promising[0].gain if promising else 0.0
+    chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= enough]
     surprising = unforeseen(rung, workshop.noise)
     explained = all_noise(rung.fit, workshop.noise)
     if surprising or (not explained and noticeable(rung, workshop.noise)):

@@ -103,8 +103,10 @@ def _grown(
     present = {effect.id for effect in group.rung.model.effects}
     others = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening the others beside {' and '.join(group.ids)}")
+    screened = screen(workshop, group.rung.fit, others)
     found = []
-    for item in worth_simulating(workshop, group.rung, screen(workshop, group.rung.fit, others)):
+    # Where the best is no more than a part, many explain nearly as much: not all are simulated.
+    for item in worth_simulating(workshop, group.rung, screened, reach=1.0):
         progress(f"simulating {item.variant.effect.id} with {' and '.join(group.ids)}")
         found.append(_Group((*group.members, item), confirm(workshop, group.rung, item)))
     return _fitted(workshop, found, progress)

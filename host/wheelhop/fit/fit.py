@@ -77,6 +77,8 @@ def update(
 
 def _solved(problem: _Problem, model: Model, progress: Callable[[str], None] | None) -> Fit:
     state, damping, fresh = problem.linearise(problem.completed(model)), 1e-3, True
+    if not np.isfinite(state.cost):
+        return state
     for iteration in range(ITERATIONS):
         if progress is not None:
             progress(f"iteration {iteration + 1}, error {state.error:.4f}")
@@ -142,7 +144,8 @@ class _Problem:
         return model
 
     def linearise(self, model: Model) -> Fit:
-        """Residuals, derivatives, noise and cost at a model."""
+        """Residuals, derivatives, noise and cost at a model; a model that is not stable leaves
+        infinitely much."""
         systems = self.workshop.systems(model)
         moved = {}
         for free in self.shared:
@@ -175,8 +178,10 @@ class _Problem:
             for move, other in zip(together, others[len(places) :], strict=True):
                 for k, part in move.parts(bench, other - record):
                     matrix[:, new[k]] = part / free[new[k]].step
+            matrix[:, ~np.isfinite(matrix).all(axis=0)] = 0.0  # where this way lies no stable model
             base = bench.coefficients(record)
             residual = bench.measured[:, bench.predicted].ravel() - base
+            residual[~np.isfinite(residual)] = np.inf
             heights = None
             if model.random_heights is not None and bench.simulator.series is not None:
                 ground = Ground(bench, model, systems[bench.drive])
@@ -185,7 +190,8 @@ class _Problem:
             return RunFit(bench, own, residual, Derivatives(matrix, g), heights)
 
         runs = tuple(self.workshop.each(linearise_run, self.benches))
-        return self.weighted(Fit(model, self.shared, runs, np.zeros((0, 0)), 1.0, 0.0, 0.0))
+        state = Fit(model, self.shared, runs, self.belief.precision, 1.0, 0.0, 0.0)
+        return self.weighted(state) if np.isfinite(state.rss) else replace(state, cost=np.inf)
 
     def weighted(self, state: Fit) -> Fit:
         """The state with the noise, the density of unknown heights and the cost that follow from

@@ -26,6 +26,9 @@ REMEMBERED = 4.0 / RUN_UP
 T = TypeVar("T")
 S = TypeVar("S")
 
+RUNS_AWAY = np.errstate(over="ignore", invalid="ignore")
+"""A fit may try a model that is not stable: its record is infinite, which is no news."""
+
 Trial = tuple[Model, dict[Drive, System]]
 """A model with its equations of motion."""
 
@@ -60,15 +63,18 @@ class Bench:
         """What the model says this run should have measured."""
         return self.simulator.simulate(model, systems[self.drive])
 
+    @RUNS_AWAY
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
         """In-band model coefficients (size,) of the predicted channels."""
         return self.coefficients(self.simulator.record(model, systems[self.drive]))
 
+    @RUNS_AWAY
     def records(self, trials: Sequence[Trial]) -> list[Array]:
         """What several models say the instrument should have recorded (n, channels), at much less
         cost than one after the other."""
         return self.simulator.records([(model, s[self.drive]) for model, s in trials])
 
+    @RUNS_AWAY
     def coefficients(self, record: Array) -> Array:
         """In-band coefficients (size,) of a record's predicted channels."""
         return self.band.coefficients(record[:, self.predicted]).ravel()
