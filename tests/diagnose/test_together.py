@@ -1,9 +1,12 @@
 """Effects that hide each other."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
+from wheelhop.diagnose import ladder
 from wheelhop.diagnose.confirm import confirm
 from wheelhop.diagnose.judge import at_noise, log_odds
 from wheelhop.diagnose.look import Candidate, Look
@@ -107,3 +110,20 @@ def test_no_pair_stands_in_for_what_is_not_in_the_library(loose):
     library = {name: LIBRARY[name] for name in OTHERS}
     workshop, look = look_at(loose, library)
     assert look_for_several(workshop, look, library, 2, quiet) is look
+
+
+def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
+    """A progressive spring, taken for what friction and the loose sensor explain together, beside
+    which nothing holds: both are found where the search began, and the spring is dropped."""
+    library = {name: LIBRARY[name] for name in FEW}
+    look_truly, looks = ladder._look, []
+
+    def look_misled(*arguments):
+        looks.append(look_truly(*arguments))
+        springs = (c for c in looks[0].candidates if c.id == "progressive-spring")
+        return replace(looks[-1], chosen=next(springs) if len(looks) == 1 else None)
+
+    monkeypatch.setattr(ladder, "_look", look_misled)
+    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
+    assert set(diagnosis.verdict) == set(HIDDEN)
+    assert diagnosis.ladder[-1].over_floor <= 1.05
