@@ -26,6 +26,7 @@ grounds = st.builds(
     p_value=st.floats(0.0, 1.0),
     over_floor=over,
     baseline_over_floor=over,
+    by_chance=st.floats(0.0, 1.0),
 )
 CLEAR = Grounds(
     log_odds=1e4,
@@ -34,6 +35,7 @@ CLEAR = Grounds(
     p_value=0.0,
     over_floor=1.0,
     baseline_over_floor=3.0,
+    by_chance=1.0,
 )
 
 
@@ -75,3 +77,4 @@ def test_plain_cases():
     assert confidence(("unknown",), replace(CLEAR, over_floor=3.0)) == CEILING
     assert confidence(("none",), replace(CLEAR, p_value=1.0)) == CEILING
     assert confidence(("none",), replace(CLEAR, p_value=0.0)) == CEILING / 2.0
+    assert confidence(("none",), replace(CLEAR, p_value=1.0, by_chance=0.0)) == 0.0

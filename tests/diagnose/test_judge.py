@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from wheelhop.compare.band import InBand
 from wheelhop.diagnose.judge import (
+    MATERIAL,
+    by_chance,
     holds_against,
     log_odds,
     noticeable,
@@ -170,3 +172,19 @@ def test_a_model_that_leaves_much_of_the_runs_fitted_foresees_nothing():
     rng = np.random.default_rng(11)
     fitted = rung(noise(rng, 1.3), own=0).validation
     assert not unforeseen(Rung(fitted, rung(noise(rng, 3.0), own=0).validation), 1.0)
+
+
+def test_noise_leaves_so_much_as_often_as_is_said():
+    """Noise with what is immaterial on top: one residual in ten has a chance of a tenth or less."""
+    rng, tries = np.random.default_rng(12), 300
+    size = np.sqrt(1.0 + MATERIAL)
+    chances = [by_chance(rung(noise(rng, size), own=0), 1.0, 0.0) for _ in range(tries)]
+    rare = sum(chance <= 0.1 for chance in chances)
+    assert abs(rare - 0.1 * tries) <= 3 * np.sqrt(0.09 * tries)
+
+
+def test_what_noise_hardly_leaves_it_may_leave_if_it_is_not_known_well():
+    left = rung(noise(np.random.default_rng(13), 1.05), own=0)
+    assert by_chance(left, 1.0, 0.0) < 1e-3
+    assert by_chance(left, 1.0, 0.05) > 0.1
+    assert by_chance(left, 0.0, 0.0) == 1.0  # nothing is known of it

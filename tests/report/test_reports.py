@@ -110,6 +110,13 @@ def test_a_model_that_lacks_nothing_is_said_to_lack_nothing(pages, clean):
     assert "Nothing is missing" in page.text
 
 
+def test_no_effect_found_is_not_nothing_missing(clean):
+    """Where noise hardly leaves as much as the baseline, that is said first."""
+    grounds = replace(clean.diagnosis.grounds, by_chance=0.01)
+    said = headline(replace(clean.diagnosis, grounds=grounds))
+    assert said.startswith("No effect of the library shows, yet")
+
+
 def test_what_is_left_unexplained_is_said(friction):
     cut = replace(friction.diagnosis, verdict=("unknown",), ladder=friction.diagnosis.ladder[:1])
     assert headline(cut) == "Something is missing, and no effect of the library explains it."

@@ -7,7 +7,7 @@ from math import exp, inf
 
 from wheelhop.diagnose.diagnosis import Grounds, Step
 from wheelhop.diagnose.exchange import Stand
-from wheelhop.diagnose.judge import lead, left, log_odds, p_value
+from wheelhop.diagnose.judge import by_chance, lead, left, log_odds, p_value
 from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.rung import Rung
 
@@ -32,7 +32,8 @@ UNKNOWN_SCALE = 0.05
 """Error over the floor, less one, at which "unknown" is two thirds sure."""
 
 SURELY_NONE = 0.1
-"""Where the likeliest effect has this chance to be worthless, "none" is as sure as it can be."""
+"""Where the likeliest effect has this chance to be worthless, and noise this chance to leave so
+much, "none" is as sure as it can be."""
 
 
 def grounds(
@@ -50,6 +51,10 @@ def grounds(
     """
     over, baseline = steps[-1].over_floor, steps[0].over_floor
     at_floor = "unknown" not in verdict
+    floor = steps[-1].comparison.floor
+    # The noise that a campaign states is taken at its word: what is more than that is not noise.
+    tolerance = 0.0 if floor.is_stated else floor.tolerance
+    chance = by_chance(steps[-1].rung, noise, tolerance)
     accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
     if verdict[0] in stands:
         final, stand = steps[-1].rung, stands[verdict[0]]
@@ -61,9 +66,10 @@ def grounds(
         best = min(rivals, key=lambda r: lead(final, r), default=first.rung)
     else:
         closest = min((c.p for c in last.candidates), default=1.0)
-        return Grounds(inf, inf, 1.0, closest, over, baseline)
+        return Grounds(inf, inf, 1.0, closest, over, baseline, chance)
     margin = min((_odds(rival, final, at_floor) for rival in rivals), default=inf)
-    return Grounds(margin, lead(final, best), _stability(best, final), against, over, baseline)
+    stability = _stability(best, final)
+    return Grounds(margin, lead(final, best), stability, against, over, baseline, chance)
 
 
 def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
@@ -73,12 +79,14 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     all; where something is left, times how much of what the baseline left is explained in the end
     (a wrong effect may explain a part, hardly ever nearly everything), and less where a single run
     speaks for it. Of "none": how far the likeliest effect is from
-    being accepted. Of "unknown": how far the residual is above the floor's own uncertainty.
+    being accepted, and whether noise alone leaves as much. Of "unknown": how far the residual is
+    above the floor's own uncertainty.
     """
     if verdict[0] == "unknown":
         return CEILING * (1.0 - exp(-(grounds.over_floor - 1.0) / UNKNOWN_SCALE))
     if verdict[0] == "none":
-        return CEILING * (0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE))
+        nothing_holds = 0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE)
+        return CEILING * nothing_holds * min(1.0, grounds.by_chance / SURELY_NONE)
     leads = 1.0 / (1.0 + exp(-max(grounds.lead, 0.0) / LEAD_SCALE))
     sure = CEILING * leads * (1.0 - grounds.p_value)
     if "unknown" not in verdict:

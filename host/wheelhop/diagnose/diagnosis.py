@@ -38,6 +38,10 @@ class Ranked:
     reason: str  #: why it was accepted or not, in one line
 
 
+UNLIKELY = 0.05
+"""What noise leaves with less than this chance is said to be more than noise."""
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
     """One rung of the ladder: the effects added so far, the fitted model, its parameters as
@@ -69,7 +73,8 @@ class Grounds:
     ``log_odds`` over its best rival; ``lead``, by how many times what it leaves itself that rival
     leaves more; ``stability``, the share of what speaks for it against that rival that is left when
     the run that speaks loudest is left out; ``p_value`` on held-out runs; errors of the last rung
-    and of the baseline over the floor.
+    and of the baseline over the floor; ``by_chance``, the chance that noise alone leaves as much as
+    the last rung.
     """
 
     log_odds: float
@@ -78,6 +83,12 @@ class Grounds:
     p_value: float
     over_floor: float
     baseline_over_floor: float
+    by_chance: float
+
+    @property
+    def more_than_noise(self) -> bool:
+        """Whether noise alone hardly leaves as much as the last rung."""
+        return self.by_chance < UNLIKELY
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from wheelhop.compare import describe
-from wheelhop.diagnose.diagnosis import Step
+from wheelhop.diagnose.diagnosis import Grounds, Step
 from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.ranking import percent
 
@@ -17,11 +17,13 @@ LEAST_LIKENESS = 0.03
 """An effect that could explain less than this share of the rest is no idea."""
 
 
-def explanation(verdict: Sequence[str], steps: Sequence[Step], last: Look) -> tuple[str, ...]:
+def explanation(
+    verdict: Sequence[str], steps: Sequence[Step], last: Look, grounds: Grounds
+) -> tuple[str, ...]:
     """What was found and, where something is left, what it looks like."""
     lines = []
     if tuple(verdict) == ("none",):
-        lines.append("The baseline explains the records down to the noise.")
+        lines += _none(steps[0], last, grounds)
     for before, after in pairwise(steps):
         lines.append(_change(before, after))
     if verdict[-1] == "unknown":
@@ -37,6 +39,17 @@ def explanation(verdict: Sequence[str], steps: Sequence[Step], last: Look) -> tu
         lines.append("Where the baseline failed:")
         lines.extend(describe(steps[0].comparison.breakdown))
     return tuple(lines)
+
+
+def _none(baseline: Step, last: Look, grounds: Grounds) -> list[str]:
+    if not grounds.more_than_noise:
+        return ["The baseline explains the records down to the noise."]
+    return [
+        f"The baseline comes to {baseline.over_floor:.3f} times the floor. Noise hardly leaves that"
+        f" (p = {grounds.by_chance:.1g}): there is a little more of it than stated, or something"
+        " faint is missing that these runs do not name.",
+        *_nearest(last),
+    ]
 
 
 def caveats(step: Step) -> list[str]:

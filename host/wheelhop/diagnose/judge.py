@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import erfc, hypot, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +84,15 @@ def noticeable(rung: Rung, noise: float) -> bool:
     one campaign of fifty."""
     by_chance = 2.0 * float(np.sqrt(2.0 / rung.judging.size))
     return excess(rung, noise) > material(rung) + by_chance
+
+
+def by_chance(rung: Rung, noise: float, tolerance: float) -> float:
+    """Chance that noise leaves at least as much as a rung does, what is immaterial allowed for;
+    `tolerance` is the relative standard uncertainty of `noise`."""
+    if noise == 0.0:
+        return 1.0
+    spread = hypot(sqrt(2.0 / rung.judging.size), 2.0 * tolerance)
+    return 0.5 * erfc((excess(rung, noise) - material(rung)) / spread / sqrt(2.0))
 
 
 def unforeseen(rung: Rung, noise: float) -> bool:

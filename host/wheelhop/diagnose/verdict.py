@@ -42,7 +42,7 @@ def conclude(
         ranking=ranking(first, angles, effects, steps[0]),
         ladder=tuple(steps),
         next_run=_next_run(workshop, accepted, first, angles),
-        explanation=explanation(verdict, steps, last),
+        explanation=explanation(verdict, steps, last, stands_on),
     )
 
 

@@ -33,6 +33,11 @@ NARROW_SPACE = "\u202f"
 def headline(diagnosis: Diagnosis) -> str:
     """The verdict in a sentence or two."""
     verdict = diagnosis.verdict
+    if verdict == ("none",) and diagnosis.grounds.more_than_noise:
+        return (
+            "No effect of the library shows, yet the records hold a little more than the baseline"
+            " model and the sensors’ noise."
+        )
     if verdict == ("none",):
         return (
             "Nothing is missing: the baseline model explains the records"
