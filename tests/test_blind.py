@@ -1,7 +1,8 @@
 """The blind benchmark: honest strengths, honest scores, and the whole way on two campaigns."""
 
 import json
-from math import sqrt
+from dataclasses import replace
+from math import inf, sqrt
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from benchmarks.blind import without
 from benchmarks.blind.__main__ import main
+from benchmarks.blind.answers import read_answers, write_answers
 from benchmarks.blind.outside import OUTSIDE
 from benchmarks.blind.plan import EFFECTS, FIRST_SEED, plan
 from benchmarks.blind.recipes import RECIPES
@@ -156,3 +158,20 @@ def test_the_whole_way(tmp_path, capsys):
     assert "said backlash" in blind("table").split("failures")[1]
     table = json.loads((results / "table.json").read_text())
     assert (table["rates"][0]["right"], table["rates"][0]["met"]) == (0, False)
+
+
+def test_answers_are_stored_and_counted_again(tmp_path):
+    """An answer, a crash, and a campaign that could not be made."""
+    told, crashed, unmade = cases = list(plan(FIRST_SEED["dev"], 1, EFFECTS))[:3]
+    outcomes = [
+        answer(told.kind, told.hidden, (*told.hidden, "unknown"), ranking=EFFECTS[:3]),
+        replace(answer(crashed.kind, crashed.hidden, (), 1.0, error=inf), complaint="a, b\nc"),
+    ]
+    outcomes = [
+        replace(o, name=case.name, preset=case.preset)
+        for o, case in zip(outcomes, cases, strict=False)
+    ]
+    file = tmp_path / "answers.csv"
+    write_answers(file, outcomes, [unmade.name])
+    assert read_answers(file, cases) == ({o.name: o for o in outcomes}, {unmade.name})
+    assert read_answers(file, [crashed]) == ({crashed.name: outcomes[1]}, set())

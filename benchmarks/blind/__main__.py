@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.blind import table
+from benchmarks.blind.answers import read_answers, write_answers
 from benchmarks.blind.generate import generate
 from benchmarks.blind.picture import draw_confusion
 from benchmarks.blind.plan import DEV_ROUNDS, FIRST_SEED, KINDS, Case, plan
@@ -54,6 +55,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--label", default="latest", help="name of a set of results (latest)")
     parser.add_argument("--jobs", type=int, default=1, help="cases at the same time (1)")
     parser.add_argument("--threads", type=int, default=2, help="of each diagnosis (2)")
+    parser.add_argument(
+        "--answers", type=Path, nargs="+", default=(), help="count those of earlier tables, too"
+    )
     parser.add_argument("--again", action="store_true", help="forget earlier results")
     return parser
 
@@ -139,25 +143,32 @@ def _finished(
 
 
 def _table(cases: Sequence[Case], work: Work, given: argparse.Namespace) -> int:
-    outcomes = [seen for case in cases if (seen := _outcome(case, work)) is not None]
+    stored, unmade = dict[str, Outcome](), set[str]()
+    for file in given.answers:
+        answers, missing = read_answers(file, cases)
+        stored |= answers
+        unmade |= missing
+    answered = (_outcome(case, work) or stored.get(case.name) for case in cases)
+    outcomes = [outcome for outcome in answered if outcome is not None]
     if not outcomes:
         raise SystemExit("no results yet: generate, then run")
-    unmade = [
-        case
-        for case in cases
-        if case.kind != "without"
-        and "unreachable" in (read_json(work.truth_json(case.campaign)) or {})
-    ]
+    unmade |= {case.name for case in cases if case.kind != "without" and _is_unmade(case, work)}
     runs = 8 if given.short else 18
     title = f"Blind benchmark, {given.seeds} seeds from {cases[0].seed}, {runs} runs per campaign"
     written = table.text(outcomes, title=title, short=given.short, unreachable=len(unmade))
     print(written, end="")
     folder = work.table()
+    folder.mkdir(parents=True, exist_ok=True)
     (folder / "table.txt").write_text(written)
+    write_answers(folder / "answers.csv", outcomes, sorted(unmade))
     write_json(folder / "table.json", table.document(outcomes, title=title, short=given.short))
     draw_confusion(confusion(outcomes), folder / "confusion.png")
     print(f"\nin {folder}")
     return 0
+
+
+def _is_unmade(case: Case, work: Work) -> bool:
+    return "unreachable" in (read_json(work.truth_json(case.campaign)) or {})
 
 
 def _outcome(case: Case, work: Work) -> Outcome | None:

@@ -54,7 +54,7 @@ class Work:
         return made.is_file() and ended.is_file() and _time(ended) > _time(made)
 
     def table(self) -> Path:
-        """Where table.json, table.txt and confusion.png go."""
+        """Where table.json, table.txt, answers.csv and confusion.png go."""
         return self._base / "results" / self.label
 
 
