@@ -31,7 +31,7 @@ from wheelhop.effects import load_effects
 from wheelhop.hil_sim.day import read_day
 from wheelhop.report import write_diagnosis_report
 from wheelhop.report.model_file import write_model
-from wheelhop.report.words import judged, percent
+from wheelhop.report.words import percent
 from wheelhop.vehicle import Vehicle, read_nominal
 
 REPORT_FILE = "report.html"
@@ -145,7 +145,7 @@ def _tell_command(words: str, question: str, console: Console) -> None:
 
 
 def _tell_failure(step: Step, console: Console) -> None:
-    error, floor = judged(step)
+    error, floor = step.rung.error, step.floor
     console.print(
         Text(
             f"Fitted as well as it can be, it misses the held-out runs by {percent(error)};"

@@ -15,7 +15,6 @@ from wheelhop.report.words import (
     chance,
     headline,
     interval,
-    judged,
     over_floor,
     percent,
     signed,
@@ -37,11 +36,11 @@ def print_ladder(steps: Sequence[Step], console: Console) -> None:
     before: tuple[str, ...] | None = None
     for step, ratio in zip(steps, ratios, strict=True):
         length = round(BAR * max(log(ratio), 0.0) / span) if ratio > 0 else 0
-        error = percent(judged(step)[0])
+        error = percent(step.rung.error)
         times = f"{significant(ratio)} × floor"
         table.add_row(Text(_rung(before, step)), "│" + "█" * length, error, times)
         before = step.added
-    table.add_row("noise floor", "│", percent(judged(steps[-1])[1]))
+    table.add_row("noise floor", "│", percent(steps[-1].floor))
     console.print(table)
 
 

@@ -53,11 +53,15 @@ class Step:
     comparison: Comparison
 
     @property
+    def floor(self) -> float:
+        """E that the sensors alone would leave of the runs that judge."""
+        floor = self.comparison.floor
+        return floor.error_fit if self.rung.validation is None else floor.error_validate
+
+    @property
     def over_floor(self) -> float:
         """Error on the runs that judge over the floor."""
-        floor = self.comparison.floor
-        held_out = self.rung.validation is not None
-        return self.rung.error_judging / (floor.error_validate if held_out else floor.error_fit)
+        return self.rung.error_judging / self.floor
 
     @property
     def above_floor(self) -> bool:

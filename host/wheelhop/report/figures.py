@@ -18,7 +18,7 @@ from wheelhop.compare import Breakdown, Locking, Slice
 from wheelhop.diagnose import Step
 from wheelhop.report.cases import Case
 from wheelhop.report.svg import COLOURS, STYLE
-from wheelhop.report.words import judged, significant, squared
+from wheelhop.report.words import significant, squared
 
 Array = NDArray[np.float64]
 
@@ -34,8 +34,8 @@ def ladder_figure(steps: Sequence[Step]) -> Figure:
         several = len(steps) > 1
         figure = Figure(figsize=(WIDTH, 2.9 if several else 1.9), layout="constrained")
         axes = figure.add_subplot()
-        floor = 100 * judged(steps[-1])[1]
-        errors = [100 * judged(step)[0] for step in steps]
+        floor = 100 * steps[-1].floor
+        errors = [100 * step.rung.error for step in steps]
         fitted = [100 * step.rung.error_fit for step in steps]
         x = range(len(steps))
         held_out = steps[0].rung.validation is not None

@@ -13,7 +13,6 @@ from wheelhop.report.page import facts, paragraph, title, write_page
 from wheelhop.report.words import (
     comparison_headline,
     headline,
-    judged,
     over_floor,
     percent,
     significant,
@@ -68,7 +67,7 @@ def write_comparison_report(
 
 
 def _key_numbers(campaign: Campaign, steps: Sequence[Step]) -> list[tuple[str, str]]:
-    (first, _), (last, floor) = judged(steps[0]), judged(steps[-1])
+    first, last, floor = steps[0].rung.error, steps[-1].rung.error, steps[-1].floor
     runs = "held out" if campaign.validate_runs else "fitted"
     fall = percent(first) if len(steps) == 1 else f"{percent(first)} → {percent(last)}"
     return [

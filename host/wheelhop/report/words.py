@@ -55,7 +55,7 @@ def headline(diagnosis: Diagnosis) -> str:
 
 def comparison_headline(steps: Sequence[Step]) -> str:
     """How well the last model does, in a sentence."""
-    first, last = judged(steps[0])[0], judged(steps[-1])[0]
+    first, last = steps[0].rung.error, steps[-1].rung.error
     ratio = f"{significant(over_floor(steps[-1]), 2)} times the noise floor"
     if len(steps) == 1:
         return f"The baseline’s error is {percent(last)}, {ratio}."
@@ -80,18 +80,10 @@ def fails(step: Step) -> bool:
     return over_floor(step) > 1.0 + 2.0 * step.comparison.floor.tolerance
 
 
-def judged(step: Step) -> tuple[float, float]:
-    """Error and noise floor on the runs that judge: held out, or fitted if no run is."""
-    floor = step.comparison.floor
-    if step.rung.validation is None:
-        return step.rung.error_fit, floor.error_fit
-    return step.rung.error_validate, floor.error_validate
-
-
 def over_floor(step: Step) -> float:
-    """Error over noise floor on the runs that judge; NaN where nothing is known of the noise."""
-    error, floor = judged(step)
-    return error / floor if floor > 0 else nan
+    """Error, as foreseen, over the floor on the runs that judge; NaN where nothing is known of the
+    noise."""
+    return step.rung.error / step.floor if step.floor > 0 else nan
 
 
 def missing(effects: Sequence[Effect]) -> str:
