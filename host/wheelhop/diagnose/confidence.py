@@ -14,7 +14,7 @@ from wheelhop.diagnose.rung import Rung
 CEILING = 0.99
 """No verdict on a single campaign is surer than this."""
 
-LEAD_SCALE = 0.005
+LEAD_SCALE = 0.003
 """Odds are e : 1 against a rival that leaves this share more than the effect accepted: simulations
 are no more exact than that near the noise, whatever the evidence says."""
 
@@ -28,8 +28,9 @@ STAND_IN = 0.5
 """Where one effect is accepted and leaves something that nothing explains, one unknown effect that
 it resembles is at least as likely as that effect and an unknown one beside it."""
 
-UNKNOWN_SCALE = 0.05
-"""Error over the floor, less one, at which "unknown" is two thirds sure."""
+UNKNOWN_SCALE = 0.3
+"""Error over the floor, less one, at which "unknown" is two thirds sure: nearer to the floor an
+effect of the library may be too faint to be found."""
 
 SURELY_NONE = 0.1
 """Where the likeliest effect has this chance to be worthless, and noise this chance to leave so

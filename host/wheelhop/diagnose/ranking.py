@@ -94,9 +94,12 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
         return f"accepted: {change}, p = {candidate.p:.1g}"
     if not candidate.holds:
         return f"{_why_not_believed(candidate)}: {change}, p = {candidate.p:.1g}"
+    if chosen is not None and after > chosen.rung.error_judging:
+        best = percent(chosen.rung.error_judging)
+        return f"explains part: {change}, but {chosen.id} reaches {best}"
     if chosen is not None:
-        best = chosen.rung.error_judging
-        return f"explains part: {change}, but {chosen.id} reaches {percent(best)}"
+        less = chosen.rung.evidence - candidate.rung.evidence
+        return f"{change}, but all runs speak for {chosen.id}: log evidence {less:.0f} more"
     return f"{change}, p = {candidate.p:.1g}"
 
 
