@@ -38,7 +38,9 @@ def describe(where: Breakdown) -> list[str]:
     failing = is_excess(where, where.total)
     spots = [s for s in (*where.band, *where.run) if is_excess(where, s)]
     if not failing and not spots and not where.locking.lines:
-        return [f"The residual is at the noise floor ({ratio}): nothing is left to explain."]
+        return [
+            f"In every band and run the residual is at the floor, as well as it is known ({ratio})."
+        ]
     sentences = []
     if not failing:
         sentences.append(f"As a whole the residual is at the noise floor ({ratio}), but:")
