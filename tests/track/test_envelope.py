@@ -271,3 +271,24 @@ def test_both_at_once_are_what_each_is_alone():
     height, slope = envelope.height_and_slope(x)
     np.testing.assert_allclose(height, envelope.height(x), atol=1e-12)
     np.testing.assert_allclose(slope, envelope.slope(x), atol=1e-9)
+
+
+@pytest.mark.parametrize("pitch", [0.6, 0.6005, 0.4, 0.81])
+def test_the_bottom_of_a_trough_too_narrow_for_the_wheel_is_a_kink(pitch: float) -> None:
+    """There the contact jumps from one flank to the other, whether or not that is where one of the
+    table's cells ends and the next begins: with s the offset of the flank touched, the slope goes
+    from -s/sqrt(R² - s²) to s/sqrt(R² - s²)."""
+    k = 2 * np.pi / pitch
+    amplitude = 2.0 / (RADIUS * k**2)
+    flank = brentq(
+        lambda s: amplitude * k * np.sin(k * s) - s / np.sqrt(RADIUS**2 - s**2), 1e-3, 0.25
+    )
+    envelope = wheel_envelope(washboard(amplitude, pitch), LEFT, RADIUS, -10.0, 10.0)
+    jump = 2 * flank / np.sqrt(RADIUS**2 - flank**2)
+    assert envelope.sharpest_kink == pytest.approx(jump, rel=0.02)
+
+
+def test_a_trough_that_holds_the_wheel_has_no_kink() -> None:
+    amplitude = 0.5 / (RADIUS * (2 * np.pi / 0.6) ** 2)
+    envelope = wheel_envelope(washboard(amplitude, 0.6), LEFT, RADIUS, -10.0, 10.0)
+    assert envelope.sharpest_kink < 1e-3

@@ -87,14 +87,15 @@ class Envelope:
 
     @cached_property
     def sharpest_kink(self) -> float:
-        """Largest jump of the slope where the contact jumps from one point to another."""
-        cells, split = len(self._split), self._split[:, None]
-        left, right = (
-            (self._slope[rows] * split ** np.arange(3)).sum(axis=1)
-            for rows in (slice(None, cells), slice(cells, None))
-        )
-        inside = (self._split > 0.0) & (self._split < 1.0)
-        return float(np.abs(right - left)[inside].max(initial=0.0))
+        """Largest jump of the slope where the contact jumps from one point to another: within a
+        cell, or between two (at the bottom of a symmetric trough, for one)."""
+        split = self._split
+        left, right = np.split(self._slope, 2)
+        inside = np.abs(_at(right, split) - _at(left, split))[(split > 0.0) & (split < 1.0)]
+        begins = np.where(split > 0.0, _at(left, 0.0), _at(right, 0.0))
+        ends = np.where(split < 1.0, _at(right, 1.0), _at(left, 1.0))
+        between = np.abs(np.roll(begins, -1) - ends)[: None if self._periodic else -1]
+        return float(max(inside.max(initial=0.0), between.max(initial=0.0)))
 
     @cached_property
     def _area(self) -> tuple[Array, float]:
@@ -124,6 +125,12 @@ class Envelope:
         cell = np.minimum(place.astype(np.intp), cells - 1)
         t = place - cell
         return cell + cells * (t > self._split.take(cell)), t
+
+
+def _at(polynomials: Array, t: Array | float) -> Array:
+    """Values of polynomials (cells, k), the constant first, at t in each."""
+    powers = np.power.outer(t, np.arange(polynomials.shape[1]))
+    return np.asarray((polynomials * powers).sum(axis=1))
 
 
 def wheel_envelope(
