@@ -15,9 +15,12 @@ from wheelhop.vehicle import CORNERS
 
 HERRINGBONE = truth.Track("herringbone", {"amplitude_mm": 20.0, "pitch_mm": 800.0})
 WASHBOARD = truth.Track("washboard", {"amplitude_mm": 15.0, "pitch_mm": 400.0})
+STEEP = truth.Track("washboard", {"amplitude_mm": 40.0, "pitch_mm": 600.0})
 
 
-@pytest.mark.parametrize("track", [HERRINGBONE, WASHBOARD], ids=["smooth", "with kinks"])
+@pytest.mark.parametrize(
+    "track", [HERRINGBONE, WASHBOARD, STEEP], ids=["smooth", "with kinks", "with sharp kinks"]
+)
 def test_steady_state_is_that_of_the_fourier_series(track):
     """Over one wavelength the road repeats: its envelope's discrete Fourier transform times the
     frequency response is the steady state. Averaging is multiplication by sinc."""
