@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from math import inf, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -175,3 +176,12 @@ def test_answers_are_stored_and_counted_again(tmp_path):
     write_answers(file, outcomes, [unmade.name])
     assert read_answers(file, cases) == ({o.name: o for o in outcomes}, {unmade.name})
     assert read_answers(file, [crashed]) == ({crashed.name: outcomes[1]}, set())
+
+
+def test_the_published_answers_give_the_published_table(tmp_path, capsys):
+    published = Path(__file__).parents[1] / "benchmarks" / "blind" / "published"
+    asked = ["--seeds", "published", "--rounds", "14", "--kinds", "faint", "none", "--short"]
+    answers = ["--answers", str(published / "faint-and-none.csv"), "--work", str(tmp_path)]
+    assert main(["table", *asked, *answers]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith((published / "faint-and-none.txt").read_text())

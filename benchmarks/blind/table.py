@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import isfinite
+from math import isfinite, isnan
 from typing import Any
 
 from benchmarks.blind.score import Outcome
@@ -79,9 +79,8 @@ def _figure_line(figure: Figure) -> str:
     wanted, met = f"<= {figure.target:g}", MET[figure.met]
     if not isfinite(figure.target):
         wanted, met = "", ""
-    return (
-        f"{figure.label:40s} {figure.value:7.{figure.digits}f}{'':18s}   {wanted:8s} {met}".rstrip()
-    )
+    value = "    -  " if isnan(figure.value) else f"{figure.value:7.{figure.digits}f}"
+    return f"{figure.label:40s} {value}{'':18s}   {wanted:8s} {met}".rstrip()
 
 
 def _decile_line(decile: Decile) -> str:
