@@ -127,3 +127,24 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
     diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
     assert set(diagnosis.verdict) == set(HIDDEN)
     assert diagnosis.ladder[-1].over_floor <= 1.05
+
+
+def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
+    """Friction is chosen, then friction with a mount, then the mount found idle: what the first
+    look said of each by itself is what is reported, and friction is not its own rival."""
+    library = {name: LIBRARY[name] for name in FEW}
+    look_truly, looks = ladder._look, []
+
+    def friction_first(*arguments):
+        looks.append(look_truly(*arguments))
+        found = (c for c in looks[0].candidates if c.id == "dry-friction")
+        return replace(looks[-1], chosen=next(found) if len(looks) == 1 else None)
+
+    def mount_is_idle(workshop, rung, progress):
+        return next(c for c in looks[0].candidates if c.id == "dry-friction").rung, {}
+
+    monkeypatch.setattr(ladder, "_look", friction_first)
+    monkeypatch.setattr(ladder, "_without_idle", mount_is_idle)
+    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
+    assert diagnosis.verdict == ("dry-friction", "unknown")
+    assert not any("together" in ranked.reason for ranked in diagnosis.ranking)

@@ -63,7 +63,7 @@ def grounds(
         rivals, best = [stand.rival], stand.rival
     elif accepted is not None:
         final, against = accepted.rung, accepted.p
-        rivals = [c.rung for c in first.candidates if c is not accepted]
+        rivals = [c.rung for c in first.candidates if c.rung is not accepted.rung]
         best = min(rivals, key=lambda r: lead(final, r), default=first.rung)
     else:
         closest = min((c.p for c in last.candidates), default=1.0)

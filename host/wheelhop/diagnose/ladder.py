@@ -70,7 +70,8 @@ def climb(
     workshop, rung = base.workshop, base.rung
     steps = [step_of(workshop, rung)]
     look = _look(workshop, rung, effects, progress)
-    first, alone = look, look.chosen is not None
+    first = origin = look
+    alone = look.chosen is not None
     shorter: Mapping[str, Rung] = {}
     stands: Mapping[str, Stand] = {}
     for _ in range(2 * max_effects):
@@ -81,7 +82,7 @@ def climb(
             stands, better = exchanged.stands, exchanged.rung
         if better is None and room > 1 and not at_noise(rung, workshop.noise):
             look = look_for_several(workshop, look, effects, room, progress)
-            first = look if len(steps) == 1 else first
+            first = origin = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
         if better is None and alone and not at_noise(rung, workshop.noise):
             # The first may have been taken for what only several explain: it takes a place.
@@ -89,10 +90,12 @@ def climb(
             anew = look_for_several(workshop, first, effects, max_effects, progress)
             group = anew.chosen.rung if anew.chosen is not None else rung
             if anew is not first and Incumbent(workshop, rung).gives_way_to(group):
-                first, better, steps = anew, group, steps[:1]
+                origin, better, steps = anew, group, steps[:1]
         if better is None:
             break
         (rung, shorter), stands = _without_idle(workshop, better, progress), {}
+        # Of a group that comes down to one effect, the first look said how that one stands alone.
+        first = origin = origin if len(rung.model.effects) > 1 else first
         step = step_of(workshop, rung)
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
