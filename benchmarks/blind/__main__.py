@@ -145,6 +145,8 @@ def _finished(
 def _table(cases: Sequence[Case], work: Work, given: argparse.Namespace) -> int:
     stored, unmade = dict[str, Outcome](), set[str]()
     for file in given.answers:
+        if not file.is_file():
+            raise SystemExit(f"{file}: no such file; `table` writes answers.csv beside its table")
         answers, missing = read_answers(file, cases)
         stored |= answers
         unmade |= missing
