@@ -94,8 +94,10 @@ def climb(
         if better is None:
             break
         (rung, shorter), stands = _without_idle(workshop, better, progress), {}
-        # Of a group that comes down to one effect, the first look said how that one stands alone.
-        first = origin = origin if len(rung.model.effects) > 1 else first
+        # If a group comes down to what was chosen first, the first look said how that stands alone.
+        if first.chosen is None or [e.id for e in rung.model.effects] != [first.chosen.id]:
+            first = origin
+        origin = first
         step = step_of(workshop, rung)
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
