@@ -74,6 +74,7 @@ def test_the_more_is_left_the_less_is_claimed(grounds, more):
 def test_plain_cases():
     assert confidence(("backlash",), CLEAR) == CEILING
     assert confidence(("backlash",), replace(CLEAR, lead=0.0)) == CEILING / 2.0  # two alike
+    assert confidence(("backlash",), replace(CLEAR, lead=-0.02)) < 0.01  # the rival leaves less
     assert confidence(("unknown",), replace(CLEAR, over_floor=3.0)) > 0.98
     assert confidence(("unknown",), replace(CLEAR, over_floor=1.1)) < 0.5
     assert confidence(("none",), replace(CLEAR, p_value=1.0)) == CEILING

@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 
 from wheelhop.compare.band import InBand
 from wheelhop.diagnose.judge import (
+    AGREED,
     MATERIAL,
+    best_first,
     by_chance,
     holds_against,
     log_odds,
@@ -188,3 +190,16 @@ def test_what_noise_hardly_leaves_it_may_leave_if_it_is_not_known_well():
     assert by_chance(left, 1.0, 0.0) < 1e-3
     assert by_chance(left, 1.0, 0.05) > 0.1
     assert by_chance(left, 0.0, 0.0) == 1.0  # nothing is known of it
+
+
+@pytest.mark.parametrize("more", [0.0, 0.5 * AGREED, 1.5 * AGREED, 0.05])
+@pytest.mark.parametrize("evidence", [-500.0, -1.0, 1.0, 500.0])
+def test_evidence_decides_between_models_that_leave_alike(more, evidence):
+    """One leaves `more` of the same residual and has `evidence` for it, which counts as long as
+    the two leave alike, whichever is named first."""
+    signals = noise(np.random.default_rng(14))
+    fit = rung([np.sqrt(1.0 + more) * s for s in signals], own=0).validation
+    one = Rung(rung(signals, own=0).validation, None)
+    other = Rung(replace(fit, log_volume=evidence), None)
+    expected = [other, one] if evidence > 0.0 and more <= AGREED else [one, other]
+    assert best_first([one, other], 1.0) == best_first([other, one], 1.0) == expected

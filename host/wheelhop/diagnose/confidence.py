@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import exp, inf
+from math import exp, inf, tanh
 
 from wheelhop.diagnose.diagnosis import Grounds, Step
 from wheelhop.diagnose.exchange import Stand
@@ -15,8 +15,9 @@ CEILING = 0.99
 """No verdict on a single campaign is surer than this."""
 
 LEAD_SCALE = 0.003
-"""Odds are e : 1 against a rival that leaves this share more than the effect accepted: simulations
-are no more exact than that near the noise, whatever the evidence says."""
+"""Odds are e : 1 against a rival that leaves this share more than the effect accepted, 1 : e
+against one that leaves as much less: simulations are no more exact than that near the noise,
+whatever the evidence says."""
 
 PART = 4
 """Confidence falls with this power of the share explained where something is left."""
@@ -88,7 +89,7 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     if verdict[0] == "none":
         nothing_holds = 0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE)
         return CEILING * nothing_holds * min(1.0, grounds.by_chance / SURELY_NONE)
-    leads = 1.0 / (1.0 + exp(-max(grounds.lead, 0.0) / LEAD_SCALE))
+    leads = 0.5 + 0.5 * tanh(0.5 * grounds.lead / LEAD_SCALE)
     sure = CEILING * leads * (1.0 - grounds.p_value)
     if "unknown" not in verdict:
         return sure

@@ -27,6 +27,9 @@ SIGNIFICANT = 0.05
 WHITE = 1.1
 """A residual whose mean square is within this factor of the noise's is taken for noise."""
 
+AGREED = 0.01
+"""No evidence makes up for leaving this share more of the runs than another model does."""
+
 
 def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     """Logarithm of the likelihood ratio of `rival` over `base` on the runs that judge.
@@ -131,8 +134,12 @@ def lead(rung: Rung, rival: Rung) -> float:
     exact; this does not.
     """
     size = rung.fit.size + rung.judging.size
-    mine, its = (sum(left(run) for run in (*r.fit.runs, *r.judging.runs)) for r in (rung, rival))
-    return (its - mine) / (size * rung.fit.sigma**2)
+    return (_left(rival) - _left(rung)) / (size * rung.fit.sigma**2)
+
+
+def _left(rung: Rung) -> float:
+    """What a model leaves of the runs fitted and held out."""
+    return sum(left(run) for run in (*rung.fit.runs, *rung.judging.runs))
 
 
 def left(run: RunFit) -> float:
@@ -159,11 +166,14 @@ def all_noise(fit: Fit, noise: float) -> bool:
 
 
 def best_first(rungs: Sequence[Rung], noise: float) -> list[Rung]:
-    """Where one of them reaches the noise the evidence orders them; while all leave something
-    unexplained, the likelihood of the fitted runs is not to be trusted, and the runs held out
-    decide."""
-    explained = any(at_noise(rung, noise) for rung in rungs)
-    return sorted(rungs, key=lambda r: -r.evidence if explained else r.error_judging)
+    """Where one of them reaches the noise the evidence orders them, as far as what they leave
+    agrees: unknown heights can follow whatever resembles them, and the likelihood of that depends
+    on how their density is assumed to look. While all leave something unexplained, the likelihood
+    of the fitted runs is not to be trusted at all, and the runs held out decide."""
+    if not any(at_noise(rung, noise) for rung in rungs):
+        return sorted(rungs, key=lambda r: r.error_judging)
+    least = min(rungs, key=_left)
+    return sorted(rungs, key=lambda r: (lead(least, r) > AGREED, -r.evidence))
 
 
 def _cost(rung: Rung, noise: float) -> float:

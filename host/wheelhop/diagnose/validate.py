@@ -51,9 +51,8 @@ class Incumbent:
 
     def gives_way_to(self, rival: Rung) -> bool:
         """Whether a rival is the better model, and runs held out do not object."""
-        noise = self.workshop.noise
-        better = best_first([self.rung, rival], noise)[0] is rival
-        return better and log_odds(self.against(rival), rival, noise) > 0.0
+        noise, mine = self.workshop.noise, self.against(rival)
+        return best_first([mine, rival], noise)[0] is rival and log_odds(mine, rival, noise) > 0.0
 
     @cached_property
     def _moved(self) -> Rung:
