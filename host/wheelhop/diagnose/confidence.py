@@ -14,7 +14,7 @@ from wheelhop.diagnose.rung import Rung
 CEILING = 0.99
 """No verdict on a single campaign is surer than this."""
 
-LEAD_SCALE = 0.003
+LEAD_SCALE = 0.001
 """Odds are e : 1 against a rival that leaves this share more than the effect accepted, 1 : e
 against one that leaves as much less: simulations are no more exact than that near the noise,
 whatever the evidence says."""
