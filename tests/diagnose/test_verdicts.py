@@ -1,6 +1,7 @@
 """The verdict on campaigns made by another simulator, their physics hidden."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,7 @@ def test_one_hidden_effect_is_named(name, tmp_path):
     if case.hidden:
         assert diagnosis.ranking[0].effect == case.verdict[0]
         assert_found(diagnosis, case.verdict[0], case.parameters)
+    assert_reasons_follow(diagnosis)
 
 
 @pytest.mark.parametrize("name", OPEN)
@@ -56,7 +58,18 @@ def test_the_open_campaigns(name):
     assert diagnosis.ladder[-1].rung.error_validate <= 1.15 * oracle_of(truth_file)
     if name != "clean":
         assert_found(diagnosis, effect, OPEN[name])
+    assert_reasons_follow(diagnosis)
     assert_json_keeps_its_contract(to_json(diagnosis))
+
+
+def assert_reasons_follow(diagnosis):
+    """What a reason prints is a reason: a larger error than the better effect's, more evidence."""
+    for ranked in diagnosis.ranking:
+        assert ranked.reason
+        if part := re.search(r"→ (\S+) %, but \S+ reaches (\S+) %", ranked.reason):
+            assert float(part[1]) > float(part[2])
+        if part := re.search(r"log evidence (\S+) more", ranked.reason):
+            assert float(part[1]) >= 0.0
 
 
 def assert_json_keeps_its_contract(document):

@@ -94,10 +94,10 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
         return f"accepted: {change}, p = {candidate.p:.1g}"
     if not candidate.holds:
         return f"{_why_not_believed(candidate)}: {change}, p = {candidate.p:.1g}"
-    if chosen is not None and after > chosen.rung.error_judging:
-        best = percent(chosen.rung.error_judging)
-        return f"explains part: {change}, but {chosen.id} reaches {best}"
     if chosen is not None:
+        best = percent(chosen.rung.error_judging)
+        if after > chosen.rung.error_judging and percent(after) != best:
+            return f"explains part: {change}, but {chosen.id} reaches {best}"
         less = chosen.rung.evidence - candidate.rung.evidence
         if less < 0.0:
             return f"{change}, but {chosen.id} leaves less of all runs together"
