@@ -8,7 +8,15 @@ import pytest
 from tests import truth
 from tests.simulate.setup import ATV, campaign_of, model_of, simulated
 from wheelhop.campaign import read_campaign
-from wheelhop.fit import Workshop, find_start, fit, initial_model, update, vehicle_parameters
+from wheelhop.fit import (
+    RunFit,
+    Workshop,
+    find_start,
+    fit,
+    initial_model,
+    update,
+    vehicle_parameters,
+)
 from wheelhop.vehicle import Vehicle, read_vehicle
 
 NOISE = 0.1
@@ -178,6 +186,11 @@ def test_a_fit_that_begins_at_an_unstable_vehicle_leaves_infinitely_much(noise_f
     )
     assert fitted.error == np.inf
     assert fitted.evidence == -np.inf
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_residual_too_large_to_square_is_infinitely_much():
+    assert RunFit(None, (), np.full(4, 1e200), None).rss == np.inf
 
 
 def apart(fitted, other):

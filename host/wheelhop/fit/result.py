@@ -55,7 +55,8 @@ class RunFit:
     @property
     def rss(self) -> float:
         """Σ residual²."""
-        return float(self.residual @ self.residual)
+        with np.errstate(over="ignore"):  # a model that runs away leaves infinitely much
+            return float(self.residual @ self.residual)
 
     @property
     def freedom(self) -> float:
