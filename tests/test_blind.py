@@ -178,10 +178,17 @@ def test_answers_are_stored_and_counted_again(tmp_path):
     assert read_answers(file, [crashed]) == ({crashed.name: outcomes[1]}, set())
 
 
-def test_the_published_answers_give_the_published_table(tmp_path, capsys):
+@pytest.mark.parametrize(
+    "table, rounds, kinds",
+    [
+        ("one-or-unknown", "2", ["clear", "weak", "outside", "without"]),
+        ("faint-and-none", "14", ["faint", "none"]),
+    ],
+)
+def test_the_published_answers_give_the_published_table(table, rounds, kinds, tmp_path, capsys):
     published = Path(__file__).parents[1] / "benchmarks" / "blind" / "published"
-    asked = ["--seeds", "published", "--rounds", "14", "--kinds", "faint", "none", "--short"]
-    answers = ["--answers", str(published / "faint-and-none.csv"), "--work", str(tmp_path)]
+    asked = ["--seeds", "published", "--rounds", rounds, "--kinds", *kinds, "--short"]
+    answers = ["--answers", str(published / f"{table}.csv"), "--work", str(tmp_path)]
     assert main(["table", *asked, *answers]) == 0
     printed = capsys.readouterr().out
-    assert printed.startswith((published / "faint-and-none.txt").read_text())
+    assert printed.startswith((published / f"{table}.txt").read_text())
