@@ -100,7 +100,7 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
             return f"explains part: {change}, but {chosen.id} reaches {best}"
         less = chosen.rung.evidence - candidate.rung.evidence
         if less < 0.0:
-            return f"{change}, but of all runs {chosen.id} leaves less"
+            return f"{change}, but {chosen.id} leaves less of the runs"
         return f"{change}, but all runs speak for {chosen.id}: log evidence {less:.0f} more"
     return f"{change}, p = {candidate.p:.1g}"
 
