@@ -8,6 +8,7 @@ from math import inf, isfinite
 
 import numpy as np
 
+from wheelhop.diagnose.judge import nearly_all
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, Variant, with_variant
@@ -16,14 +17,16 @@ from wheelhop.fit import Bench, Fit, Free, Workshop, effect_parameters, fit, see
 from wheelhop.simulate import Model
 
 
-def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
+def confirm(
+    workshop: Workshop, base: Rung, screened: Screened, beside: Sequence[Rung] = ()
+) -> Rung:
     """Fit the model of `base` with the screened effect added.
 
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
     ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
     screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere;
-    the best one counts. A switch that
-    makes things worse has changed the derivatives, too: only a full fit does it justice.
+    the best one counts. A switch that makes things worse has changed the derivatives, too: only a
+    full fit does it justice. It gets none where one of the models `beside` it explains nearly all.
     """
     benches = workshop.of_role("fit")
     best: Fit | None = None
@@ -40,7 +43,8 @@ def confirm(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
             break
     assert best is not None
     rough = validate(workshop, best, base.update)
-    if best.rss > base.fit.rss and all(p.switch for p in screened.variant.amplitudes):
+    worse = best.rss > base.fit.rss and all(p.switch for p in screened.variant.amplitudes)
+    if worse and not any(nearly_all(base, rung, workshop.noise) for rung in beside):
         return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.rss)
     return rough
 

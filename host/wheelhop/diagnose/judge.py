@@ -27,6 +27,9 @@ SIGNIFICANT = 0.05
 WHITE = 1.1
 """A residual whose mean square is within this factor of the noise's is taken for noise."""
 
+NEARLY_ALL = 0.9
+"""What explains this share of the power above the noise leaves little for anything else."""
+
 AGREED = 0.01
 """No evidence makes up for leaving this share more of the runs than another model does."""
 
@@ -124,6 +127,12 @@ def excess(rung: Rung, noise: float) -> float:
 def above_noise(fit: Fit, noise: float) -> float:
     """The same of the runs of a fit."""
     return fit.charged / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
+
+
+def nearly_all(base: Rung, rung: Rung, noise: float) -> bool:
+    """Whether a rung explains nearly all that a base leaves above the noise; not if that is not
+    known."""
+    return noise > 0.0 and excess(rung, noise) <= (1.0 - NEARLY_ALL) * excess(base, noise)
 
 
 def lead(rung: Rung, rival: Rung) -> float:

@@ -128,10 +128,11 @@ def _confirm_best(
     """Full simulation of the most promising effects, the best first."""
     workshop, rung = incumbent.workshop, incumbent.rung
     chosen = worth_simulating(workshop, rung, screened)
-    found = []
+    found: list[Candidate] = []
     for i, item in enumerate(chosen):
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
-        found.append(_judged(incumbent, item, confirm(workshop, rung, item), len(screened)))
+        confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])
+        found.append(_judged(incumbent, item, confirmed, len(screened)))
     return _best_first(found, workshop.noise)
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm import confirm, refit
-from wheelhop.diagnose.judge import at_noise, excess, holds_against, log_odds
+from wheelhop.diagnose.judge import at_noise, holds_against, log_odds, nearly_all
 from wheelhop.diagnose.look import Candidate, Look, contradicted
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.rung import Rung
@@ -30,10 +30,6 @@ FIRSTS = 5
 
 PAIRS = 3
 """So many pairs, the most promising ones, are simulated in full."""
-
-NEARLY_ALL = 0.9
-"""A pair must explain this share of the power above the noise: two wrong effects together explain
-more by chance than one does. More than two must explain all of it."""
 
 
 class _Group(NamedTuple):
@@ -123,11 +119,13 @@ def _fitted(workshop: Workshop, found: list[_Group], progress: Progress) -> _Gro
 
 
 def _holds(workshop: Workshop, base: Rung, group: _Group, odds: float, tried: int) -> bool:
+    """Two wrong effects together explain more by chance than one does: a pair must explain nearly
+    all, more than two all of it."""
     rung, noise = group.rung, workshop.noise
     if len(group.members) > 2:
         enough = at_noise(rung, noise)
     else:
-        enough = excess(rung, noise) <= (1.0 - NEARLY_ALL) * excess(base, noise)
+        enough = noise == 0.0 or nearly_all(base, rung, noise)
     return (
         enough
         and holds_against(base, rung, odds, tried, noise)
