@@ -8,7 +8,7 @@ from dataclasses import replace
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import confirm, refit, without
-from wheelhop.diagnose.diagnosis import Diagnosis
+from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.exchange import Stand, exchange
 from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds, noticeable
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
@@ -69,7 +69,7 @@ def climb(
     """The diagnosis, from a fitted baseline on."""
     workshop, rung = base.workshop, base.rung
     steps = [step_of(workshop, rung)]
-    look = _look(workshop, rung, effects, progress)
+    look = _look(workshop, steps[0], effects, progress)
     first = origin = look
     alone = look.chosen is not None
     shorter: Mapping[str, Rung] = {}
@@ -101,19 +101,23 @@ def climb(
         step = step_of(workshop, rung)
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
-        look = _look(workshop, rung, effects, progress)
+        look = _look(workshop, step, effects, progress)
     return conclude(workshop, steps, first, look, stands, list(effects.values()))
 
 
 def _look(
-    workshop: Workshop, rung: Rung, effects: Mapping[str, Effect], progress: Progress
+    workshop: Workshop, step: Step, effects: Mapping[str, Effect], progress: Progress
 ) -> Look:
     """Screen what is not in the model yet, simulate the best in full, choose one or none."""
+    rung = step.rung
+    done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
+    if done and not step.above_floor:
+        return Look(rung, (), (), None)
     present = {effect.id for effect in rung.model.effects}
     left = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening {len(left)} effects")
     screened = screen(workshop, rung.fit, left)
-    if rung.model.effects and not noticeable(rung, workshop.noise):
+    if done:  # what is left has to be described, not explained
         return Look(rung, tuple(screened), (), None)
     incumbent = Incumbent(workshop, rung)
     candidates = _confirm_best(incumbent, screened, progress)
