@@ -14,7 +14,7 @@ from benchmarks.blind import without
 from benchmarks.blind.__main__ import main
 from benchmarks.blind.answers import read_answers, write_answers
 from benchmarks.blind.outside import OUTSIDE
-from benchmarks.blind.plan import EFFECTS, FIRST_SEED, plan
+from benchmarks.blind.plan import EFFECTS, FIRST_SEED, KINDS, plan
 from benchmarks.blind.recipes import RECIPES
 from benchmarks.blind.score import Outcome
 from benchmarks.blind.statistics import rates, reliability, wilson
@@ -181,7 +181,7 @@ def test_answers_are_stored_and_counted_again(tmp_path):
 @pytest.mark.parametrize(
     "table, rounds, kinds",
     [
-        ("one-or-unknown", "2", ["clear", "weak", "outside", "without"]),
+        ("all-kinds", "15", list(KINDS)),
         ("faint-and-none", "14", ["faint", "none"]),
     ],
 )
