@@ -3,8 +3,8 @@
 Every campaign hides one effect at clear strength (`tests/diagnose/cases.py`, or what is named of
 them) and is made by MuJoCo, one thread, in a process of its own; so is each diagnosis, on all
 processors, import included and compiled code cached. What a machine is worth drops out of the
-ratio: processor seconds of the diagnosis, which simulates the campaign many times, over those of making
-it once.
+ratio: processor seconds of the diagnosis, which simulates the campaign many times, over those of
+making it once.
 """
 
 from __future__ import annotations
