@@ -17,7 +17,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.timing import DIAGNOSE, measure
-from tests.diagnose.cases import CASES
+from tests.diagnose.cases import CASES as TESTED
+from tests.diagnose.cases import Case
+
+CASES = {**TESTED, "backlash": Case({"backlash": {"gap_m": 0.001}})}
+"""MuJoCo takes minutes for backlash: too long for the tests."""
 
 MAKE = "from tests.truth import make_campaign"
 MADE = "make_campaign({folder!r}, seed={seed}, effects={hidden!r})"

@@ -25,8 +25,10 @@ def confirm(
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
     ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
     screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere;
-    the best one counts. A switch that makes things worse has changed the derivatives, too: only a
-    full fit does it justice. It gets none where one of the models `beside` it explains nearly all.
+    the best one counts. What is free in every run may begin far along the track from where the base
+    was, and a switch changes everything at once: where these make things worse, the derivatives
+    have changed, and only a full fit does them justice. A switch gets none where one of the models
+    `beside` it explains nearly all.
     """
     benches = workshop.of_role("fit")
     best: Fit | None = None
@@ -37,6 +39,8 @@ def confirm(
         if 0 < len(amplitudes) < len(free):
             model = fit(workshop, model, [*base.fit.shared, *amplitudes], benches, base.fit).model
         found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit)
+        if found.rss > base.fit.rss and not screened.variant.parameters:
+            found = fit(workshop, found.model, found.shared, benches)
         if best is None or found.evidence > best.evidence:
             best = found
         if best.error < ASTRAY * screened.error and _believable(best, free):
