@@ -27,10 +27,11 @@ def confirm(
     screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere;
     the best one counts. What is free in every run may begin far along the track from where the base
     was, and a switch changes everything at once: where these make things worse, the derivatives
-    have changed, and only a full fit does them justice. A switch gets none where one of the models
-    `beside` it explains nearly all.
+    have changed, and only a full fit does them justice. They get none where one of the models
+    `beside` them explains nearly all.
     """
     benches = workshop.of_role("fit")
+    settled = any(nearly_all(base, rung, workshop.noise) for rung in beside)
     best: Fit | None = None
     for model in _starts(workshop, base, screened)[: len(SHARES)]:
         free = effect_parameters(workshop.campaign, model, model.effects[-1])
@@ -39,7 +40,7 @@ def confirm(
         if 0 < len(amplitudes) < len(free):
             model = fit(workshop, model, [*base.fit.shared, *amplitudes], benches, base.fit).model
         found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit)
-        if found.rss > base.fit.rss and not screened.variant.parameters:
+        if found.rss > base.fit.rss and not screened.variant.parameters and not settled:
             found = fit(workshop, found.model, found.shared, benches)
         if best is None or found.evidence > best.evidence:
             best = found
@@ -48,7 +49,7 @@ def confirm(
     assert best is not None
     rough = validate(workshop, best, base.update)
     worse = best.rss > base.fit.rss and all(p.switch for p in screened.variant.amplitudes)
-    if worse and not any(nearly_all(base, rung, workshop.noise) for rung in beside):
+    if worse and not settled:
         return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.rss)
     return rough
 
