@@ -35,6 +35,11 @@ def arguments(files, order, **more):
     return Namespace(**defaults | given | more)
 
 
+def examined(*recordings, **more):
+    defaults = {"recordings": list(recordings), "figure": None, "json": None, "checklist": False}
+    return Namespace(**defaults | more)
+
+
 def test_sync_check_passes_what_is_in_step(files, capsys):
     assert sync_check.run(arguments(files, "palindrome", json=files / "out.json")) == 0
     assert "in step" in capsys.readouterr().out
@@ -62,8 +67,7 @@ def test_a_figure_that_cannot_be_written_is_one_line(files, name):
     with pytest.raises(InputError, match="sync"):
         sync_check.run(arguments(files, "plain", figure=files / name))
     with pytest.raises(InputError, match="sync"):
-        one = Namespace(recordings=[files / "plain.csv"], figure=files / name, json=None)
-        health.run(one)
+        health.run(examined(files / "plain.csv", figure=files / name))
 
 
 def test_what_is_refused_names_the_files(files):
@@ -75,8 +79,7 @@ def test_what_is_refused_names_the_files(files):
 
 def test_figures_are_written(files):
     sync_check.run(arguments(files, "plain", figure=files / "sync.png"))
-    one = Namespace(recordings=[files / "plain.csv"], figure=files / "health.png", json=None)
-    health.run(one)
+    health.run(examined(files / "plain.csv", figure=files / "health.png"))
     assert all((files / name).stat().st_size > 10_000 for name in ("sync.png", "health.png"))
 
 
@@ -87,15 +90,14 @@ def test_health_tells_good_from_bad(files, capsys):
     values[500:900, 1] = values[500, 1]
     bad = files / "bad.csv"
     write(replace(recording, values=values), bad)
-    both = Namespace(recordings=[good, bad], figure=None, json=files / "health.json")
-    assert health.run(both) == 1
+    assert health.run(examined(good, bad, json=files / "health.json")) == 1
     out = capsys.readouterr().out
     assert "palindrome.csv: nothing found" in out and "without change for 4 s" in out
     result = json.loads((files / "health.json").read_text(encoding="utf-8"))
     assert result[str(good)]["healthy"] and not result[str(bad)]["healthy"]
     assert result[str(bad)]["findings"][0]["channels"] == ["A1"]
     assert np.isfinite(result[str(bad)]["findings"][0]["strength"])
-    assert health.run(Namespace(recordings=[good], figure=None, json=None)) == 0
+    assert health.run(examined(good)) == 0
 
 
 def test_these_modules_do_not_load_the_plotting():

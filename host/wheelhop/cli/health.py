@@ -4,8 +4,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
+from wheelhop.calibration.health.checklist import PASS, check_commissioning
 from wheelhop.calibration.health.examine import Health, examine, examine_relations
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
@@ -16,16 +18,25 @@ from wheelhop.logger.recording import Recording
 UNHEALTHY = 1
 PICTURES = (".png", ".svg", ".pdf")
 STYLE = {"certain": "bold red", "likely": "red", "possible": "yellow"}
+VERDICT_STYLE = {"pass": "green", "fail": "bold red", "open": "yellow"}
 TOGETHER = "all together"
 
 
 def run(arguments: Namespace) -> int:
-    """Examine each recording, and all together; the exit status is 1 if anything is found."""
+    """Examine each recording, and all together; the exit status is 1 if anything is found.
+
+    With `checklist`, go through the steps of commissioning instead: 1 if one has not passed.
+    """
+    for option in ("figure", "checklist"):
+        if getattr(arguments, option) and len(arguments.recordings) > 1:
+            raise LoggerError(f"--{option}: is for one recording, give only one")
+    if arguments.figure and arguments.checklist:
+        raise LoggerError("--figure: not together with --checklist, run health twice")
     if arguments.figure is not None:
         check_figure(arguments.figure)
-        if len(arguments.recordings) > 1:
-            raise LoggerError("--figure: shows one recording, give only one")
     console = open_console()
+    if arguments.checklist:
+        return _go_through_checklist(console, arguments)
     recordings = [read(file) for file in arguments.recordings]
     reports: dict[str, Health] = {}
     if len(recordings) == 1:
@@ -42,6 +53,25 @@ def run(arguments: Namespace) -> int:
     if arguments.json is not None:
         write_json(arguments.json, {name: as_json(health) for name, health in reports.items()})
     return 0 if all(health.healthy for health in reports.values()) else UNHEALTHY
+
+
+def _go_through_checklist(console: Console, arguments: Namespace) -> int:
+    file = arguments.recordings[0]
+    recording = read(file)
+    try:
+        checks = check_commissioning(recording)
+    except LoggerError as error:
+        raise LoggerError(f"{file}: {error}") from None
+    passed = all(check.verdict == PASS for check in checks)
+    for check in checks:
+        verdict = f"[{VERDICT_STYLE[check.verdict]}]{check.verdict}[/]"
+        console.print(f"{check.step:<10}{verdict}  {escape(check.seen)}")
+        for remedy in check.remedies:
+            console.print(f"{'':<16}→ {escape(remedy)}")
+    console.print(f"{file}: {'ready to drive' if passed else 'not ready yet'}")
+    if arguments.json is not None:
+        write_json(arguments.json, {"passed": passed, "checks": [vars(check) for check in checks]})
+    return 0 if passed else UNHEALTHY
 
 
 def check_figure(file: Path) -> None:

@@ -200,6 +200,9 @@ def _make_checks(commands: "argparse._SubParsersAction[_Parser]") -> None:
     health.add_argument(
         "recordings", metavar="RECORDING", nargs="+", type=Path, help=".hop, .csv, .mf4 …"
     )
+    health.add_argument(
+        "--checklist", action="store_true", help="the session of firmware/BUILD.md, step by step"
+    )
     sync = commands.add_parser("sync-check", help="check on a beam that channels are in step")
     sync.add_argument("recording", metavar="SESSION", type=Path, help="recording of a driven beam")
     sync.add_argument("beam", metavar="BEAM.toml", type=Path, help="the beam, its drive, sensors")
