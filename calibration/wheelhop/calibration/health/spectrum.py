@@ -80,8 +80,11 @@ def _hum(
 
 
 def _harmonic(line_hz: float, driven_hz: float, step_hz: float, rate_hz: float) -> bool:
-    """Is a line a multiple of the strongest one, which is known to half a `step_hz`?"""
-    if driven_hz < SLOW_HZ:
+    """Is a line a multiple of the strongest one, which is known to half a `step_hz`?
+
+    No line is a multiple of itself, though sampling may fold one of its multiples onto it.
+    """
+    if driven_hz < SLOW_HZ or abs(driven_hz - line_hz) <= step_hz:
         return False
     return any(
         abs(folded(n * driven_hz, rate_hz) - line_hz) <= (1 + n / 2) * step_hz
