@@ -1,12 +1,20 @@
 """A vehicle at rest whose corners are struck one after the other, and what the logger makes of it.
 
 The vehicle is a rigid body on four corners with axles on tyres, written down here by itself.
+
+    python -m tests.calibration.strikes 300
+
+prints how many of so many vehicles the checklist judges rightly, one of them with two plugs
+exchanged and a sensor upside down in turn with one that is as it should be.
 """
+
+import sys
 
 import numpy as np
 from scipy.linalg import expm
 from scipy.signal import lfilter
 
+from wheelhop.calibration.health.checklist import check_commissioning
 from wheelhop.logger.recording import CODE, Channel, Recording
 
 POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
@@ -78,3 +86,28 @@ def struck(seed, *, channels=range(8), rate_hz=100, notes=NOTES, **how):
     means += 0.05 * np.random.default_rng(seed).normal(size=means.shape)
     names = tuple(Channel(point, CODE) for point in POINTS)
     return Recording(np.round(8 * means) / 8, float(rate_hz), names, notes=notes)
+
+
+def main(vehicles: int) -> None:
+    """Judge, count and print."""
+    verdicts = {}
+    for seed in range(vehicles):
+        channels, inverted = list(range(8)), ()
+        if seed % 2:
+            one, other, third = np.random.default_rng(seed).choice(8, 3, replace=False)
+            channels[one], channels[other], inverted = other, one, (third,)
+        *_, places, upright = check_commissioning(
+            struck(seed, channels=channels, inverted=inverted)
+        )
+        felt = " ".join(POINTS[k] for k in np.argsort(channels))
+        seen = "open" if places.verdict == "open" else f"felt by {felt} (" in places.seen
+        rose = [f"{POINTS[channels.index(k)]} rose" in "".join(upright.remedies) for k in inverted]
+        way_up = all(rose) if inverted else upright.verdict == "pass"
+        kind = "faulty" if seed % 2 else "good"
+        verdicts[kind, seen, way_up] = verdicts.get((kind, seen, way_up), 0) + 1
+    for (kind, seen, way_up), count in sorted(verdicts.items(), key=str):
+        print(f"{kind}: {count} with places {seen}, polarity {way_up}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

@@ -22,7 +22,7 @@ PASS, FAIL, OPEN = "pass", "fail", "open"
 REST_S = 10.0  # hands off, before the first strike
 REST_LEFT_S = 6.0  # of it, at least: what is needed to tell hum
 QUIET_CODES = 1.0  # rms at rest: sensor, converter and rounding together make 0.4
-SURE = 1.5  # product of the right pairing over the next best one's
+SURE = 1.3  # product of the right pairing over the next best one's
 AT_REST = {"level", "clipping", "drift", "hum"}
 
 
