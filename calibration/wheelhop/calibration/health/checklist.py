@@ -40,11 +40,13 @@ class Check:
 def check_commissioning(recording: Recording) -> tuple[Check, ...]:
     """Go through the steps that a session tells.
 
-    Raises LoggerError if it is not as the logger recorded it: m/s² no longer say what the
-    converter saw.
+    Raises LoggerError if it is empty, or not as the logger recorded it: m/s² no longer say what
+    the converter saw.
     """
     if any(channel.unit != CODE for channel in recording.channels) or not recording.notes:
         raise LoggerError("the checklist needs the logger's own file, HOP?????.HOP")
+    if not recording.channels or recording.missing.all():
+        raise LoggerError("no scan in it: there is nothing to check")
     findings = list(recorder_findings(recording))
     taps = find_taps(recording, len(recording.channels))
     return (

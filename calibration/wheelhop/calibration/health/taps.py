@@ -23,6 +23,7 @@ APART_S = 1.0  # what is nearer than this belongs to the same strike
 FELT_S = 0.05  # before and after its strongest sample
 BEFORE_S = 0.4  # mean over which is taken for rest
 CLEAR = 2.0  # the weakest strike over the strongest of what else happened
+MOST_SURE = 1e6
 FAINT = 0.5  # codes summed; below, rounding decides
 
 Array = NDArray[np.float64]
@@ -41,15 +42,15 @@ class Taps:
 
     def pairing(self) -> tuple[NDArray[np.int64], float]:
         """(k,) the channel of each strike, k = n_channels, and how many times larger its product
-        is than the next best pairing's."""
+        is than the next best pairing's, a million at most."""
         size = np.log(np.maximum(np.abs(self.felt), FAINT))
         best, total = _assign(size)
         runners_up = []
         for strike, channel in enumerate(best):
             without = size.copy()
-            without[strike, channel] = -1e9
+            without[strike, channel] = -100.0
             runners_up.append(_assign(without)[1])
-        return best, float(np.exp(min(total - max(runners_up), 700.0)))
+        return best, float(min(np.exp(total - max(runners_up)), MOST_SURE))
 
 
 def find_taps(recording: Recording, count: int) -> Taps | int:
