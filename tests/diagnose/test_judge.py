@@ -35,7 +35,7 @@ def rung(signals, own=2):
         residual = BAND.coefficients(signal).ravel()
         run = SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0)
         bench = SimpleNamespace(run=run, band=BAND, size=residual.size)
-        runs.append(RunFit(bench, (None,) * own, residual, None))
+        runs.append(RunFit(bench, (None,) * own, residual, None, np.ones(len(residual))))
     held_out = Fit(None, (), tuple(runs), np.zeros((0, 0)), 1.0, 0.0, 0.0)
     return Rung(None, held_out)
 

@@ -23,7 +23,7 @@ class Angles:
 
     def __init__(self, base: Fit, screened: Sequence[Screened]) -> None:
         weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
-        stack = np.vstack([run.shared_jacobian for run in base.runs])
+        stack = np.vstack([run.weighed[:, : run.derivatives.shared] for run in base.runs])
         inner = np.linalg.pinv(stack.T @ stack + np.diag(weight), hermitian=True)
         self._parts: dict[str, list[Array]] = {}
         for item in screened:
@@ -33,7 +33,7 @@ class Angles:
             parts = [item.signatures[run.bench.run.id] @ strength for run in base.runs]
             absorbed = inner @ (stack.T @ np.concatenate(parts))
             self._parts[item.variant.effect.id] = [
-                part - run.shared_jacobian @ absorbed
+                part - run.weighed[:, : run.derivatives.shared] @ absorbed
                 for part, run in zip(parts, base.runs, strict=True)
             ]
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from math import inf, isfinite
 
 import numpy as np
 
 from wheelhop.diagnose.judge import nearly_all
-from wheelhop.diagnose.probe import FitProbe
+from wheelhop.diagnose.placement import begun, placed_anew
 from wheelhop.diagnose.rung import Rung
-from wheelhop.diagnose.screen import Screened, Variant, with_variant
+from wheelhop.diagnose.screen import Screened, with_variant
 from wheelhop.diagnose.validate import validate
-from wheelhop.fit import Bench, Fit, Free, Workshop, effect_parameters, fit, seek_again
+from wheelhop.fit import Bench, Fit, Free, Workshop, effect_parameters, fit
 from wheelhop.simulate import Model
 
 
@@ -25,10 +24,9 @@ def confirm(
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
     ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
     screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere;
-    the best one counts. What is free in every run may begin far along the track from where the base
-    was, and a switch changes everything at once: where these make things worse, the derivatives
-    have changed, and only a full fit does them justice. They get none where one of the models
-    `beside` them explains nearly all.
+    the best one counts. A switch changes everything at once: where it makes things worse, the
+    derivatives have changed, and only a full fit does it justice. It gets none where one of the
+    models `beside` it explains nearly all.
     """
     benches = workshop.of_role("fit")
     settled = any(nearly_all(base, rung, workshop.noise) for rung in beside)
@@ -40,17 +38,15 @@ def confirm(
         if 0 < len(amplitudes) < len(free):
             model = fit(workshop, model, [*base.fit.shared, *amplitudes], benches, base.fit).model
         found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit)
-        if found.rss > base.fit.rss and not screened.variant.parameters and not settled:
-            found = fit(workshop, found.model, found.shared, benches)
         if best is None or found.evidence > best.evidence:
             best = found
         if best.error < ASTRAY * screened.error and _believable(best, free):
             break
     assert best is not None
     rough = validate(workshop, best, base.update)
-    worse = best.rss > base.fit.rss and all(p.switch for p in screened.variant.amplitudes)
+    worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
     if worse and not settled:
-        return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.rss)
+        return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.cost)
     return rough
 
 
@@ -63,20 +59,8 @@ def _believable(found: Fit, free: Sequence[Free]) -> bool:
 def refit(workshop: Workshop, rung: Rung) -> Rung:
     """Fit all parameters of a rung again, with all derivatives following the model; runs that stay
     far above the others are placed on their track anew."""
-    model = _placed_anew(workshop, rung)
+    model = placed_anew(workshop, rung)
     return validate(workshop, fit(workshop, model, rung.fit.shared, workshop.of_role("fit")))
-
-
-def _placed_anew(workshop: Workshop, rung: Rung) -> Model:
-    model = rung.model
-    systems = workshop.systems(model)
-    fits = [*rung.fit.runs, *(rung.validation.runs if rung.validation is not None else ())]
-    level = min(run.rss / run.bench.size for run in fits)
-    lost = [run.bench for run in fits if run.rss / run.bench.size > MISPLACED * level]
-    found = workshop.each(lambda bench: seek_again(workshop.campaign, bench, model, systems), lost)
-    for bench, start in zip(lost, found, strict=True):
-        model = model.with_run(bench.run.id, start)
-    return model
 
 
 def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = False) -> Rung:
@@ -101,29 +85,24 @@ FAR = 3.0
 """And so has one that ends so many standard deviations from what is believed of the effect's
 numbers: a gap that is never used up fits from any width above one that is."""
 
-MISPLACED = 2.0
-"""A run this many times above the quietest one, in mean square, may be misplaced on its track."""
-
 
 def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[Model]:
     """The models where the fit of an effect may begin: the likeliest variants, each as it fits best
     at some share of what screening expects, the vehicle as it is or moved along; then more shares
     of the likeliest."""
-    benches = list(workshop.benches.values())
-    probe = FitProbe(workshop, base.model, benches)
-    effect = screened.variant.effect
-    starts = workshop.each(lambda b: effect.run_start(probe, b.simulator.setting), benches)
-    runs = {bench.run.id: start for bench, start in zip(benches, starts, strict=True)}
     by_variant = []
     for item in (screened, *screened.others):
-        models = list(_starts_of(base, item, replace(item.variant, runs=runs)))
-        order = np.argsort(_misfits(workshop, models), kind="stable")
+        models = list(_starts_of(workshop, base, item))
+        order = np.argsort(_misfits(workshop, base, models), kind="stable")
         by_variant.append([models[i] for i in order])
     return [*(models[0] for models in by_variant), *by_variant[0][1:]]
 
 
-def _starts_of(base: Rung, screened: Screened, variant: Variant) -> Iterator[Model]:
+def _starts_of(workshop: Workshop, base: Rung, screened: Screened) -> Iterator[Model]:
+    variant = screened.variant
     shares = SHARES if any(not p.switch for p in variant.amplitudes) else SHARES[:1]
+    absent = with_variant(base.model, variant, {})
+    begins = begun(workshop, base.model, absent, variant.effect)
     for share in shares:
         amplitudes = {}
         for p in variant.amplitudes:
@@ -131,7 +110,7 @@ def _starts_of(base: Rung, screened: Screened, variant: Variant) -> Iterator[Mod
             least = SMALLEST_START * p.scale
             away = away if abs(away) > least else least
             amplitudes[p.name] = min(max(p.absent + away, p.lower), p.upper)
-        model = with_variant(base.model, variant, amplitudes)
+        model = begins.with_values({f"{variant.effect.id}.{k}": v for k, v in amplitudes.items()})
         yield model
         along = {
             f.name: min(max(model.values[f.name] + share * d, f.lower), f.upper)
@@ -142,14 +121,14 @@ def _starts_of(base: Rung, screened: Screened, variant: Variant) -> Iterator[Mod
             yield model.with_values(along)
 
 
-def _misfits(workshop: Workshop, models: Sequence[Model]) -> list[float]:
-    """Σ residual² over the runs fitted, of each model."""
+def _misfits(workshop: Workshop, base: Rung, models: Sequence[Model]) -> list[float]:
+    """−2 ln p of what each model leaves of the runs fitted."""
     trials = [(model, workshop.systems(model)) for model in models]
 
     def of_run(bench: Bench) -> list[float]:
         measured = bench.measured[:, bench.predicted].ravel()
         residuals = [measured - bench.coefficients(record) for record in bench.records(trials)]
-        return [float(residual @ residual) for residual in residuals]
+        return [bench.cost(residual, base.fit.sigma) for residual in residuals]
 
     total = np.sum(workshop.each(of_run, workshop.of_role("fit")), axis=0)
     return [float(t) if isfinite(t) else inf for t in total]

@@ -38,6 +38,10 @@ class Ranked:
     reason: str  #: why it was accepted or not, in one line
 
 
+EXACT = 0.003
+"""Models of machines are exact to about this share of the signal: what is left beyond the noise is
+held against a model only if it is more."""
+
 UNLIKELY = 0.05
 """What noise leaves with less than this chance is said to be more than noise."""
 
@@ -65,9 +69,9 @@ class Step:
 
     @property
     def above_floor(self) -> bool:
-        """Whether that is more than the floor and the simulation are uncertain by."""
-        tolerated = 1.0 + 2.0 * self.comparison.floor.tolerance
-        return self.over_floor**2 > tolerated**2 + self.rung.inexact
+        """Whether that is more than the floor is uncertain by and such models are exact to."""
+        tolerated = self.floor * (1.0 + 2.0 * self.comparison.floor.tolerance)
+        return self.rung.error_judging**2 > tolerated**2 + EXACT**2
 
 
 @dataclass(frozen=True)

@@ -143,7 +143,8 @@ def lead(rung: Rung, rival: Rung) -> float:
     exact; this does not.
     """
     size = rung.fit.size + rung.judging.size
-    return (_left(rival) - _left(rung)) / (size * rung.fit.sigma**2)
+    level = max(rung.fit.sigma**2, rung.fit.rss / rung.fit.size)
+    return (_left(rival) - _left(rung)) / (size * level)
 
 
 def _left(rung: Rung) -> float:

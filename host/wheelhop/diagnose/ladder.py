@@ -80,11 +80,11 @@ def climb(
         if better is None and len(rung.model.effects) > 1:
             exchanged = exchange(workshop, rung, shorter, effects, progress)
             stands, better = exchanged.stands, exchanged.rung
-        if better is None and room > 1 and not at_noise(rung, workshop.noise):
+        if better is None and room > 1 and steps[-1].above_floor:
             look = look_for_several(workshop, look, effects, room, progress)
             first = origin = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
-        if better is None and alone and not at_noise(rung, workshop.noise):
+        if better is None and alone and steps[-1].above_floor:
             # The first may have been taken for what only several explain: it takes a place.
             alone = False
             anew = look_for_several(workshop, first, effects, max_effects, progress)

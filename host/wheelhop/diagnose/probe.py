@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from wheelhop.campaign import Channel, RigRun
 from wheelhop.effects import RunSetting
-from wheelhop.fit import Bench, Workshop
+from wheelhop.fit import Bench, Workshop, find_start
 from wheelhop.simulate import Model
 from wheelhop.simulate.run import slow_part
 from wheelhop.vehicle import COMPONENT, CORNERS, axle_name
@@ -25,6 +25,7 @@ class FitProbe:
         self._model = model
         self._benches = {bench.run.id: bench for bench in benches}
         self._systems = workshop.systems(model)
+        self._campaign = workshop.campaign
         self._channels = workshop.campaign.channels
         self._lowest_hz = workshop.campaign.band_hz[0]
 
@@ -70,6 +71,18 @@ class FitProbe:
         ]
         records = bench.records([(model, self._systems) for model in moved])
         return [bench.band.signal(np.where(bench.predicted, r, 0.0)) for r in records]
+
+    def placed(self, run_id: str, channels: Collection[int]) -> Mapping[str, float]:
+        """Speed and start at which the linear model agrees best with some of the channels."""
+        bench = self._benches[run_id]
+        if bench.drive != "road" or not channels:
+            return {}
+        system = self._systems[bench.drive]
+        return find_start(self._campaign, bench.run, self._model, system, channels)
+
+    def period_m(self, run_id: str) -> float | None:
+        """Length after which the run's track repeats; None if it does not, or is not known."""
+        return self._benches[run_id].simulator.period_m
 
     def way_m(self, run_id: str) -> Array:
         """The way (n, 4), m, each wheel has come along the track."""

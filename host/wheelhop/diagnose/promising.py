@@ -28,10 +28,8 @@ def worth_simulating(
 
     Effects that even by screening could take nothing material out of the residual are left alone.
     """
-    noise = rung.fit.size * workshop.noise**2
-    promising = [
-        s for s in screened if s.score > 0 and s.gain * rung.fit.sigma**2 > MATERIAL / 4 * noise
-    ]
+    least = MATERIAL / 4 * rung.fit.size
+    promising = [s for s in screened if s.score > 0 and s.gain > least]
     enough = reach * promising[0].gain if promising else 0.0
     chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= enough]
     surprising = unforeseen(rung, workshop.noise)

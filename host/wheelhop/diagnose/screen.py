@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.screen_heights import screen_heights
 from wheelhop.effects import Effect, Parameter
-from wheelhop.fit import Fit, Move, RunFit, Workshop, effect_run_parameters, moves
+from wheelhop.fit import Fit, Move, RunFit, Trial, Workshop, effect_run_parameters, moves
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Drive, System
 
@@ -49,7 +49,6 @@ class Variant:
     choice: str
     shapes: Mapping[str, float]
     parameters: tuple[Parameter, ...]
-    runs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def amplitudes(self) -> tuple[Parameter, ...]:
@@ -107,10 +106,7 @@ def with_variant(model: Model, variant: Variant, amplitudes: Mapping[str, float]
     """The model with the effect added in this variant at the given amplitudes."""
     effect = variant.effect
     values = {f"{effect.id}.{k}": v for k, v in {**variant.shapes, **amplitudes}.items()}
-    model = model.with_effect(effect, variant.parameters).with_values(values)
-    for run_id, own in variant.runs.items():
-        model = model.with_run(run_id, {f"{effect.id}.{k}": v for k, v in own.items()})
-    return model
+    return model.with_effect(effect, variant.parameters).with_values(values)
 
 
 @dataclass(frozen=True)
@@ -201,7 +197,15 @@ class _Table:
     gain: float  # what the run's own parameters gain by themselves
     freedom: int  # how many of them the effect brought
     price: float  # of these: the logarithm of prior over posterior volume, twice
-    signatures: Array  # (size, a)
+    signatures: Array  # (size, a), per spread
+    back: Array  # (n, g + a + 1): own parameters per step of the others, and by themselves
+    plain: Array  # (n + g + a + 1, …): products of all columns and the residual, not per spread
+
+    def left(self, x: Array) -> float:
+        """Σ residual² (not per spread) after a step of shared parameters and amplitudes."""
+        own = self.back[:, -1] - self.back[:, :-1] @ x
+        step = np.concatenate([-own, -x, [1.0]])
+        return float(step @ self.plain @ step)
 
 
 def _run_tables(
@@ -209,12 +213,14 @@ def _run_tables(
 ) -> list[_Table]:
     """Tables of all variants for one run; products of the baseline's columns are formed once."""
     known = np.hstack([run.own_jacobian, run.shared_jacobian, run.residual[:, None]])
-    # The residual is free of heights already.
-    free = np.hstack([run.freed(known[:, :-1]), run.residual[:, None]])
-    products = known.T @ free
-    products[-1] = products[:, -1]
-    columns = _columns(run, base.model, systems, prepared)
-    return [_run_table(run, base, c, free, products) for c in columns]
+    spread = run.spread[:, None]
+    plain, weighed = _Known.of(run, known), _Known.of(run, known / spread)
+    found = []
+    for c in _columns(run, base.model, systems, prepared):
+        products = plain.with_columns(run, c)
+        per_spread = _Columns(c.amplitudes / spread, c.own / spread)
+        found.append(_run_table(run, base, per_spread, weighed, products))
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,23 +232,44 @@ class _Columns:
     own: Array
 
 
-def _run_table(
-    run: RunFit, base: Fit, signatures: _Columns, free: Array, products: Array
-) -> _Table:
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """A run's columns free of heights, own, shared and residual (size, r + g + 1), and the products
+    of them."""
+
+    free: Array
+    products: Array
+
+    @classmethod
+    def of(cls, run: RunFit, columns: Array) -> _Known:
+        # The residual is free of heights already.
+        free = np.hstack([run.freed(columns[:, :-1]), columns[:, -1:]])
+        products = columns.T @ free
+        products[-1] = products[:, -1]
+        return cls(free, products)
+
+    def with_columns(self, run: RunFit, more: _Columns) -> Array:
+        """Products of all columns in the order: own, effect's own, shared, amplitudes, residual."""
+        added = np.hstack([more.own, more.amplitudes])
+        across, among = self.free.T @ added, added.T @ run.freed(added)
+        r, q, known = len(run.own), more.own.shape[1], len(self.products)
+        order = [*range(r), *range(known, known + q), *range(r, known - 1)]
+        order += [*range(known + q, known + added.shape[1]), known - 1]
+        whole = np.block([[self.products, across], [across.T, among]])
+        return np.asarray(whole[np.ix_(order, order)])
+
+
+def _run_table(run: RunFit, base: Fit, signatures: _Columns, known: _Known, plain: Array) -> _Table:
+    """The table of a variant from its signatures per spread; `plain`: products not per spread."""
     columns, own_columns = signatures.amplitudes, signatures.own
-    added = np.hstack([own_columns, columns])
-    across, among = free.T @ added, added.T @ run.freed(added)
-    r, q, g, a = len(run.own), own_columns.shape[1], len(base.shared), columns.shape[1]
-    # Order of the whole: own, effect's own | shared, amplitudes | residual.
-    order = [*range(r), *range(r + g + 1, r + g + 1 + q), *range(r, r + g)]
-    order += [*range(r + g + 1 + q, r + g + 1 + q + a), r + g]
-    whole = np.block([[products, across], [across.T, among]])[np.ix_(order, order)]
+    whole = known.with_columns(run, signatures)
+    r, q, g = len(run.own), own_columns.shape[1], len(base.shared)
     n = r + q
     prior = np.array([(f.scale / f.sigma) ** 2 for f in run.own] + [1.0] * q) * base.sigma**2
     inner = whole[:n, :n] + np.diag(prior + 1e-9 * (base.sigma**2 + prior))
     back = np.linalg.solve(inner, whole[:n, n:])
     rest = whole[n:, n:] - whole[n:, :n] @ back
-    nuisance = np.hstack([run.own_jacobian, own_columns])
+    nuisance = np.hstack([run.weighed[:, g:], own_columns])
     return _Table(
         rest[:-1, :-1],
         rest[:-1, -1],
@@ -250,6 +277,8 @@ def _run_table(
         q,
         _log_det(inner) - _log_det(inner[:r, :r]) - q * float(np.log(base.sigma**2)),
         columns - nuisance @ back[:, g:-1],
+        np.asarray(back),
+        plain,
     )
 
 
@@ -262,7 +291,7 @@ def _columns(
 ) -> list[_Columns]:
     """The signatures of all variants in one run, simulated together."""
     bench, size = run.bench, len(run.residual)
-    trials, own_moves = [(model, systems)], list[list[Move]]()
+    trials, own_moves = list[Trial](), list[list[Move]]()
     for item in prepared:
         own_moves.append([])
         if _acts(run, item.variant) and not _is_restored(item.variant):
@@ -270,8 +299,7 @@ def _columns(
             own = effect_run_parameters(bench.simulator.setting, item.variant.effect)
             own_moves[-1] = moves(bench, item.absent, own, lambda f: OWN_STRENGTH * f.scale)
             trials += [(move.model, item.absent_systems) for move in own_moves[-1]]
-    record, *others = bench.records(trials)
-    changes = (other - record for other in others)
+    changes = iter(bench.changes((model, systems), trials))
     found = []
     for item, moved in zip(prepared, own_moves, strict=True):
         columns = [np.zeros(size) for _ in item.models]
@@ -319,7 +347,7 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
     matrix[:g, :g] += np.diag(weight + 1e-9 * (base.sigma**2 + weight))
     own_gain = sum(t.gain for t in tables)
     amplitudes = {p.name: p.absent for p in variant.amplitudes}
-    gain, along = -np.inf, dict[str, float]()
+    gain, along, rss = -np.inf, dict[str, float](), base.rss
     if np.isfinite(matrix).all():  # else the simulation ran away: not at this strength
         # A signature these runs hardly show must not call for an absurd amplitude.
         most = ABSURD * np.array([p.scale for p in variant.amplitudes])
@@ -329,8 +357,8 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
             p.name: p.absent + float(d) for p, d in zip(variant.amplitudes, x[g:], strict=True)
         }
         along = {f.name: f.scale * float(d) for f, d in zip(base.shared, x[:g], strict=True)}
+        rss = max(sum(table.left(x) for table in tables), 0.0)
     gain = (gain + own_gain) / base.sigma**2
-    rss = max(base.rss - gain * base.sigma**2, 0.0)
     energy = sum(run.bench.energy for run in base.runs)
     numbers = sum(not p.switch for p in variant.amplitudes) + len(variant.shapes)
     return Screened(

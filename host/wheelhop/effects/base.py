@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar, Literal, NamedTuple, Protocol
@@ -96,6 +96,13 @@ class Probe(Protocol):
     def all_modelled(self, run_id: str, trials: Sequence[Values]) -> Sequence[Array]:
         """The same for several such changes, at much less cost than one after the other."""
 
+    def placed(self, run_id: str, channels: Collection[int]) -> Values:
+        """Speed ("speed_m_s") and start ("start_m") at which the model without the effect agrees
+        best with some of the channels; empty where it does not drive."""
+
+    def period_m(self, run_id: str) -> float | None:
+        """Length after which the run's track repeats; None if it does not, or is not known."""
+
     def way_m(self, run_id: str) -> Array:
         """The way (n, 4), m, each wheel has come along the track, the effect left out."""
 
@@ -177,9 +184,10 @@ class Effect:
         """Shape parameters to screen, from the data; empty: every parameter's own starts."""
         return ()
 
-    def run_start(self, probe: Probe, run: RunSetting) -> Values:
-        """Where the fit of what one run leaves free may begin, from the data; empty: absent."""
-        return {}
+    def run_starts(self, probe: Probe, run: RunSetting) -> Sequence[Values]:
+        """Where the fit of what one run leaves free may begin, from the data: the best of them
+        counts; an empty one: absent. Speed and start of the run itself may be among the values."""
+        return ({},)
 
     def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Numbers that stand for what is left free per run, for people to read."""

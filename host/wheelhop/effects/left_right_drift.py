@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -77,9 +77,31 @@ class LeftRightDrift(Effect):
                 rates.append((lead[0][1] - lead[0][0]) / driven)
         return {"relative_rate": float(np.sqrt(np.mean(np.square(rates))))} if rates else {}
 
-    def run_start(self, probe: Probe, run: RunSetting) -> Values:
-        """Follow the phase of either side along the track."""
+    def run_starts(self, probe: Probe, run: RunSetting) -> Sequence[Values]:
+        """Follow the phase of either side along the track; or place either side on it by itself,
+        where the sides are so far apart that one speed is true of neither."""
         if not run.on_road or run.speed_m_s <= 0:
-            return {}
+            return ({},)
+        history = History(run, self._knot_s)
         (time, left), (_, right) = (shift_along(probe, run, side) for side in SIDES)
-        return History(run, self._knot_s).through(time, left - right)
+        followed = history.through(time, left - right)
+        placed = [probe.placed(run.run_id, _axles(probe.channels, side)) for side in SIDES]
+        if not all(placed):
+            return (followed,)
+        (left_v, left_x), (right_v, right_x) = ((p["speed_m_s"], p["start_m"]) for p in placed)
+        middle = time.mean()
+        apart = left_x - right_x + (left_v - right_v) * middle
+        period = probe.period_m(run.run_id)
+        if period is not None:  # whole waves cannot be told
+            apart -= period * round(apart / period)
+        lead = apart + (left_v - right_v) * (time - middle)
+        speed = 0.5 * (left_v + right_v)
+        start = right_x + right_v * middle + 0.5 * apart - speed * middle
+        own = {"speed_m_s": speed, "start_m": start}
+        return followed, own | history.through(time, lead)
+
+
+def _axles(channels: Sequence[Channel], corners: Collection[int]) -> list[int]:
+    """The channels at the axles of these corners, or at the body where there are none."""
+    at = [i for i, c in enumerate(channels) if c.corner in corners]
+    return [i for i in at if channels[i].is_axle] or at

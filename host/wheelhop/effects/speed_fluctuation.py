@@ -73,8 +73,8 @@ class SpeedFluctuation(Effect):
         rms = float(np.sqrt(np.mean(shares)))
         return {"rms_fraction": rms, "peak_fraction": float(np.mean(peaks))}
 
-    def run_start(self, probe: Probe, run: RunSetting) -> Values:
+    def run_starts(self, probe: Probe, run: RunSetting) -> Sequence[Values]:
         """Follow the phase of all channels along the track."""
         if not run.on_road or run.speed_m_s <= 0:
-            return {}
-        return History(run, self._knot_s).through(*shift_along(probe, run))
+            return ({},)
+        return (History(run, self._knot_s).through(*shift_along(probe, run)),)

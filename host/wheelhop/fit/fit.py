@@ -1,8 +1,9 @@
 """Least squares over a campaign, with what each run leaves free eliminated run by run.
 
 The cost is Σ (measured − model)² / σ² over in-band coefficients + Σ ((p − mean)/sigma)² over the
-parameters with a prior. σ is the noise of one coefficient, or the residual's own size as long as
-that is larger: a model that is wrong must not outvote what is believed of the vehicle.
+parameters with a prior, as long as the model leaves no more than the sensors' noise σ; what it
+leaves more counts by its logarithm, channel by channel of every run (`spread.py`): a model that is
+wrong somewhere must not outvote the rest, nor what is believed of the vehicle.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from wheelhop.fit.heights import Heights
 from wheelhop.fit.moves import moves
 from wheelhop.fit.parameters import Free, run_parameters
 from wheelhop.fit.result import Derivatives, Fit, RunFit
-from wheelhop.fit.workshop import Bench, Workshop
+from wheelhop.fit.workshop import Bench, Trial, Workshop
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
@@ -57,8 +58,28 @@ def fit(
     faster, and a fit that ends a little above the minimum.
     """
     belief = Belief.of(shared)
-    problem = _Problem(workshop, belief, tuple(benches), known, density_free=bool(shared))
-    return _solved(problem, model, progress)
+    if shared or len(benches) < 2 or model.random_heights is not None:
+        problem = _Problem(workshop, belief, tuple(benches), known, density_free=bool(shared))
+        return _solved(problem, model, progress)
+    # Runs that share nothing are fitted each by itself: one that is lost keeps no other waiting.
+    return _together(workshop.each(lambda bench: fit(workshop, model, (), [bench], known), benches))
+
+
+def _together(parts: Sequence[Fit]) -> Fit:
+    """One fit of what fits to single runs have found."""
+    model = parts[0].model
+    for part in parts[1:]:
+        run_id = part.runs[0].bench.run.id
+        model = model.with_run(run_id, part.model.runs[run_id])
+    size = sum(part.size for part in parts)
+    return replace(
+        parts[0],
+        model=model,
+        runs=tuple(run for part in parts for run in part.runs),
+        sigma=float(np.sqrt(sum(part.sigma**2 * part.size for part in parts) / size)),
+        cost=sum(part.cost for part in parts),
+        log_volume=sum(part.log_volume for part in parts),
+    )
 
 
 def update(
@@ -102,8 +123,8 @@ def _solved(problem: _Problem, model: Model, progress: Callable[[str], None] | N
 @dataclass(frozen=True, eq=False)
 class _Normal:
     """Normal equations of one run about the current values, per `Free.scale`, heights eliminated:
-    blocks of JᵀRJ/σ² and gradient, the run's own priors included; the heights' step and how much
-    less they move per step of the shared and own parameters."""
+    blocks of JᵀRJ/σ² and gradient, each datum by its spread, the run's own priors included; the
+    heights' step and how much less they move per step of the shared and own parameters."""
 
     shared: Array  # (g, g)
     mixed: Array  # (g, r)
@@ -159,7 +180,7 @@ class _Problem:
             held = {} if old is None else {f.name: i for i, f in enumerate(old.own)}
             g, free = len(self.shared), (*self.shared, *own)
             matrix = np.empty((bench.size, len(free)))
-            trials, places, new = [(model, systems)], list[int](), list[int]()
+            trials, places, new = list[Trial](), list[int](), list[int]()
             for i, one in enumerate(free):
                 if i < g and old is not None and one.name in self.column:
                     matrix[:, i] = old.shared_jacobian[:, self.column[one.name]]
@@ -172,22 +193,22 @@ class _Problem:
                     new.append(i)
             together = moves(bench, model, [free[i] for i in new], lambda f: f.step * f.scale)
             trials += [(move.model, systems) for move in together]
-            record, *others = bench.records(trials)
-            for i, other in zip(places, others, strict=False):
-                matrix[:, i] = bench.coefficients(other - record) / free[i].step
-            for move, other in zip(together, others[len(places) :], strict=True):
-                for k, part in move.parts(bench, other - record):
+            changes = bench.changes((model, systems), trials)
+            for i, change in zip(places, changes, strict=False):
+                matrix[:, i] = bench.coefficients(change) / free[i].step
+            for move, change in zip(together, changes[len(places) :], strict=True):
+                for k, part in move.parts(bench, change):
                     matrix[:, new[k]] = part / free[new[k]].step
             matrix[:, ~np.isfinite(matrix).all(axis=0)] = 0.0  # where this way lies no stable model
-            base = bench.coefficients(record)
-            residual = bench.measured[:, bench.predicted].ravel() - base
+            residual = bench.residual(model, systems)
             residual[~np.isfinite(residual)] = np.inf
             heights = None
             if model.random_heights is not None and bench.simulator.series is not None:
                 ground = Ground(bench, model, systems[bench.drive])
                 level = model.heights[bench.run.id].ravel()
                 heights = Heights(ground, level, np.zeros(len(level)), 1.0)
-            return RunFit(bench, own, residual, Derivatives(matrix, g), heights)
+            even = np.ones(bench.size)
+            return RunFit(bench, own, residual, Derivatives(matrix, g), even, heights)
 
         runs = tuple(self.workshop.each(linearise_run, self.benches))
         state = Fit(model, self.shared, runs, self.belief.precision, 1.0, 0.0, 0.0)
@@ -195,12 +216,17 @@ class _Problem:
 
     def weighted(self, state: Fit) -> Fit:
         """The state with the noise, the density of unknown heights and the cost that follow from
-        its residuals."""
+        its residuals. Unknown heights take up what a model is wrong by, and are told from noise
+        that is white."""
         given = sum(len(run.own) for run in state.runs) + len(self.shared)
         noise = Noise(state.rss, state.size - given, self.workshop.noise)
         effect = state.model.random_heights
         if effect is None or all(run.heights is None for run in state.runs):
-            return self._costed(replace(state, sigma=noise.sigma))
+            sigma = self.workshop.noise or noise.sigma
+            runs = tuple(
+                replace(run, spread=run.bench.spread(run.residual, sigma)) for run in state.runs
+            )
+            return self._costed(replace(state, runs=runs, sigma=sigma))
         channels = self.workshop.campaign.channels
         free = self.density_free
         parameters = effect.parameters_for(state.model.values, channels) if free else ()
@@ -215,8 +241,11 @@ class _Problem:
         return self._costed(replace(state, model=model, runs=runs, sigma=noise.sigma))
 
     def _costed(self, state: Fit) -> Fit:
-        prior = self._prior(state.model, state.runs)
-        return replace(state, cost=state.rss / state.sigma**2 + prior)
+        if any(run.heights is not None for run in state.runs):
+            likelihood = state.rss / state.sigma**2
+        else:
+            likelihood = sum(r.bench.cost(r.residual, state.sigma) for r in state.runs)
+        return replace(state, cost=likelihood + self._prior(state.model, state.runs))
 
     def stepped(self, state: Fit, damping: float) -> Fit:
         """The state after a damped Gauss–Newton step: residuals and cost (at the same noise) are
@@ -228,9 +257,7 @@ class _Problem:
             replace(run, residual=residual, heights=_heights_in(run, model))
             for run, residual in zip(state.runs, residuals, strict=True)
         )
-        rss = sum(run.rss for run in runs)
-        cost = rss / state.sigma**2 + self._prior(model, runs)
-        return replace(state, model=model, runs=runs, cost=cost)
+        return self._costed(replace(state, model=model, runs=runs))
 
     def concluded(self, state: Fit) -> Fit:
         """The state with precision and prior volume."""
@@ -270,8 +297,8 @@ class _Problem:
 
     def _normal(self, run: RunFit, state: Fit) -> _Normal:
         g, weight = len(self.shared), state.sigma**-2
-        square = run.derivatives.square * weight
-        slope = run.derivatives.matrix.T @ run.residual * weight
+        square = run.weighed.T @ run.weighed * weight
+        slope = run.weighed.T @ run.surprise * weight
         belief = Belief.of(run.own)
         heights = None
         if run.heights is not None:

@@ -25,21 +25,18 @@ class Derivatives:
     matrix: Array
     shared: int
 
-    @cached_property
-    def square(self) -> Array:
-        """JᵀJ (g + r, g + r)."""
-        return self.matrix.T @ self.matrix
-
 
 @dataclass(frozen=True, eq=False)
 class RunFit:
-    """One run at the solution: its own parameters, residual (size,) and derivatives; and the
-    unknown heights of its ground, if an effect adds any."""
+    """One run at the solution: its own parameters, residual (size,) and derivatives; the `spread`
+    (size,) of the residual per the sensors' noise; and the unknown heights of its ground, if an
+    effect adds any."""
 
     bench: Bench
     own: tuple[Free, ...]
     residual: Array
     derivatives: Derivatives
+    spread: Array
     heights: Heights | None = None
 
     @property
@@ -51,6 +48,16 @@ class RunFit:
     def own_jacobian(self) -> Array:
         """Derivatives (size, r) with respect to the run's own parameters, per `Free.scale`."""
         return self.derivatives.matrix[:, self.derivatives.shared :]
+
+    @cached_property
+    def weighed(self) -> Array:
+        """Derivatives (size, g + r) per spread."""
+        return np.asarray(self.derivatives.matrix / self.spread[:, None])
+
+    @property
+    def surprise(self) -> Array:
+        """Residual (size,) per spread."""
+        return np.asarray(self.residual / self.spread)
 
     @property
     def rss(self) -> float:
@@ -83,7 +90,7 @@ class RunFit:
     def uncertainties(self, sigma: float) -> dict[str, float]:
         """Standard deviation of each of the run's own numbers, what runs share held fixed, where
         `sigma` is that of one in-band coefficient."""
-        columns = self.own_jacobian
+        columns = self.weighed[:, self.derivatives.shared :]
         prior = [max((f.scale * sigma / f.sigma) ** 2, 1e-12) for f in self.own]
         inverse = np.linalg.inv(columns.T @ self.freed(columns) + np.diag(prior))
         spread = sigma * np.sqrt(np.diag(inverse))
@@ -100,8 +107,9 @@ class Fit:
 
     ``precision`` (g, g) is that of the shared parameters, in the order of ``shared``, per
     `Free.scale`.
-    ``sigma`` is the standard deviation used for one in-band coefficient, ``log_volume`` half the
-    logarithm of prior over posterior precision of all parameters.
+    ``sigma`` is the standard deviation of the sensors' noise of one in-band coefficient, ``cost``
+    −2 × the logarithm of likelihood and prior, and ``log_volume`` half the logarithm of prior over
+    posterior precision of all parameters.
     """
 
     model: Model

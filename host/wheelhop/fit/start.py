@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -24,18 +25,28 @@ REACH = 0.12
 FEW_SPEEDS = 24
 
 
-def find_start(campaign: Campaign, run: Run, model: Model, system: System) -> dict[str, float]:
-    """Speed (m/s) and start (m) at which the linear model agrees best with a run.
+def find_start(
+    campaign: Campaign,
+    run: Run,
+    model: Model,
+    system: System,
+    channels: Collection[int] | None = None,
+) -> dict[str, float]:
+    """Speed (m/s) and start (m) at which the linear model agrees best with a run, or with some of
+    its channels.
 
     On a periodic track the start is found modulo the period.
     """
     if run.speed_m_s <= 0:
         return {}
+    predicted = np.asarray(~np.isnan(system.output).any(axis=1))
+    if channels is not None:
+        predicted = predicted & np.isin(np.arange(len(predicted)), list(channels))
     track = make_track(run.track)
     period = _wavelength(run, track.period_m)
     if period is not None:
-        return _match_harmonics(campaign, run, model, system, track, period)
-    return _match_shape(campaign, run, model, system, track)
+        return _match_harmonics(campaign, run, model, system, predicted, track, period)
+    return _match_shape(campaign, run, model, system, predicted, track)
 
 
 def seek_again(
@@ -103,7 +114,13 @@ def _envelopes(model: Model, track: Track, x: Array) -> Array:
 
 
 def _match_harmonics(
-    campaign: Campaign, run: Run, model: Model, system: System, track: Track, period: float
+    campaign: Campaign,
+    run: Run,
+    model: Model,
+    system: System,
+    predicted: NDArray[np.bool_],
+    track: Track,
+    period: float,
 ) -> dict[str, float]:
     speeds = _speeds(run, period)
     samples = 128
@@ -112,7 +129,6 @@ def _match_harmonics(
     match = np.zeros((len(speeds), len(phases)))
     taper = np.hanning(len(run.time_s))[:, None]
     measured = taper * (run.record - run.record.mean(axis=0)) * 2 / taper.sum()
-    predicted = ~np.isnan(system.output).any(axis=1)
     for k in (1, 2, 3):
         frequency = k * speeds / period
         inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
@@ -133,7 +149,12 @@ def _match_harmonics(
 
 
 def _match_shape(
-    campaign: Campaign, run: Run, model: Model, system: System, track: Track
+    campaign: Campaign,
+    run: Run,
+    model: Model,
+    system: System,
+    predicted: NDArray[np.bool_],
+    track: Track,
 ) -> dict[str, float]:
     """Cross-correlation of the record with the response to the whole track, for every speed."""
     duration = run.time_s[-1] - run.time_s[0]
@@ -142,7 +163,6 @@ def _match_shape(
     high = min(track.end_m, 2 * travelled) + model.values["geometry.wheelbase_m"] + 1.0
     x = np.linspace(low, high, int((high - low) / 0.01) + 1)
     profile = _envelopes(model, track, x)
-    predicted = ~np.isnan(system.output).any(axis=1)
     step = 1.0 / campaign.sample_rate_hz
     band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
     measured = band.signal(run.record[:, predicted])

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
+from wheelhop.fit.spread import cost, spread
 from wheelhop.simulate import Model, Response, Simulator, drive_of, make_simulator
 from wheelhop.vehicle import Drive, System
 
@@ -49,6 +50,15 @@ class Bench:
         """What moves the model in this run."""
         return self.simulator.drive
 
+    def spread(self, residual: Array, sigma: float) -> Array:
+        """Standard deviation of every datum (size,) of a residual per that of the sensors' noise,
+        σ."""
+        return np.tile(spread(residual.reshape(self.band.count, -1), sigma), self.band.count)
+
+    def cost(self, residual: Array, sigma: float) -> float:
+        """−2 ln p of a residual (size,)."""
+        return cost(residual.reshape(self.band.count, -1), sigma)
+
     @property
     def energy(self) -> float:
         """Σ y² of the predicted channels, in band."""
@@ -73,6 +83,12 @@ class Bench:
         """What several models say the instrument should have recorded (n, channels), at much less
         cost than one after the other."""
         return self.simulator.records([(model, s[self.drive]) for model, s in trials])
+
+    @RUNS_AWAY
+    def changes(self, base: Trial, trials: Sequence[Trial]) -> list[Array]:
+        """By how much the records (n, channels) of several models differ from that of `base`."""
+        first, *others = [(model, s[self.drive]) for model, s in (base, *trials)]
+        return self.simulator.changes(first, others)
 
     @RUNS_AWAY
     def coefficients(self, record: Array) -> Array:
@@ -122,7 +138,10 @@ class Workshop:
     def each(self, function: Callable[[S], T], items: Iterable[S]) -> list[T]:
         """`function` of every item, in parallel threads; the compiled integrator runs free of the
         interpreter's lock."""
-        return list(self._pool.map(function, items))
+        given = list(items)
+        if len(given) < 2:  # a thread that waits for another of the same pool could wait for ever
+            return [function(item) for item in given]
+        return list(self._pool.map(function, given))
 
     def responses(self, model: Model) -> list[Response]:
         """Responses of all runs, in the campaign's order."""

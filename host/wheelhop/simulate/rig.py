@@ -68,6 +68,13 @@ class RigSimulator:
         start = [own[name] for name in INITIAL]
         return self._displacement(system, self._stable(system, longest), start)[:, None]
 
+    def changes(
+        self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
+    ) -> list[Array]:
+        """By how much the records of several models differ from that of `base`."""
+        record = self.record(*base)
+        return [other - record for other in self.records(trials)]
+
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
         """The same for several models."""
         return [self.record(model, system) for model, system in trials]

@@ -120,11 +120,14 @@ class RunSimulator:
         waves = REACH * self.campaign.band_hz[1] * length / self.run.speed_m_s
         return HeightSeries(length, math.ceil(waves))
 
-    def _stride(self, model: Model) -> int:
-        """Integration steps per sample."""
-        if self._step_s is None:
-            self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
-        longest = min([self._step_s, *(effect.longest_step_s for effect in model.effects)])
+    def _stride(self, model: Model, path_step_s: float | None = None) -> int:
+        """Integration steps per sample; at most `path_step_s`, else what the wheel's path asks for,
+        and what the effects do."""
+        if path_step_s is None:
+            if self._step_s is None:
+                self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
+            path_step_s = self._step_s
+        longest = min([path_step_s, *(effect.longest_step_s for effect in model.effects)])
         return math.ceil(1.0 / (self.campaign.sample_rate_hz * longest) - 1e-9)
 
     def _kinked(self, model: Model) -> bool:
@@ -168,10 +171,30 @@ class RunSimulator:
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
         """The same for several models with their equations of motion; side by side, they cost
         little more than one."""
+        return self._integrated([(*trial, self._stride(trial[0])) for trial in trials])
+
+    def changes(
+        self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
+    ) -> list[Array]:
+        """By how much the records (n, n_channels) of several models differ from that of `base`.
+
+        Kinks of the path get no shorter steps here: what they spoil is nearly the same in both
+        records, and falls out of the difference.
+        """
+        strides = [self._stride(model, STEP_S) for model, _ in trials]
+        bases = {stride: i for i, stride in enumerate(sorted(set(strides)))}
+        steps = [(*base, stride) for stride in bases]
+        steps += [(*trial, stride) for trial, stride in zip(trials, strides, strict=True)]
+        records = self._integrated(steps)
+        others = zip(records[len(bases) :], strides, strict=True)
+        return [record - records[bases[stride]] for record, stride in others]
+
+    def _integrated(self, trials: Sequence[tuple[Model, System, int]]) -> list[Array]:
+        """Records of several models, each at so many steps per sample."""
         jobs, waiting = list[Job](), list[Job]()
         bases = {job.base: job for job in self._done}
-        for model, system in trials:
-            job = self._job(model, system, [*jobs[:1], *jobs[-1:], *self._done])
+        for model, system, stride in trials:
+            job = self._job(model, system, stride, [*jobs[:1], *jobs[-1:], *self._done])
             if job.acceleration is None and job not in waiting:
                 base = bases.setdefault(job.base, job)
                 if base is job or system.laws or self.drive == "axles":
@@ -187,7 +210,7 @@ class RunSimulator:
         self._integrate(waiting)
         # What only sensors or a force change is asked for next: about the first, or the last.
         self._done = [*jobs[:1], *jobs[-1:]] if self.drive == "road" else []
-        return [self._sensed_by(job, model) for job, (model, _) in zip(jobs, trials, strict=True)]
+        return [self._sensed_by(job, trial[0]) for job, trial in zip(jobs, trials, strict=True)]
 
     def _sensed_by(self, job: Job, model: Model) -> Array:
         """What the instrument makes of the true accelerations, at the run's samples."""
@@ -200,12 +223,11 @@ class RunSimulator:
         first, last = self._before, self._before + len(self.run.time_s) - 1
         return acceleration[first * per_sample : last * per_sample + 1 : per_sample]
 
-    def _job(self, model: Model, system: System, known: Sequence[Job]) -> Job:
+    def _job(self, model: Model, system: System, stride: int, known: Sequence[Job]) -> Job:
         """The job that a model asks for, or one of those `known` that does."""
-        stride = self._stride(model)
         # A sensor's faults act before its signal is sampled: on every step of the integration.
         per_sample = stride if any(e.place == "sensor" for e in model.effects) else 1
-        key = (per_sample, without_sensors(model, self.run.id))
+        key = (stride, per_sample, without_sensors(model, self.run.id))
         same = next((job for job in known if job.key == key), None)
         if same is not None and self.drive == "road":
             return same

@@ -55,6 +55,11 @@ class Simulator(Protocol):
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[NDArray[np.float64]]:
         """The same for several models, each with its equations of motion."""
 
+    def changes(
+        self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
+    ) -> list[NDArray[np.float64]]:
+        """By how much the records of several models differ from that of `base`, at less cost."""
+
 
 def drive_of(run: Run) -> Drive:
     """What moves the model in a run."""
