@@ -170,7 +170,7 @@ class _Problem:
                 lambda x: self._error_of(np.exp(x)),
                 corners[0],
                 method="Nelder-Mead",
-                options={"initial_simplex": corners, "xatol": 1e-7, "fatol": 1e-13},
+                options={"initial_simplex": corners, "xatol": 1e-5, "fatol": 1e-10},
             )
             shape = np.exp(found.x)
         return *self.solve(shape), shape

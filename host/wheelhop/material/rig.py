@@ -68,6 +68,7 @@ class AmplitudeEffect:
 class _Cycle:
     first: int
     last: int
+    phase: Array
     frequency_hz: float
     displacement: complex
     force: complex
@@ -148,7 +149,9 @@ def _cycles(time_s: Array, x: Array, force: Array) -> list[_Cycle]:
             moved = _harmonics(phase, x[first:last])
             pushed = _harmonics(phase, force[first:last])
             found.append(
-                _Cycle(int(first), int(last), 1 / (end - begin), moved[0], pushed[0], pushed[2])
+                _Cycle(
+                    int(first), int(last), phase, 1 / (end - begin), moved[0], pushed[0], pushed[2]
+                )
             )
     return found
 
@@ -202,8 +205,9 @@ def _point(cycles: Sequence[_Cycle], x: Array, force: Array) -> Point:
     ratios = np.array([c.force / c.displacement for c in cycles])
     spread = np.sqrt(0.5 * (np.abs(ratios - ratios.mean()) ** 2).sum() / (len(ratios) - 1))
     middle = cycles[len(cycles) // 2]
-    part = slice(middle.first, middle.last + 1)
-    loop = np.stack([x[part] - x[part].mean(), force[part] - force[part].mean()], axis=1)
+    part = slice(middle.first, middle.last)
+    phase = middle.phase + np.angle(middle.displacement)
+    loop = np.stack([x[part] - x[part].mean(), force[part] - force[part].mean(), phase], axis=1)
     return Point(
         float(np.mean([c.frequency_hz for c in cycles])),
         float(np.mean([abs(c.displacement) for c in cycles])),
