@@ -17,6 +17,7 @@ from wheelhop.vehicle import mounted, read_nominal
 EXAMPLES = Path(__file__).parents[2] / "examples/bushings"
 RATE_HZ = 256.0
 STIFFNESS, DAMPING = 20000.0, 1500.0
+NOISE_N = 5.0  # of some hundred newtons
 MOUNTS = 8.0  # a mount eight times as soft as the specimen
 CAMPAIGN = """
 format = 1
@@ -25,6 +26,7 @@ title = "strut on its mount"
 sample_rate_hz = 256.0
 band_hz = [0.5, 40.0]
 drive = "displacement"
+noise_rms_N = {noise}
 
 [component]
 mass_kg = 0.0
@@ -49,14 +51,14 @@ def make(folder, share, mount='mount = "specimen.toml"'):
     """Three runs of random motion within 0.5 to 40 Hz, the last held out."""
     (folder / "runs").mkdir(parents=True)
     shutil.copy(EXAMPLES / "bushing-2-specimen-1.toml", folder / "specimen.toml")
-    text = CAMPAIGN.format(mount=mount)
+    text = CAMPAIGN.format(mount=mount, noise=NOISE_N * np.sqrt((40.0 - 0.5) / (RATE_HZ / 2)))
     rng = np.random.default_rng(5)
     low_pass = signal.butter(4, [0.5, 40.0], "bandpass", fs=RATE_HZ, output="sos")
     for i, role in enumerate(("fit", "fit", "validate")):
         x = signal.sosfiltfilt(low_pass, rng.normal(0.0, 0.004, 2048))
         x *= signal.windows.tukey(len(x), 0.3)
         force = strut_force(x, share)
-        force += rng.normal(0.0, 0.015 * force.std(), len(x))
+        force += rng.normal(0.0, NOISE_N, len(x))
         rows = zip(np.arange(len(x)) / RATE_HZ, x, force, strict=True)
         lines = "\n".join(f"{t!r},{a!r},{f!r}" for t, a, f in (map(float, row) for row in rows))
         (folder / f"runs/{i}.csv").write_text(f"time_s,displacement_m,force_N\n{lines}\n")
