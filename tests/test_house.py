@@ -13,7 +13,8 @@ ROOT = Path(__file__).parents[1]
 PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_sim")]
 # A room may import itself and the rooms before it.
 ROOMS = (
-    *("files", "logger", "exchange", "calibration", "campaign", "track", "vehicle", "effects"),
+    *("files", "logger", "exchange", "calibration", "campaign", "track"),
+    *("material", "vehicle", "effects"),
     *("simulate", "compare", "fit", "diagnose", "hil_sim", "report", "cli"),
 )
 LONGEST_FILE = 400  # lines

@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
-from wheelhop.effects.mount_bushing import in_series
+from wheelhop.effects.mount_bushing import in_series, relaxing
+from wheelhop.material import Elements
+from wheelhop.material.series import in_series as on_elements
 from wheelhop.vehicle import baseline
 from wheelhop.vehicle.full_car import body_inertia
 
@@ -116,3 +118,40 @@ def test_a_left_right_difference_couples_heave_to_roll(axle):
     assert added[0, 2] == pytest.approx(0.1 * k * ATV["geometry.track_width_m"])
     other = slice(5, 7) if axle == "front" else slice(3, 5)
     assert not added[other].any()
+
+
+SPECIMEN = Elements(4e4, 30.0, np.array([1e4, 2e4, 1e4]), np.array([0.3, 0.02, 0.002]))
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-6, 0.01, 1.0, 30.0])
+def test_a_strut_on_elements_is_the_series_of_both(share):
+    """D = S M/(M + share S) at every frequency, from the modes; all of them decay."""
+    omega = 2 * np.pi * np.geomspace(0.05, 200.0, 50)
+    modes = on_elements(K, C, SPECIMEN, share)
+    lag = modes.gains_N_m / (1 + 1j * omega[:, None] / modes.rates_1_s)
+    found = modes.stiffness_N_m + 1j * omega * modes.damping_N_s_m + lag.sum(axis=1)
+    strut, mount = K + 1j * omega * C, SPECIMEN.modulus(omega)
+    assert np.allclose(found, strut * mount / (mount + share * strut), rtol=1e-9)
+    assert (modes.rates_1_s > 0).all()
+
+
+@pytest.mark.parametrize("frequency", [1.0, 6.0, 25.0])
+@pytest.mark.parametrize("rate", [0.5, 30.0, 5e3])
+def test_a_relaxing_force_is_exact_along_a_parabola_and_right_at_every_frequency(frequency, rate):
+    omega, step = 2 * np.pi * frequency, 0.00125
+    time = np.arange(0.0, 8 / frequency + 10 / rate, step)
+    path, speed = np.cos(omega * time), -omega * np.sin(omega * time)
+    p = np.array([300.0, rate, 20.0, 3.0, 0.0, 0.0])
+    force, memory = np.zeros(len(time)), 0.0
+    for i in range(1, len(time)):
+        force[i], memory = relaxing(path[i], speed[i], path[i] - path[i - 1], step, memory, p)
+    last = time > time[-1] - 2 / frequency
+    basis = np.column_stack([np.cos(omega * time), -np.sin(omega * time)])[last]
+    real, imaginary = np.linalg.lstsq(basis, force[last], rcond=None)[0]
+    expected = 300.0 / (1 + 1j * omega / rate) + 20.0 + 3j * omega
+    assert abs(complex(real, imaginary) - expected) < 2e-3 * abs(expected)
+    # Along x = t² from rest the memory is what the equation says.
+    t = 0.3
+    _, memory = relaxing(t**2, 2 * t, t**2, t, 0.0, p)
+    lag = 2 / rate * (t - (1 - np.exp(-rate * t)) / rate)
+    assert memory == pytest.approx(t**2 - lag, rel=1e-9)

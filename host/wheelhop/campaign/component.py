@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.common import Entry, band, check_entries, column, entry, frozen
+from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.types import (
     CampaignError,
@@ -42,6 +43,7 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
     noise_key = f"noise_rms_{channel.unit}"
     top.only((*TOP_KEYS, noise_key))
     rate = top.number("sample_rate_hz", above=0.0)
+    part = top.table("component")
     empty = ComponentCampaign(
         folder=folder,
         title=top.text("title"),
@@ -53,7 +55,8 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
         channels=(channel,),
         runs=(),
         drive=drive,
-        **_component(top.table("component")),
+        mount_file=file_inside(folder, part, "mount") if "mount" in part else None,
+        **_component(part),
     )
     entries = []
     for table in top.tables("run", "id"):
@@ -66,7 +69,7 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
 def _component(table: Table) -> dict[str, dict[str, float]]:
     """Nominal values and uncertainties by their keys."""
     stated = [f"{key}_uncertainty" for key in COMPONENT_KEYS]
-    table.only((*COMPONENT_KEYS, *stated, "relative_uncertainty"))
+    table.only((*COMPONENT_KEYS, *stated, "relative_uncertainty", "mount"))
     relative = table.number("relative_uncertainty", above=0.0)
     nominal = {key: table.number(key, at_least=0.0) for key in COMPONENT_KEYS}
     uncertainty = {

@@ -55,6 +55,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     convert.add_argument("--force", action="store_true", help="replace a file that exists")
     _make_import(commands.add_parser("import", help="read recordings of other recorders, into SI"))
+    _make_bushing(commands.add_parser("bushing", help="find the complex modulus of bushings"))
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
     commands.add_parser("version", help="print the version")
     return parser
@@ -232,6 +233,23 @@ def _make_import(command: argparse.ArgumentParser) -> None:
         "--draft", action="store_true", help="print a mapping made from the file's look"
     )
     command.add_argument("--force", action="store_true", help="replace files that exist")
+
+
+def _make_bushing(command: argparse.ArgumentParser) -> None:
+    actions = command.add_subparsers(dest="action", metavar="ACTION", required=True)
+    fit = actions.add_parser("fit", help="fit models to what a rig has measured")
+    fit.add_argument(
+        "data", metavar="DATA", nargs="+", type=Path, help="moduli or signals, or a folder of them"
+    )
+    fit.add_argument(
+        "--model",
+        metavar="MODEL",
+        action="append",
+        help="only this one, or these (default: all)",
+    )
+    fit.add_argument("--out", metavar="FOLDER", type=Path, help="write SPECIMEN.toml into it")
+    fit.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+    fit.add_argument("--report", metavar="FILE.html", type=Path, help="write a report")
 
 
 def _make_campaign(command: argparse.ArgumentParser) -> None:

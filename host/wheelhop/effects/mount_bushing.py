@@ -7,7 +7,9 @@ from math import exp, hypot, pi
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
-from wheelhop.vehicle import Assembly, Usual, ends, struts
+from wheelhop.material import Elements
+from wheelhop.material.series import in_series as on_elements
+from wheelhop.vehicle import Assembly, Usual, ends, mounted, struts
 
 TYPICAL_HZ = 8.0
 """Between the body's resonances and the wheels': there a mount half as soft as its strut shows."""
@@ -38,8 +40,25 @@ def in_series(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> t
     return -stiffness * u - damping * u_rate, z
 
 
+@law
+def relaxing(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """A force p[2] x + p[3] ẋ + p[0] z with ż = p[1] (x − z), solved exactly along the parabola
+    through x at both ends of the step and its rate at the end."""
+    gain, rate = p[0], p[1]
+    if dt > 0.0:
+        # What lags behind x: x − z obeys ẏ = ẋ − λ y.
+        decay = exp(-rate * dt)
+        zeroth = (1.0 - decay) / rate
+        first = (zeroth - dt * decay) / rate
+        bend = (v * dt - dx) / (dt * dt)
+        behind = decay * (x - dx - z) + v * zeroth - 2.0 * bend * first
+        z = x - behind
+    return p[2] * x + p[3] * v + gain * z, z
+
+
 class MountBushing(Effect):
-    """A spring and damper (Kelvin–Voigt) in series with every strut."""
+    """A mount in series with every strut: a spring and damper (Kelvin–Voigt), or, where the nominal
+    numbers have a specimen measured on a rig, that one."""
 
     id = "mount-bushing"
     place = "suspension"
@@ -52,7 +71,18 @@ class MountBushing(Effect):
     )
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
-        """Compliance per axle; the rubber's relaxation time."""
+        """Compliance per axle; the rubber's relaxation time, unless the specimen has it."""
+        if mounted(vehicle) is not None:
+            return [
+                Parameter(
+                    f"{end}_mounts",
+                    "1",
+                    f"compliance of the mount of {strut.name}, as a multiple of the specimen's",
+                    1.0,
+                    lower=0.0,
+                )
+                for end, strut in ends(vehicle).items()
+            ]
         return (
             *(
                 Parameter(
@@ -77,11 +107,29 @@ class MountBushing(Effect):
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Take away from each strut what its mount gives way."""
+        elements = mounted(vehicle)
+        if elements is not None:
+            _stand_on(elements, theta, vehicle, parts)
+            return
         for strut in struts(vehicle):
             compliance, tau = theta[f"{strut.end}_m_N"], theta["relaxation_s"]
             parts.add_law(
                 strut.row, in_series, (compliance, tau, strut.stiffness_N_m, strut.damping_N_s_m)
             )
+
+
+def _stand_on(elements: Elements, theta: Values, vehicle: Values, parts: Assembly) -> None:
+    """Put every strut on the specimen, so many times over."""
+    for strut in struts(vehicle):
+        share = theta[f"{strut.end}_mounts"]
+        series = on_elements(strut.stiffness_N_m, strut.damping_N_s_m, elements, share)
+        beside = (
+            series.stiffness_N_m - strut.stiffness_N_m,
+            series.damping_N_s_m - strut.damping_N_s_m,
+        )
+        for gain, rate in zip(series.gains_N_m, series.rates_1_s, strict=True):
+            parts.add_law(strut.row, relaxing, (float(gain), float(rate), *beside))
+            beside = (0.0, 0.0)
 
 
 def _rigidity(usual: Usual) -> float:

@@ -134,6 +134,13 @@ class Table:
         first, second = (self._as_number(key, item) for item in value)
         return first, second
 
+    def numbers(self, key: str) -> list[float]:
+        """A list of finite numbers under `key`."""
+        value = self._required(key, "a list of numbers")
+        if not isinstance(value, list):
+            raise self.error(f"{self.prefix}{key} must be a list of numbers, not {shown(value)}")
+        return [self._as_number(key, item) for item in value]
+
     def table(self, key: str, heading: str | None = None, prefix: str = "") -> "Table":
         """The table below `key`, which must be there."""
         value = self._required(key, "a table")

@@ -48,7 +48,7 @@ def ladder_figure(steps: Sequence[Step]) -> Figure:
             place: dict[str, Any] = {"xytext": (9, 5), "textcoords": "offset points"}
             axes.annotate(f"{significant(error, 2)} %", (i, error), **place)
         values = [value for value in (*errors, *fitted, floor) if value > 0]
-        _log_axis(axes, min(values) / 1.7, max(values) * (1.6 if several else 2.6))
+        log_axis(axes, min(values) / 1.7, max(values) * (1.6 if several else 2.6))
         _draw_floor(axes, floor)
         axes.set_ylabel("error E, %")
         before = [None, *steps[:-1]]
@@ -185,7 +185,7 @@ def _draw_bands(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("frequency, Hz")
     axes.set_ylabel("residual / noise floor")
-    _log_axis(axes, *_ratio_range([*before.band, *(after.band if after else ())]))
+    log_axis(axes, *_ratio_range([*before.band, *(after.band if after else ())]))
 
 
 def _draw_motions(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
@@ -203,7 +203,7 @@ def _draw_motions(axes: Axes, before: Breakdown, after: Breakdown | None) -> Non
     axes.tick_params(axis="y", length=0, colors=INK)
     axes.grid(axis="y", visible=False)
     axes.set_xlabel("residual / noise floor")
-    _log_axis(axes, *_ratio_range([*before.motion, *(after.motion if after else ())]), "x")
+    log_axis(axes, *_ratio_range([*before.motion, *(after.motion if after else ())]), "x")
 
 
 def _draw_locking(axes: Axes, before: Breakdown, after: Breakdown | None) -> None:
@@ -249,7 +249,7 @@ def _ratio_range(parts: Sequence[Slice]) -> tuple[float, float]:
     return min(0.7, float(ratios.min()) / 1.2), max(2.6, float(ratios.max()) * 1.3)
 
 
-def _log_axis(axes: Axes, low: float, high: float, which: str = "y") -> None:
+def log_axis(axes: Axes, low: float, high: float, which: str = "y") -> None:
     """A logarithmic axis with plain numbers: 0.5, 1, 2, 5, 10, …"""
     axis = axes.yaxis if which == "y" else axes.xaxis
     (axes.set_yscale if which == "y" else axes.set_xscale)("log")

@@ -17,6 +17,7 @@ from wheelhop.vehicle.full_car import (
     tyre,
 )
 from wheelhop.vehicle.motion import Motion
+from wheelhop.vehicle.mount import mounted
 from wheelhop.vehicle.nominal import read_nominal
 from wheelhop.vehicle.struts import COMPONENT, Strut, Usual, ends, pairs, struts
 from wheelhop.vehicle.vehicle import Vehicle, read_vehicle
@@ -44,6 +45,7 @@ __all__ = [
     "ends",
     "ground",
     "is_component",
+    "mounted",
     "pairs",
     "read_nominal",
     "read_vehicle",

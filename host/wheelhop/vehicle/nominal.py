@@ -8,6 +8,7 @@ from scipy import optimize
 
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, RigRun
 from wheelhop.vehicle.motion import Motion
+from wheelhop.vehicle.mount import mount_values
 from wheelhop.vehicle.vehicle import Vehicle, read_vehicle
 
 Array = NDArray[np.float64]
@@ -69,12 +70,17 @@ def _component(campaign: ComponentCampaign) -> Vehicle:
     if campaign.drive == "displacement":
         carried = value @ motion - np.concatenate([run.force for run in runs])
         rig["static_load_N"] = float(carried.mean())
+    mount = {} if campaign.mount_file is None else mount_values(campaign.mount_file)
     values = dict(zip(TERMS, value.tolist(), strict=True))
     spread = dict(zip(TERMS, uncertainty.tolist(), strict=True))
     return Vehicle(
         campaign.title,
-        {f"component.{k}": v for k, v in values.items()} | {f"rig.{k}": v for k, v in rig.items()},
-        {f"component.{k}": v for k, v in spread.items()} | {f"rig.{k}": 0.0 for k in rig},
+        {f"component.{k}": v for k, v in values.items()}
+        | {f"rig.{k}": v for k, v in rig.items()}
+        | mount,
+        {f"component.{k}": v for k, v in spread.items()}
+        | {f"rig.{k}": 0.0 for k in rig}
+        | dict.fromkeys(mount, 0.0),
     )
 
 

@@ -4,8 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table, read_toml
+from wheelhop.vehicle.mount import mount_values
 
 WHEEL = ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m", "radius_m")
 SUSPENSION = ("stiffness_N_m", "damping_N_s_m")
@@ -31,7 +33,8 @@ class Vehicle:
     """The numbers of a vehicle under flat dotted keys, "suspension.front.stiffness_N_m", in SI.
 
     `uncertainty` holds one standard deviation for every key of `values`, in the same unit. The
-    keys of [driver] and [engine] are there only if the file has these tables.
+    keys of [driver] and [engine] are there only if the file has these tables, those of "mount.…"
+    if it names a specimen: these are certain.
     """
 
     name: str
@@ -54,12 +57,15 @@ def read_vehicle(path: Path) -> Vehicle:
     The uncertainty of a value is its KEY_uncertainty if given, else `relative_uncertainty` times
     its magnitude, and for the position of driver and engine at least 0.02 m.
 
+    `mount` names a specimen's file beside it, the bushing that every strut may stand on.
+
     Raises `CampaignError` for unknown or missing keys, masses and lengths that are not positive,
     a centre of mass that is not between the axles, and a value without uncertainty.
     """
     top = read_toml(path, CampaignError)
     top.format()
-    top.only(("format", "name", "relative_uncertainty", *(name.split(".")[0] for name in TABLES)))
+    known = ("format", "name", "relative_uncertainty", "mount")
+    top.only((*known, *(name.split(".")[0] for name in TABLES)))
     name = top.text("name")
     relative = top.number("relative_uncertainty", above=0.0)
     if relative > 1.0:
@@ -75,6 +81,10 @@ def read_vehicle(path: Path) -> Vehicle:
             value = _value(table, key)
             values[f"{path_in_file}.{key}"] = value
             uncertainty[f"{path_in_file}.{key}"] = _uncertainty(table, key, value, relative)
+    if "mount" in top:
+        mount = mount_values(file_inside(path.parent, top, "mount"))
+        values |= mount
+        uncertainty |= dict.fromkeys(mount, 0.0)
     vehicle = Vehicle(name, values, uncertainty)
     _check_whole(top, vehicle)
     return vehicle
