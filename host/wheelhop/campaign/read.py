@@ -17,7 +17,7 @@ from wheelhop.campaign.types import (
     Run,
     TrackSpec,
 )
-from wheelhop.files import Table, did_you_mean, read_toml
+from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
@@ -44,7 +44,16 @@ def read_campaign(folder: str | Path) -> Campaign:
     if not folder.is_dir():
         what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
         raise CampaignError(f"{folder}: {what}")
-    top = read_toml(folder / "campaign.toml", CampaignError)
+    return _read(read_toml(folder / "campaign.toml", CampaignError), folder)
+
+
+def check_run(folder: Path, text: str, id_: str) -> None:
+    """Raise the `CampaignError` of `read_campaign` if `text` were campaign.toml in `folder`, as far
+    as that text and the recording of one run are at fault; the others are not read."""
+    _read(parse_toml(text, folder / "campaign.toml", CampaignError), folder, id_)
+
+
+def _read(top: Table, folder: Path, only: str | None = None) -> Campaign:
     top.format()
     if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
         return read_component(top, folder)
@@ -63,7 +72,7 @@ def read_campaign(folder: str | Path) -> Campaign:
     )
     drives = [_drive(run, folder) for run in top.tables("run", "id")]
     check_entries(top, drives)
-    return _with_recordings(empty, drives)
+    return _with_recordings(empty, [drive for drive in drives if only in (None, drive.id)])
 
 
 @dataclass(frozen=True)

@@ -38,10 +38,13 @@ def read_text(path: Path, kind: type[InputError] = InputError) -> str:
 
 def read_toml(path: Path, kind: type[InputError] = InputError) -> "Table":
     """Read a TOML file; an error of this `kind` passes on the parser's line and column."""
+    return parse_toml(read_text(path, kind), path, kind)
+
+
+def parse_toml(text: str, path: Path, kind: type[InputError] = InputError) -> "Table":
+    """The TOML file that `path` is, or is to become."""
     try:
-        return Table(tomllib.loads(read_text(path, kind)), path, kind=kind)
-    except InputError:
-        raise
+        return Table(tomllib.loads(text), path, kind=kind)
     except (ValueError, RecursionError) as error:
         raise kind(f"{path}: not valid TOML: {_one_line(error)}") from None
 
