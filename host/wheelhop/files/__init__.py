@@ -12,21 +12,26 @@ from wheelhop.files.keys import (
     similar_file,
 )
 from wheelhop.files.write import (
+    check_target,
     is_draft,
     locked,
+    made_folder,
     make_folder,
     quoted,
     remove,
     replacing,
+    sync_folder,
     write_text,
 )
 
 __all__ = [
     "InputError",
     "Table",
+    "check_target",
     "did_you_mean",
     "is_draft",
     "locked",
+    "made_folder",
     "make_folder",
     "parse_toml",
     "quoted",
@@ -36,5 +41,6 @@ __all__ = [
     "replacing",
     "shown",
     "similar_file",
+    "sync_folder",
     "write_text",
 ]

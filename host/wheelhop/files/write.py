@@ -48,11 +48,13 @@ def replacing(
     out of it. A device or a pipe is written as it is. Raises an error of this `kind` for whatever
     the disk refuses.
     """
+    target, kept = path, ""
     try:
-        target = _target(path, kind, within)
-        if target is None:
+        plain = check_target(path, kind, within)
+        if plain is None:
             yield path
             return
+        target, kept = plain, "; it is as it was before"
         draft = _new_draft(target)
         try:
             yield draft
@@ -60,15 +62,12 @@ def replacing(
         finally:
             with contextlib.suppress(OSError):
                 draft.unlink(missing_ok=True)
+    except BrokenPipeError:
+        raise
     except (OSError, RuntimeError) as error:  # RuntimeError: a loop of links
-        if isinstance(error, BrokenPipeError):
-            raise
         reason = getattr(error, "strerror", None) or error
-        raise kind(f"{path}: cannot be written: {reason}; it is as it was before") from None
-    try:
-        _sync_folder(target.parent)
-    except OSError as error:
-        raise kind(f"{path}: is written, but a power cut may undo that: {error.strerror}") from None
+        raise kind(f"{path}: cannot be written: {reason}{kept}") from None
+    sync_folder(target.parent)
 
 
 def remove(made: Sequence[Path]) -> None:
@@ -80,9 +79,26 @@ def remove(made: Sequence[Path]) -> None:
 
 def make_folder(folder: Path) -> list[Path]:
     """Make a folder and those above it; return those that were not there, parents first."""
-    missing = [f for f in (folder, *folder.parents) if not f.exists()]
-    folder.mkdir(parents=True, exist_ok=True)
-    return missing[::-1]
+    made: list[Path] = []
+    try:
+        for missing in [f for f in (folder, *folder.parents) if not f.exists()][::-1]:
+            missing.mkdir(exist_ok=True)
+            made.append(missing)
+    except OSError:
+        remove(made)
+        raise
+    return made
+
+
+@contextmanager
+def made_folder(folder: Path) -> Iterator[None]:
+    """A folder for the block to write into; if that fails, it goes again where it was not there."""
+    made = make_folder(folder)
+    try:
+        yield
+    except BaseException:
+        remove(made)
+        raise
 
 
 @contextmanager
@@ -114,8 +130,14 @@ def quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _target(path: Path, kind: type[InputError], within: Path | None) -> Path | None:
-    """The plain file to be replaced; None for what is written as it is."""
+def check_target(
+    path: Path, kind: type[InputError] = InputError, within: Path | None = None
+) -> Path | None:
+    """The plain file that `replacing` would replace; None for what is written as it is.
+
+    Raises an error of this `kind` for a folder, a file in a folder that is not there, a link out of
+    the folder `within`, and a file that is read-only.
+    """
     place = Path(os.path.abspath(path))
     try:
         mode = path.stat().st_mode
@@ -148,31 +170,28 @@ def _finish(draft: Path, target: Path) -> None:
         draft.chmod(stat.S_IMODE(target.stat().st_mode))
     file = os.open(draft, os.O_RDWR)
     try:
-        _sync(file)
+        os.fsync(file)
+    except OSError as error:
+        if error.errno not in CANNOT_SYNC:  # some file systems have nothing to bring to a disk
+            raise
     finally:
         os.close(file)
     os.replace(draft, target)
 
 
-def _sync(file: int) -> None:
-    try:
-        os.fsync(file)
-    except OSError as error:
-        if error.errno not in CANNOT_SYNC:  # some file systems have nothing to bring to a disk
-            raise
+def sync_folder(folder: Path) -> None:
+    """Bring to the disk which names the files in `folder` have, if the system can.
 
-
-def _sync_folder(folder: Path) -> None:
-    if sys.platform == "win32":  # renames are in NTFS's journal; a folder cannot be opened
-        return
-    try:
-        file = os.open(folder, os.O_RDONLY)
-    except PermissionError:  # a folder one may write into but not list
-        return
-    try:
-        _sync(file)
-    finally:
-        os.close(file)
+    What is in the files is safe by then, and the names are whole before and after: like SQLite, we
+    do not call a file unwritten because of them.
+    """
+    if sys.platform != "win32":  # there names are in NTFS's journal; a folder cannot be opened
+        with contextlib.suppress(OSError):
+            file = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(file)
+            finally:
+                os.close(file)
 
 
 if sys.platform == "win32":
