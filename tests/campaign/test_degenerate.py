@@ -25,7 +25,8 @@ def test_a_band_between_two_frequencies(band, tmp_path):
 
 def test_a_key_of_two_million_letters_is_not_echoed_whole(tmp_path):
     folder = write_campaign(tmp_path / "c")
-    edit(folder / "campaign.toml", "averaging_ms", "k" * 2_000_000)
+    file = folder / "campaign.toml"
+    file.write_text(file.read_text().replace("averaging_ms", "k" * 2_000_000))
     with pytest.raises(InputError) as caught:
         read_campaign(folder)
     assert len(str(caught.value)) < 2100
