@@ -1,14 +1,12 @@
 """calibration.toml: constants for people and programs to read (docs/calibration.md)."""
 
-import json
 import math
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 from wheelhop.calibration.constants import Constants, SensorConstants, Value
 from wheelhop.calibration.error import CalibrationError
-from wheelhop.files import Table, read_toml
+from wheelhop.files import Table, quoted, read_toml, write_text
 
 EXPANDED = "_expanded"
 QUANTITIES = {
@@ -71,16 +69,13 @@ def _read_value(table: Table, key: str) -> Value:
 
 
 def write_constants(constants: Constants, path: Path | str) -> None:
-    """Write calibration.toml, whole or not at all. Raises OSError."""
-    path = Path(path)
-    beside = path.with_name(path.name + ".part")
-    beside.write_text("\n".join(_lines(constants)) + "\n", encoding="utf-8")
-    os.replace(beside, path)
+    """Write calibration.toml, whole or not at all. Raises CalibrationError."""
+    write_text(Path(path), "\n".join(_lines(constants)) + "\n", CalibrationError)
 
 
 def _lines(constants: Constants) -> Iterator[str]:
     yield "format = 1"
-    yield f"id = {_quoted(constants.id)}"
+    yield f"id = {quoted(constants.id)}"
     yield f"device = {constants.device}"
     yield ""
     yield "# acceleration in m/s² = gain · (code − offset); offset: at rest, mounted as in use"
@@ -89,7 +84,7 @@ def _lines(constants: Constants) -> Iterator[str]:
         yield ""
         yield "[[sensor]]"
         for name in ("channel", "serial"):
-            yield f"{name} = {_quoted(getattr(sensor, name))}"
+            yield f"{name} = {quoted(getattr(sensor, name))}"
         for name, key in QUANTITIES.items():
             value = getattr(sensor, name)
             if value is not None:
@@ -100,12 +95,8 @@ def _lines(constants: Constants) -> Iterator[str]:
             if math.isfinite(getattr(sensor, name)):
                 yield f"{name} = {_number(getattr(sensor, name))}"
         for name in ("method", "reference", "certificate"):
-            yield f"{name} = {_quoted(getattr(sensor, name))}"
+            yield f"{name} = {quoted(getattr(sensor, name))}"
 
 
 def _number(value: float) -> str:
     return repr(float(f"{value:.7g}"))
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)

@@ -7,6 +7,7 @@ from typing import Any
 
 from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2
 from wheelhop.calibration.flip import Flip
+from wheelhop.files import replacing
 from wheelhop.logger.recording import Recording
 
 
@@ -41,4 +42,5 @@ def draw_flip(found: Flip, log: Recording, path: Path) -> None:
     close.legend(fontsize=8, ncols=8, loc="upper right")
     for axis in axes:
         axis.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=150)
+    with replacing(path) as draft:
+        figure.savefig(draft, dpi=150)

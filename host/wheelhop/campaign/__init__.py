@@ -1,5 +1,6 @@
 """The campaign folder on disk, read strictly into a `Campaign`."""
 
+from wheelhop.campaign.duplicates import Duplicate, find_duplicates
 from wheelhop.campaign.read import read_campaign
 from wheelhop.campaign.types import (
     Campaign,
@@ -16,8 +17,10 @@ __all__ = [
     "CampaignError",
     "Channel",
     "ComponentCampaign",
+    "Duplicate",
     "RigRun",
     "Run",
     "TrackSpec",
+    "find_duplicates",
     "read_campaign",
 ]

@@ -1,5 +1,6 @@
 """What a vehicle's campaign and a component's have in common."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,16 +41,27 @@ def band(top: Table, rate_hz: float) -> tuple[float, float]:
     return low, high
 
 
+def check_resolved(file: Path, rows: int, rate_hz: float, band_hz: tuple[float, float]) -> None:
+    """Raise unless a frequency that a recording of so many rows tells apart lies in the band."""
+    low, high = (edge * rows / rate_hz for edge in band_hz)
+    if math.floor(high + 1e-9) < max(1, math.ceil(low - 1e-9)):
+        raise CampaignError(
+            f"{file}: {rows} rows at {rate_hz:g} Hz tell nothing between {band_hz[0]:g} and "
+            f"{band_hz[1]:g} Hz: widen band_hz in campaign.toml, or leave the run out"
+        )
+
+
 def check_entries(top: Table, entries: Sequence[Entry]) -> None:
     """No id and no recording twice, and something to fit."""
-    for index, item in enumerate(entries):
-        for other in entries[:index]:
-            if item.id == other.id:
-                raise top.error(f'[[run]] "{item.id}": id is used twice; every run needs its own')
-            if item.file.resolve() == other.file.resolve():
-                raise top.error(
-                    f'[[run]] "{item.id}": file is the recording of run "{other.id}" already'
-                )
+    ids: set[str] = set()
+    files: dict[Path, str] = {}
+    for item in entries:
+        if item.id in ids:
+            raise top.error(f'[[run]] "{item.id}": id is used twice; every run needs its own')
+        ids.add(item.id)
+        other = files.setdefault(item.file.resolve(), item.id)
+        if other != item.id:
+            raise top.error(f'[[run]] "{item.id}": file is the recording of run "{other}" already')
     if not any(item.role == "fit" for item in entries):
         raise top.error('no [[run]] has role = "fit"; without one there is nothing to fit')
 

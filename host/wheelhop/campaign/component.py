@@ -6,7 +6,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign.common import Entry, band, check_entries, column, entry, frozen
+from wheelhop.campaign.common import (
+    Entry,
+    band,
+    check_entries,
+    check_resolved,
+    column,
+    entry,
+    frozen,
+)
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.types import (
@@ -63,7 +71,7 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
         table.only(("id", "file", "role"))
         entries.append(entry(table, folder))
     check_entries(top, entries)
-    return replace(empty, runs=tuple(_run(item, rate, drive) for item in entries))
+    return replace(empty, runs=tuple(_run(item, rate, empty.band_hz, drive) for item in entries))
 
 
 def _component(table: Table) -> dict[str, dict[str, float]]:
@@ -79,7 +87,7 @@ def _component(table: Table) -> dict[str, dict[str, float]]:
     return {"nominal": nominal, "uncertainty": uncertainty}
 
 
-def _run(item: Entry, rate_hz: float, drive: RigDrive) -> RigRun:
+def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDrive) -> RigRun:
     names, values = read_columns(item.file)
     for name in names:
         if name not in (*COLUMNS, VELOCITY):
@@ -88,6 +96,7 @@ def _run(item: Entry, rate_hz: float, drive: RigDrive) -> RigRun:
         frozen(values[:, column(item.file, names, name, RECORDED)]) for name in COLUMNS
     )
     check_time(item.file, time_s, rate_hz)
+    check_resolved(item.file, len(time_s), rate_hz, band_hz)
     _check_moving(item, displacement, force, drive)
     return RigRun(
         **vars(item),

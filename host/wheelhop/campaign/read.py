@@ -3,8 +3,19 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wheelhop.campaign.common import Entry, band, check_entries, column, entry, frozen
+import numpy as np
+
+from wheelhop.campaign.common import (
+    Entry,
+    band,
+    check_entries,
+    check_resolved,
+    column,
+    entry,
+    frozen,
+)
 from wheelhop.campaign.component import read_component
+from wheelhop.campaign.duplicates import refuse_leaks
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.tracks import read_track
@@ -17,7 +28,7 @@ from wheelhop.campaign.types import (
     Run,
     TrackSpec,
 )
-from wheelhop.files import Table, did_you_mean, read_toml
+from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
@@ -38,13 +49,25 @@ def read_campaign(folder: str | Path) -> Campaign:
     Either way `channels` follow the column order of the first run's recording.
 
     Raises `CampaignError`, one line naming file, key or row, and remedy, for every mistake in
-    campaign.toml and the recordings. vehicle.toml must exist; `read_vehicle` reads it.
+    campaign.toml and the recordings; the same samples to fit and to judge are one of them.
+    vehicle.toml must exist; `read_vehicle` reads it.
     """
     folder = Path(folder)
     if not folder.is_dir():
         what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
         raise CampaignError(f"{folder}: {what}")
-    top = read_toml(folder / "campaign.toml", CampaignError)
+    campaign = _read(read_toml(folder / "campaign.toml", CampaignError), folder)
+    refuse_leaks(campaign)
+    return campaign
+
+
+def check_run(folder: Path, text: str, id_: str) -> None:
+    """Raise the `CampaignError` of `read_campaign` if `text` were campaign.toml in `folder`, as far
+    as that text and the recording of one run are at fault; the others are not read."""
+    _read(parse_toml(text, folder / "campaign.toml", CampaignError), folder, id_)
+
+
+def _read(top: Table, folder: Path, only: str | None = None) -> Campaign:
     top.format()
     if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
         return read_component(top, folder)
@@ -63,7 +86,7 @@ def read_campaign(folder: str | Path) -> Campaign:
     )
     drives = [_drive(run, folder) for run in top.tables("run", "id")]
     check_entries(top, drives)
-    return _with_recordings(empty, drives)
+    return _with_recordings(empty, [drive for drive in drives if only in (None, drive.id)])
 
 
 @dataclass(frozen=True)
@@ -137,6 +160,12 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
         ]
         time_s = frozen(values[:, wanted[0]])
         check_time(drive.file, time_s, campaign.sample_rate_hz)
+        check_resolved(drive.file, len(time_s), campaign.sample_rate_hz, campaign.band_hz)
+        if not np.ptp(values[:, wanted[1:]], axis=0).any():
+            raise CampaignError(
+                f"{drive.file}: no channel ever changes: there is nothing to compare; "
+                "leave the run out"
+            )
         runs.append(Run(**vars(drive), time_s=time_s, record=frozen(values[:, wanted[1:]])))
     if constants is not None:
         channels = _with_uncertainty(channels, constants)

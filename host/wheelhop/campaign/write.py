@@ -1,16 +1,25 @@
 """From recordings to a campaign on disk; what is written has been read back strictly."""
 
-import json
+import filecmp
 import re
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from wheelhop.campaign.read import read_campaign
+from wheelhop.campaign.read import CONSTANTS_FILE, check_run
 from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
+from wheelhop.files import (
+    locked,
+    make_folder,
+    quoted,
+    read_text,
+    read_toml,
+    remove,
+    replacing,
+    write_text,
+)
 from wheelhop.logger.recording import ACCELERATION, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
@@ -19,7 +28,7 @@ FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 VEHICLE = """\
 format = 1
-name = "{title}"
+name = {title}
 # Replace every number below: they are those of a student-built ATV.
 relative_uncertainty = 0.30    # one standard deviation; KEY_uncertainty beside a KEY overrides it
 
@@ -80,67 +89,109 @@ def new_campaign(
     like: Recording,
     places: Mapping[str, str | Sequence[float]],
     vehicle: Path | None = None,
+    constants: Path | None = None,
 ) -> None:
     """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
 
     Sample rate, averaging and channels are those of the recording `like`; `places` says where
-    channels sit that its points do not tell. Without `vehicle` a sample file is written. Raises
-    CampaignError if there is a campaign already, or a channel has no place.
+    channels sit that its points do not tell. `vehicle` and the sensors' `constants` are copied;
+    without `vehicle`, one that is there stays, or else a sample file is written. If anything fails,
+    nothing is left behind. Raises CampaignError if there is a campaign already, or a channel has no
+    place.
     """
-    file = folder / "campaign.toml"
-    if file.exists():
-        raise CampaignError(f"{file}: there is a campaign already; campaign add adds runs to it")
+    if not title.strip() or not title.isprintable():
+        raise CampaignError(f"title {title[:40]!r}: give a line of text with --title")
+    file, target = folder / "campaign.toml", folder / "vehicle.toml"
     rate = like.rate_hz
     high = DEFAULT_BAND_HZ[1] if DEFAULT_BAND_HZ[1] < rate / 2 else TOP_OF_BAND * rate
     lines = [
         "format = 1",
-        f"title = {json.dumps(title, ensure_ascii=False)}",
+        f"title = {quoted(title)}",
         'vehicle = "vehicle.toml"',
         f"sample_rate_hz = {rate!r}",
         f"band_hz = [{DEFAULT_BAND_HZ[0]}, {high:g}]",
         f"averaging_ms = {like.averaging_s * 1e3:g}",
         *_channel_lines(like, places),
     ]
-    (folder / "runs").mkdir(parents=True, exist_ok=True)
-    target = folder / "vehicle.toml"
+    given = {} if constants is None else {folder / CONSTANTS_FILE: _text(constants)}
     if vehicle is not None:
-        shutil.copyfile(vehicle, target)
+        given[target] = _text(vehicle)
     elif not target.exists():
-        target.write_text(VEHICLE.format(title=title.replace('"', "'")), encoding="utf-8")
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        given[target] = VEHICLE.format(title=quoted(title))
+    given[file] = "\n".join(lines) + "\n"
+    made = make_folder(folder)
+    try:
+        with locked(folder, CampaignError):
+            if file.exists():
+                raise CampaignError(
+                    f"{file}: there is a campaign already; campaign add adds runs to it"
+                )
+            made += make_folder(folder / "runs")
+            for path, text in given.items():
+                if not path.exists():
+                    made.append(path)
+                    write_text(path, text, CampaignError)
+                elif _text(path) != text:
+                    raise CampaignError(f"{path}: is there already, and differs: delete one")
+    except BaseException:
+        remove(made)
+        raise
 
 
 def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
     """Write a recording into `folder`/runs and its [[run]] into campaign.toml; return the file.
 
-    The campaign is then read as a whole; if that fails everything is as before, and the
-    CampaignError says why. Raises CampaignError too for codes instead of m/s², and for a gap.
+    campaign.toml and the new recording are then read; if that fails everything is as before, and
+    the CampaignError says why. campaign.toml is written last, and it decides: without its [[run]] a
+    recording is not part of the campaign. Others who add runs at the same time wait. Raises
+    CampaignError too for codes instead of m/s², and for a gap.
     """
     if not FILE_NAME.fullmatch(run.id):
         raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
     _check_samples(recording, run.source or run.id)
     toml = folder / "campaign.toml"
-    try:
-        before = toml.read_text(encoding="utf-8")
-    except OSError as error:
-        raise CampaignError(f"{toml}: {error.strerror}; begin with campaign new") from None
+    if not toml.exists():
+        raise CampaignError(f"{toml}: no such file; begin with campaign new")
     file = folder / "runs" / f"{run.id}.csv"
-    if file.exists():
-        raise CampaignError(f"{file}: there is a recording of this name: choose another --id")
+    with locked(folder, CampaignError):
+        runs = read_toml(toml, CampaignError).values.get("run", [])
+        if any(isinstance(item, dict) and item.get("id") == run.id for item in runs):
+            raise CampaignError(f"{toml}: there is a run {run.id!r}: choose another --id")
+        after = _text(toml).rstrip("\n") + "\n\n" + _run_lines(recording, run)
+        made = []
+        try:
+            if not file.exists():
+                made = [*make_folder(file.parent), file]
+            with replacing(file, CampaignError, within=folder) as draft:
+                _write_csv(draft, recording)
+                # A power cut may have ended an earlier attempt before campaign.toml was written.
+                if file.exists() and not filecmp.cmp(file, draft, shallow=False):
+                    raise CampaignError(
+                        f"{file}: there is another recording of this name: choose another --id"
+                    )
+            _check(folder, after, run)
+            write_text(toml, after, CampaignError)
+        except BaseException:
+            if _text(toml) != after:
+                remove(made)
+            raise
+    return file
+
+
+def _check(folder: Path, text: str, run: NewRun) -> None:
     try:
-        file.parent.mkdir(exist_ok=True)
-        _write_csv(file, recording)
-        toml.write_text(before.rstrip("\n") + "\n\n" + _run_lines(recording, run), encoding="utf-8")
-        read_campaign(folder)
-    except BaseException as error:
-        toml.write_text(before, encoding="utf-8")
-        file.unlink(missing_ok=True)
-        if isinstance(error, CampaignError) and 'has role = "fit"' in str(error):
+        check_run(folder, text, run.id)
+    except CampaignError as error:
+        if 'has role = "fit"' in str(error):
             raise CampaignError(
-                f"{toml}: the first run must be one to fit: --role fit (validate comes later)"
+                f"{folder / 'campaign.toml'}: the first run must be one to fit: --role fit "
+                "(validate comes later)"
             ) from None
         raise
-    return file
+
+
+def _text(file: Path) -> str:
+    return read_text(file, CampaignError)
 
 
 def cut(recording: Recording, from_s: float | None, to_s: float | None) -> Recording:
@@ -190,21 +241,34 @@ def _channel_lines(like: Recording, places: Mapping[str, str | Sequence[float]])
             raise CampaignError(
                 f"channel {name}: where does it sit? --place {name}=A1 (A1…A4, B1…B4, body, or x,y)"
             )
-        lines.append(f"{json.dumps(name)} = {json.dumps(place)}")
+        lines.append(f"{quoted(name)} = {_value(place)}")
     return lines
 
 
 def _run_lines(recording: Recording, run: NewRun) -> str:
-    lines = [f"# {step}" for step in ([run.source] if run.source else []) + [*recording.history]]
+    steps = [run.source] if run.source else []
+    lines = [f"# {_printable(step)}" for step in (*steps, *recording.history)]
     lines += [
         "[[run]]",
         f'id = "{run.id}"',
         f'file = "runs/{run.id}.csv"',
-        f"role = {json.dumps(run.role)}",
+        f"role = {quoted(run.role)}",
         f"speed_kmph = {run.speed_kmph!r}",
-        *(f"track.{key} = {json.dumps(value)}" for key, value in run.track.items()),
+        *(f"track.{_key(key)} = {_value(value)}" for key, value in run.track.items()),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
+
+
+def _value(value: str | float | Sequence[float]) -> str:
+    return quoted(value) if isinstance(value, str) else repr(value)
+
+
+def _printable(text: str) -> str:
+    return "".join(char if char.isprintable() else "?" for char in text)
 
 
 def _write_csv(file: Path, recording: Recording) -> None:

@@ -25,6 +25,7 @@ from wheelhop.calibration.shaker.result import (
 )
 from wheelhop.cli.console import open_console
 from wheelhop.cli.progress import stages
+from wheelhop.files import locked
 from wheelhop.logger.recording import CODE
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -83,9 +84,10 @@ def _compare(session: Session, path: Path, stage: Callable[[str], None]) -> Comp
 
 def _write(console: Console, constants: Constants, out: Path) -> None:
     new = [sensor.channel for sensor in constants.sensors]
-    if out.exists():
-        constants = merged(read_constants(out), replace(constants, source=str(out)))
-    write_constants(constants, out)
+    with locked(out.parent):
+        if out.exists():
+            constants = merged(read_constants(out), replace(constants, source=str(out)))
+        write_constants(constants, out)
     kept = [s.channel for s in constants.sensors if s.channel not in new]
     note = f"; kept as they were: {', '.join(kept)}" if kept else ""
     console.print(Text(f"{out}: constants of {', '.join(new)}{note}"))

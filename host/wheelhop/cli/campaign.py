@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from argparse import Namespace
 from collections.abc import Sequence
 
@@ -11,7 +10,6 @@ from rich.table import Table
 
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
-from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
 from wheelhop.cli.console import open_console
@@ -46,9 +44,8 @@ def _stretches(arguments: Namespace, recording: Recording) -> int:
 def _new(arguments: Namespace, recording: Recording) -> int:
     title = arguments.title or arguments.folder.name
     places = dict(_place(word) for word in arguments.place)
-    new_campaign(arguments.folder, title, recording, places, arguments.vehicle)
-    if arguments.calibration is not None:  # tells the diagnosis how well each scale is known
-        shutil.copyfile(arguments.calibration, arguments.folder / CONSTANTS_FILE)
+    constants = arguments.calibration  # tells the diagnosis how well each scale is known
+    new_campaign(arguments.folder, title, recording, places, arguments.vehicle, constants)
     print(f"{arguments.folder}: campaign.toml and vehicle.toml are there.")
     if arguments.vehicle is None:
         print("vehicle.toml holds the numbers of a student-built ATV: replace them by yours.")

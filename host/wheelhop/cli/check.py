@@ -14,6 +14,7 @@ from wheelhop.campaign import (
     RigRun,
     Run,
     TrackSpec,
+    find_duplicates,
     read_campaign,
 )
 from wheelhop.cli.console import open_console
@@ -38,6 +39,8 @@ def run(arguments: Namespace) -> int:
     else:
         console.print(_runs(campaign))
         console.print(Text("axle, body: m/s² rms without the mean"))
+    for duplicate in find_duplicates(campaign):
+        console.print(Text(f"! {duplicate}", style="yellow"))
     if not campaign.validate_runs:
         console.print(Text('no run has role = "validate": no model can be put to the test'))
     return 0

@@ -28,6 +28,7 @@ from wheelhop.compare import describe
 from wheelhop.diagnose import Step, climb, fit_baseline
 from wheelhop.diagnose.look import step_of
 from wheelhop.effects import load_effects
+from wheelhop.files import is_draft
 from wheelhop.hil_sim.day import read_day
 from wheelhop.report import write_diagnosis_report
 from wheelhop.report.model_file import write_model
@@ -83,7 +84,7 @@ def run_demo(folder: Path) -> int:
 def make_folder(folder: Path) -> None:
     """An empty folder; what an earlier demo left there goes. Raises CampaignError for any other."""
     if folder.exists():
-        if any(item.name not in LEAVES for item in folder.iterdir()):
+        if any(item.name not in LEAVES and not is_draft(item) for item in folder.iterdir()):
             raise CampaignError(f"{folder}: holds more than a demo leaves: choose another folder")
         shutil.rmtree(folder)
     folder.mkdir(parents=True)

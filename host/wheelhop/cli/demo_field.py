@@ -16,6 +16,7 @@ from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
+from wheelhop.files import write_text
 from wheelhop.hil_sim.day import Day
 from wheelhop.hil_sim.signals import Signals
 from wheelhop.hil_sim.stand_in import stand_in
@@ -89,8 +90,8 @@ def make_campaign(folder: Path, day: Day) -> list[tuple[float, float]]:
     found = stretches(recording)
     if len(found) != len(day.drives):
         raise LoggerError(f"{folder / DRIVEN}: {len(found)} drives found, not {len(day.drives)}")
+    write_text(folder / "vehicle.toml", day.vehicle)
     new_campaign(folder, day.title, recording, {})
-    (folder / "vehicle.toml").write_text(day.vehicle, encoding="utf-8")
     time_s = recording.time_s
     spans = [(float(time_s[piece.first]), float(time_s[piece.last - 1])) for piece in found]
     for drive, span in zip(day.drives, spans, strict=True):

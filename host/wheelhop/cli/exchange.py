@@ -10,6 +10,7 @@ from typing import Any
 
 from wheelhop.campaign import CampaignError
 from wheelhop.effects import Effect
+from wheelhop.files import write_text
 
 
 def pick(names: Sequence[str], library: Mapping[str, Effect]) -> list[Effect]:
@@ -27,4 +28,4 @@ def pick(names: Sequence[str], library: Mapping[str, Effect]) -> list[Effect]:
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Write a result for programs to read."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    write_text(path, text + "\n")

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from wheelhop.cli.convert import check_target, in_words
 from wheelhop.cli.progress import stages
-from wheelhop.exchange import draft_mapping, losses, read, read_mapping, write
+from wheelhop.exchange import Map, draft_mapping, losses, read, read_mapping, write
+from wheelhop.files import made_folder
 
 
 def run(arguments: Namespace) -> int:
@@ -18,7 +19,12 @@ def run(arguments: Namespace) -> int:
             sys.stdout.write(draft_mapping(file))
         return 0
     mapping = read_mapping(arguments.map) if arguments.map else None
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    with made_folder(arguments.out):
+        _import(arguments, mapping)
+    return 0
+
+
+def _import(arguments: Namespace, mapping: Map | None) -> None:
     targets = [_target(file, arguments) for file in arguments.files]
     for file, target in zip(arguments.files, targets, strict=True):
         with stages() as stage:
@@ -30,7 +36,6 @@ def run(arguments: Namespace) -> int:
         print(f"{target}: {in_words(recording)}", flush=True)
         for step in (*recording.history, *(f"lost: {x}" for x in losses(recording, target.suffix))):
             print(f"  {step}")
-    return 0
 
 
 def _target(file: Path, arguments: Namespace) -> Path:

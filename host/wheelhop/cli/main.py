@@ -4,16 +4,18 @@ Each command is a module of this room with `run(arguments) -> exit status`. It i
 when it is called, so that `wheelhop --help` answers at once.
 """
 
+from __future__ import annotations
+
 import os
 import sys
-from argparse import Namespace
-from collections.abc import Sequence
-from importlib import import_module
-from keyword import iskeyword
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-from wheelhop.cli.parser import BAD_INPUT, make_parser
+if TYPE_CHECKING:
+    from argparse import Namespace
+    from collections.abc import Sequence
+    from types import FrameType
 
+BAD_INPUT = 2
 INTERRUPTED = 130
 COMPUTING = ("compare", "diagnose", "add", "demo")
 BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
@@ -21,6 +23,49 @@ BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit status is 0, 2 for bad input, 130 when interrupted."""
+    interrupts: list[int] = []
+    listening = _listen(interrupts)
+    try:
+        return _run(argv)
+    except BaseException as error:
+        # What Ctrl-C strikes may turn it into something else: a class body into a RuntimeError.
+        if isinstance(error, KeyboardInterrupt) or (interrupts and isinstance(error, Exception)):
+            return _complain("interrupted", INTERRUPTED)
+        raise
+    finally:
+        if listening:
+            _listen_no_more(interrupts)
+
+
+def _listen(interrupts: list[int]) -> bool:
+    """Note every Ctrl-C, which raises KeyboardInterrupt as ever; whether that is for us to do."""
+    import signal
+    import threading
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        interrupts.append(number)
+        raise KeyboardInterrupt
+
+    ours = (
+        threading.current_thread() is threading.main_thread()
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    )
+    if ours:
+        signal.signal(signal.SIGINT, interrupt)
+    return ours
+
+
+def _listen_no_more(interrupts: list[int]) -> None:
+    import signal
+
+    # The threads that compute finish what they are at; a second Ctrl-C does not wait for that.
+    after = signal.SIG_DFL if interrupts else signal.default_int_handler
+    signal.signal(signal.SIGINT, after)
+
+
+def _run(argv: Sequence[str] | None) -> int:
+    from wheelhop.cli.parser import make_parser
+
     # Every run is worked on by one thread; linear algebra's own threads would be in the way.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     parser = make_parser()
@@ -28,22 +73,26 @@ def main(argv: Sequence[str] | None = None) -> int:
     if arguments.command is None:
         parser.error("say what to do")
     try:
-        status = _run(arguments)
+        status = _call(arguments)
         sys.stdout.flush()
         return status
-    except KeyboardInterrupt:
-        return _complain("interrupted", INTERRUPTED)
     except BrokenPipeError:  # the reader, `head` say, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return BROKEN_PIPE
+    except OSError as error:  # a full disk, say, below a redirected output
+        _drop_output()
+        return _complain(f"{error.filename or 'output'}: {error.strerror or error}", BAD_INPUT)
 
 
-def _run(arguments: Namespace) -> int:
-    from wheelhop.files import InputError
+def _call(arguments: Namespace) -> int:
+    from importlib import import_module
+
+    from wheelhop.files import InputError, check_target
 
     try:
         for output in (vars(arguments).get("json"), vars(arguments).get("report")):
-            _check_output(output)
+            if output is not None:  # better to know before a long computation than after it
+                check_target(output)
         if arguments.command in COMPUTING:
             import_module("wheelhop.cli.progress").announce_compilation()
         command = import_module(f"wheelhop.cli.{module_of(arguments.command)}")
@@ -51,26 +100,19 @@ def _run(arguments: Namespace) -> int:
         return status
     except InputError as error:
         return _complain(str(error), BAD_INPUT)
-    except OSError as error:
-        if isinstance(error, BrokenPipeError) or error.filename is None:
-            raise
-        return _complain(f"{error.filename}: {error.strerror}", BAD_INPUT)
 
 
 def module_of(command: str) -> str:
     """The module of this room that a command is; `import` cannot be the name of one."""
+    from keyword import iskeyword
+
     name = command.replace("-", "_")
     return f"{name}_" if iskeyword(name) else name
 
 
-def _check_output(file: Path | None) -> None:
-    """Better to know before a long computation than after it."""
-    from wheelhop.campaign import CampaignError
-
-    if file is not None and file.is_dir():
-        raise CampaignError(f"{file}: is a folder; give the name of a file to write")
-    if file is not None and not file.parent.is_dir():
-        raise CampaignError(f"{file}: cannot be written, there is no folder {file.parent}")
+def _drop_output() -> None:
+    """What has not been written yet cannot be: the interpreter shall not try again at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _complain(line: str, status: int) -> int:

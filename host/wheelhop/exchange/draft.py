@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from wheelhop.exchange.labels import is_unit, name_and_unit
 from wheelhop.exchange.mapping import SEPARATORS
 from wheelhop.exchange.table import POINTS
 from wheelhop.exchange.units import SECONDS, to_si
+from wheelhop.files import quoted
 
 LOOK = 200  # lines that are looked at
 STYLES = (
@@ -55,8 +55,8 @@ def draft_mapping(path: Path) -> str:
     clock, unit = _time(layout)
     mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
     lines = [
-        f"separator = {json.dumps(mark[layout.separator])}",
-        f"decimal = {json.dumps(layout.decimal)}",
+        f"separator = {quoted(mark[layout.separator])}",
+        f"decimal = {quoted(layout.decimal)}",
         f"header_row = {layout.header_row}  # the line that names the columns, 0: none",
         f"units_row = {layout.units_row}  # the line with their units, 0: none",
         f"first_row = {layout.first_row}  # the line of the first numbers",
@@ -64,7 +64,7 @@ def draft_mapping(path: Path) -> str:
     if clock is None:
         lines.append("rate_hz = 100.0  # no column looks like time: say how many rows are a second")
     else:
-        lines += [f"time = {_key(layout.labels, clock)}", f"time_unit = {json.dumps(unit)}"]
+        lines += [f"time = {_key(layout.labels, clock)}", f"time_unit = {quoted(unit)}"]
     columns = []
     for k, label in enumerate(layout.labels):
         if k == clock or not cells.is_number(layout.rows[0][k], layout.decimal):
@@ -155,13 +155,13 @@ def _of_tables(path: Path) -> str:
     if table is None:
         raise ExchangeError(f"{path}: holds no channels of numbers")
     if len(tables) > 1:
-        names = ", ".join(json.dumps(table.group) for table in tables)
-        lines.append(f"group = {json.dumps(table.group)}  # one of {names}")
+        names = ", ".join(quoted(table.group) for table in tables)
+        lines.append(f"group = {quoted(table.group)}  # one of {names}")
     if table.time_s is None and table.rate_hz is None:
         lines.append("rate_hz = 100.0  # the file has no time: say how many samples are a second")
     labels = [channel.name for channel in table.channels]
     for k, channel in enumerate(table.channels):
-        key = json.dumps(channel.name) if labels.count(channel.name) == 1 else str(table.columns[k])
+        key = quoted(channel.name) if labels.count(channel.name) == 1 else str(table.columns[k])
         columns.append(_entry(key, channel.name, channel.unit))
     return _text(path, lines, columns)
 
@@ -169,7 +169,7 @@ def _of_tables(path: Path) -> str:
 def _key(labels: Sequence[str], k: int) -> str:
     """How a mapping names a column: by its label, or by number where the label will not do."""
     unnamed = labels[k] == f"column {k + 1}" or labels.count(labels[k]) > 1
-    return str(k + 1) if unnamed else json.dumps(labels[k], ensure_ascii=False)
+    return str(k + 1) if unnamed else quoted(labels[k])
 
 
 def _entry(key: str, name: str, unit: str) -> list[str]:
@@ -182,9 +182,9 @@ def _entry(key: str, name: str, unit: str) -> list[str]:
         "",
         "[[channel]]",
         f"column = {key}",
-        f"name = {json.dumps(name, ensure_ascii=False)}",
-        f"unit = {json.dumps(unit, ensure_ascii=False)}{remark}",
-        f"point = {json.dumps(point)}",
+        f"name = {quoted(name)}",
+        f"unit = {quoted(unit)}{remark}",
+        f"point = {quoted(point)}",
     ]
 
 

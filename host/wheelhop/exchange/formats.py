@@ -6,9 +6,9 @@ written, `save(recording, path)` and `losses(recording)`; it is imported when it
 
 from __future__ import annotations
 
-import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -20,6 +20,7 @@ from wheelhop.exchange.error import ExchangeError, guarded
 from wheelhop.exchange.header import sidecar, to_text
 from wheelhop.exchange.mapping import Map
 from wheelhop.exchange.table import Table, choose, to_recording
+from wheelhop.files import replacing, write_text
 from wheelhop.logger.recording import Recording
 
 
@@ -89,15 +90,26 @@ def write(recording: Recording, path: Path) -> None:
     _check(recording, path)
     if not path.parent.is_dir():
         raise ExchangeError(f"{path}: cannot be written, there is no folder {path.parent}")
-    part = path.with_name(f".{path.stem}.part{path.suffix}")
-    with guarded(path, "be written"):
-        try:
-            known.load_module().save(recording, part)
-            os.replace(part, path)
-        finally:
-            part.unlink(missing_ok=True)
+    with _restored(sidecar(path)), replacing(path, ExchangeError) as draft:
+        with guarded(path, "be written"):
+            known.load_module().save(recording, draft)
         if known.beside:
-            sidecar(path).write_text(to_text(recording), encoding="utf-8", newline="\n")
+            write_text(sidecar(path), to_text(recording), ExchangeError)
+
+
+@contextmanager
+def _restored(header: Path) -> Iterator[None]:
+    """If the block fails, the header is as it was: it belongs to the samples of before."""
+    before = header.read_bytes() if header.is_file() else None
+    try:
+        yield
+    except BaseException:
+        if before is None:
+            header.unlink(missing_ok=True)
+        elif header.read_bytes() != before:
+            with replacing(header, ExchangeError) as draft:
+                draft.write_bytes(before)
+        raise
 
 
 def losses(recording: Recording, suffix: str) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import tomllib
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.exchange.error import ExchangeError
+from wheelhop.files import quoted
 from wheelhop.logger.recording import Channel, Recording
 
 FORMAT = 1
@@ -46,20 +46,15 @@ def to_text(recording: Recording) -> str:
         value = getattr(recording, key)
         if value is not None:
             lines.append(f"{key} = {float(value)!r}")
-    lines += ["history = [", *(f"    {_quoted(step)}," for step in recording.history), "]"]
+    lines += ["history = [", *(f"    {quoted(step)}," for step in recording.history), "]"]
     for channel in recording.channels:
         lines += ["", "[[channel]]"]
         texts = {key: getattr(channel, key) for key in CHANNEL_KEYS}
-        lines += [f"{key} = {_quoted(text)}" for key, text in texts.items() if text]
+        lines += [f"{key} = {quoted(text)}" for key, text in texts.items() if text]
     if recording.notes:
         lines += ["", "[notes]"]
-        lines += [f"{_quoted(key)} = {_quoted(text)}" for key, text in recording.notes.items()]
+        lines += [f"{quoted(key)} = {quoted(text)}" for key, text in recording.notes.items()]
     return "\n".join(lines) + "\n"
-
-
-def _quoted(text: str) -> str:
-    # JSON's escapes are TOML's, but for DEL, which TOML does not allow as it is.
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def sidecar(path: Path) -> Path:

@@ -1,14 +1,46 @@
-"""Files that people write: read strictly, every mistake one line that says where and what to do."""
+"""Files that people write, read strictly, every mistake one line that says where and what to do;
+and files written for people, whole or not at all."""
 
 from wheelhop.files.error import InputError
-from wheelhop.files.keys import Table, did_you_mean, read_text, read_toml, shown, similar_file
+from wheelhop.files.keys import (
+    Table,
+    did_you_mean,
+    parse_toml,
+    read_text,
+    read_toml,
+    shown,
+    similar_file,
+)
+from wheelhop.files.write import (
+    check_target,
+    is_draft,
+    locked,
+    made_folder,
+    make_folder,
+    quoted,
+    remove,
+    replacing,
+    sync_folder,
+    write_text,
+)
 
 __all__ = [
     "InputError",
     "Table",
+    "check_target",
     "did_you_mean",
+    "is_draft",
+    "locked",
+    "made_folder",
+    "make_folder",
+    "parse_toml",
+    "quoted",
     "read_text",
     "read_toml",
+    "remove",
+    "replacing",
     "shown",
     "similar_file",
+    "sync_folder",
+    "write_text",
 ]

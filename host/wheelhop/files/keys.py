@@ -11,6 +11,8 @@ from typing import Any
 from wheelhop.files.error import InputError
 from wheelhop.files.units import UNITS, split_unit
 
+LONGEST_WORD = 200  # that may be a misspelt one
+
 
 def read_text(path: Path, kind: type[InputError] = InputError) -> str:
     """Read a UTF-8 text file, any line ends and a byte order mark allowed.
@@ -38,10 +40,13 @@ def read_text(path: Path, kind: type[InputError] = InputError) -> str:
 
 def read_toml(path: Path, kind: type[InputError] = InputError) -> "Table":
     """Read a TOML file; an error of this `kind` passes on the parser's line and column."""
+    return parse_toml(read_text(path, kind), path, kind)
+
+
+def parse_toml(text: str, path: Path, kind: type[InputError] = InputError) -> "Table":
+    """The TOML file that `path` is, or is to become."""
     try:
-        return Table(tomllib.loads(read_text(path, kind)), path, kind=kind)
-    except InputError:
-        raise
+        return Table(tomllib.loads(text), path, kind=kind)
     except (ValueError, RecursionError) as error:
         raise kind(f"{path}: not valid TOML: {_one_line(error)}") from None
 
@@ -204,6 +209,8 @@ class Table:
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
     """ ", did you mean '…'?" for the nearest of the known words, or an empty text."""
+    if len(word) > LONGEST_WORD:
+        return ""
     lower = {name.lower(): name for name in known}
     near = get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
     return f", did you mean '{lower[near[0]]}'?" if near else ""

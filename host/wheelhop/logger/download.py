@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
+from wheelhop.files import check_target, sync_folder
 from wheelhop.logger.block import BLOCK_BYTES, CRC_AT, MAGIC, crc
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.link import Link, Silent
@@ -61,6 +62,7 @@ class Downloader:
             number += 1
             path = folder / f"{Path(name).stem}-{number}{Path(name).suffix}"
         part = path.with_name(path.name + ".part")
+        check_target(part, LoggerError)
         try:
             with part.open("r+b" if part.exists() else "w+b") as file:
                 here = _sound_blocks(file, first, session)
@@ -82,7 +84,8 @@ class Downloader:
                 os.fsync(file.fileno())
             if part.stat().st_size != here * BLOCK_BYTES:
                 raise LoggerError(f"{part}: the disk has not kept it; try again")
-            part.rename(path)
+            part.replace(path)
+            sync_folder(folder)
         except OSError as error:
             raise LoggerError(
                 f"{part}: {error.strerror}; what has come is kept, the next download goes on there"

@@ -1,15 +1,30 @@
-"""The live plot: a page of our own and its data, for a browser on this computer."""
+"""The live plot: a page of our own and its data, for a browser on this computer.
+
+Other pages in that browser, and other users of this computer, can reach the port. So nothing is
+answered without the token in the address, nor to another name for this host (DNS rebinding) or a
+request that another page has made; and the page may load nothing but itself.
+"""
 
 import json
+import secrets
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
-from threading import Event, Thread
+from threading import BoundedSemaphore, Event, Thread
 from types import TracebackType
+from typing import Any
 
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.live import Live
 
 INTERVAL_S = 0.1
+MOST_STREAMS = 8
+MOST_CONNECTIONS = 32
+PATIENCE_S = 10.0  # for a request, or a reader that does not read
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
+)
 
 
 class LivePlot:
@@ -25,14 +40,17 @@ class LivePlot:
         class Handler(_Handler):
             pass
 
+        token = secrets.token_urlsafe(16)
         Handler.live, Handler.page, Handler.closing = live, page, closing
+        Handler.token, Handler.streams = token, BoundedSemaphore(MOST_STREAMS)
         try:
-            self._server = ThreadingHTTPServer(("127.0.0.1", port), Handler)
+            self._server = _Server(("127.0.0.1", port), Handler)
         except OSError as error:
             raise LoggerError(f"--plot-port {port}: {error.strerror}; take another") from None
         self._server.daemon_threads = True
+        Handler.place = f"127.0.0.1:{self._server.server_port}"
         self._closing = closing
-        self.url = f"http://127.0.0.1:{self._server.server_port}/"
+        self.url = f"http://127.0.0.1:{self._server.server_port}/{token}/"
         self._thread = Thread(target=self._server.serve_forever, daemon=True, name="live plot")
         self._thread.start()
 
@@ -54,21 +72,63 @@ class LivePlot:
         self.close()
 
 
+class _Server(ThreadingHTTPServer):
+    """Takes no more connections at a time than a person has windows."""
+
+    def __init__(self, address: tuple[str, int], handler: type[BaseHTTPRequestHandler]) -> None:
+        super().__init__(address, handler)
+        self._free = BoundedSemaphore(MOST_CONNECTIONS)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        if not self._free.acquire(blocking=False):
+            self.shutdown_request(request)
+            return
+        super().process_request(request, client_address)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._free.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Nothing: a browser may leave at any time, and the terminal is for the recording."""
+
+
 class _Handler(BaseHTTPRequestHandler):
+    timeout = PATIENCE_S
     live: Live
     page: bytes
     closing: Event
+    token: str
+    place: str  # host and port
+    streams: BoundedSemaphore
 
     def do_GET(self) -> None:
         """The page, or the stream of events (text/event-stream) that feeds it."""
-        if self.path == "/":
+        place = self.place
+        own = self.headers.get_all("Host") == [place]
+        from_ = self.headers.get("Origin", f"http://{place}")
+        site = self.headers.get("Sec-Fetch-Site", "none")
+        if not own or from_ != f"http://{place}" or site not in ("none", "same-origin"):
+            self.send_error(403)
+        elif not self._has_token():
+            self.send_error(404)
+        elif self.path.endswith("/"):
             self._answer("text/html; charset=utf-8")
             self.wfile.write(self.page)
-        elif self.path == "/events":
-            self._answer("text/event-stream")
-            self._stream()
+        elif self.streams.acquire(blocking=False):
+            try:
+                self._answer("text/event-stream")
+                self._stream()
+            finally:
+                self.streams.release()
         else:
-            self.send_error(404)
+            self.send_error(503)
+
+    def _has_token(self) -> bool:
+        known = (f"/{self.token}/", f"/{self.token}/events")
+        return any([secrets.compare_digest(self.path.encode(), path.encode()) for path in known])
 
     def log_message(self, format: str, *args: object) -> None:
         """Nothing: the terminal is for the recording."""
@@ -77,6 +137,9 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_response(200)
         self.send_header("Content-Type", kind)
         self.send_header("Cache-Control", "no-store")
+        self.send_header("Content-Security-Policy", POLICY)
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.send_header("X-Content-Type-Options", "nosniff")
         self.end_headers()
 
     def _stream(self) -> None:

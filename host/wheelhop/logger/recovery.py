@@ -15,6 +15,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import made_folder, replacing
 from wheelhop.logger.block import (
     BLOCK_BYTES,
     DATA,
@@ -86,15 +87,15 @@ def recover(
     finds = find_sessions(source, progress)
     if not finds:
         raise LoggerError(f"{source}: not a session in it, not even two whole blocks of one")
-    folder.mkdir(parents=True, exist_ok=True)
     numbers = [find.session >> 16 for find in finds]
-    for find in finds:
-        alone = numbers.count(find.session >> 16) == 1
-        twin = "" if alone else f"-{find.session & 0xFFFF:04x}"
-        path = folder / f"HOP{find.session >> 16:05d}{twin}.HOP"
-        if path.exists():
-            raise LoggerError(f"{path}: is there already: give another folder with --into")
-        yield _save(source, find, path, header_from, progress)
+    with made_folder(folder):
+        for find in finds:
+            alone = numbers.count(find.session >> 16) == 1
+            twin = "" if alone else f"-{find.session & 0xFFFF:04x}"
+            path = folder / f"HOP{find.session >> 16:05d}{twin}.HOP"
+            if path.exists():
+                raise LoggerError(f"{path}: is there already: give another folder with --into")
+            yield _save(source, find, path, header_from, progress)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,20 +110,13 @@ class _Plan:
 def _save(
     source: Path, find: Find, path: Path, header_from: Log | None, progress: Progress
 ) -> Recovered:
-    part = path.with_suffix(".part")
-    try:
-        with source.open("rb") as file:
-            plan, result = _plan(file, find, path, header_from)
-            with part.open("wb") as out:
-                said = _write(plan, file, out, progress)
-                os.fsync(out.fileno())
-        if _reread(part, result) != said:
+    with replacing(path, LoggerError) as draft, source.open("rb") as file:
+        plan, result = _plan(file, find, path, header_from)
+        with draft.open("wb") as out:
+            said = _write(plan, file, out, progress)
+            os.fsync(out.fileno())
+        if _reread(draft, result) != said:
             raise LoggerError(f"{path}: reads back differently from what was written: disk trouble")
-        part.rename(path)
-    except OSError as error:
-        raise LoggerError(f"{path}: cannot be saved: {error.strerror}: try another disk") from None
-    finally:
-        part.unlink(missing_ok=True)
     return result
 
 

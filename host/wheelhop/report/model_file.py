@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
@@ -14,6 +12,7 @@ from typing import Any
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Step
 from wheelhop.effects import Effect
+from wheelhop.files import quoted, write_text
 from wheelhop.report.words import form_of
 from wheelhop.vehicle import Vehicle
 
@@ -25,12 +24,7 @@ Document = Mapping[str, Any]
 def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> None:
     """Write the last model of a ladder; a file that is there is replaced whole or not at all."""
     text = "".join(f"{line}\n" for line in _lines(_document(campaign, vehicle, steps)))
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
+    write_text(path, text)
 
 
 def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Document:
@@ -152,15 +146,10 @@ def _is_array_of_tables(value: object) -> bool:
 
 
 def _key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _text(key)
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
 
 
 def _value(value: str | float | list[str]) -> str:
     if isinstance(value, list):
-        return f"[{', '.join(map(_text, value))}]"
-    return _text(value) if isinstance(value, str) else repr(value)
-
-
-def _text(text: str) -> str:
-    """A JSON string is a basic string of TOML, once DEL is escaped too."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return f"[{', '.join(map(quoted, value))}]"
+    return quoted(value) if isinstance(value, str) else repr(value)

@@ -8,6 +8,8 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 
+from wheelhop.files import write_text
+
 
 def write_page(path: Path, name: str, body: Iterable[str]) -> None:
     """Write a page with the report's style."""
@@ -26,7 +28,7 @@ def write_page(path: Path, name: str, body: Iterable[str]) -> None:
         "</main></body>",
         "</html>",
     ]
-    path.write_text("\n".join(parts) + "\n", encoding="utf-8")
+    write_text(path, "\n".join(parts) + "\n")
 
 
 def title(text: str) -> str:

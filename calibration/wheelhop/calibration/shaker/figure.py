@@ -14,6 +14,7 @@ from wheelhop.calibration.shaker.result import (
     ChannelCalibration,
     Comparison,
 )
+from wheelhop.files import replacing
 from wheelhop.logger.recording import CODE
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ def draw(comparison: Comparison, path: Path) -> None:
         )
         linear.set_xticks([])
     gain.legend(fontsize=8, ncols=2)
-    figure.savefig(path, dpi=150)
+    with replacing(path) as draft:
+        figure.savefig(draft, dpi=150)
 
 
 def _limits(comparison: Comparison) -> tuple[float, float]:

@@ -1,0 +1,238 @@
+"""Writing files that people keep: each is replaced whole, or stays as it was.
+
+A file is written beside its place, brought to the disk, and then given its name; the folder is
+brought to the disk after that. File systems promise no less than these four steps need, and few
+promise more (Pillai et al., "All File Systems Are Not Created Equal", OSDI 2014, table 1).
+"""
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+import secrets
+import stat
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from wheelhop.files.error import InputError
+
+DRAFT = ".wheelhop-"
+"""How the names of drafts begin. After a power cut one may be left; it can be deleted."""
+PATIENCE_S = 60.0
+POLL_S = 0.02
+CANNOT_LOCK = (errno.EBADF, errno.EINVAL, errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)
+CANNOT_SYNC = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)
+
+
+def write_text(
+    path: Path, text: str, kind: type[InputError] = InputError, within: Path | None = None
+) -> None:
+    """Replace a text file (UTF-8, line ends "\\n") as `replacing` does."""
+    with replacing(path, kind, within) as draft:
+        draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+@contextmanager
+def replacing(
+    path: Path, kind: type[InputError] = InputError, within: Path | None = None
+) -> Iterator[Path]:
+    """A draft for the block to write, which takes the place of `path` when the block is done.
+
+    It has the suffix of `path`. If anything fails, `path` is as it was and the draft is gone. A
+    link is followed inside the folder `within` (default: that of `path`) and refused if it leads
+    out of it. A device or a pipe is written as it is. Raises an error of this `kind` for whatever
+    the disk refuses.
+    """
+    target, kept = path, ""
+    try:
+        plain = check_target(path, kind, within)
+        if plain is None:
+            yield path
+            return
+        target, kept = plain, "; it is as it was before"
+        draft = _new_draft(target)
+        try:
+            yield draft
+            _finish(draft, target)
+        finally:
+            with contextlib.suppress(OSError):
+                draft.unlink(missing_ok=True)
+    except BrokenPipeError:
+        raise
+    except (OSError, RuntimeError) as error:  # RuntimeError: a loop of links
+        reason = getattr(error, "strerror", None) or error
+        raise kind(f"{path}: cannot be written: {reason}{kept}") from None
+    sync_folder(target.parent)
+
+
+def remove(made: Sequence[Path]) -> None:
+    """Delete files and folders that were just made, the last first; folders in use stay."""
+    for path in reversed(made):
+        with contextlib.suppress(OSError):
+            path.rmdir() if path.is_dir() else path.unlink(missing_ok=True)
+
+
+def make_folder(folder: Path) -> list[Path]:
+    """Make a folder and those above it; return those that were not there, parents first."""
+    made: list[Path] = []
+    try:
+        for missing in [f for f in (folder, *folder.parents) if not f.exists()][::-1]:
+            missing.mkdir(exist_ok=True)
+            made.append(missing)
+    except OSError:
+        remove(made)
+        raise
+    return made
+
+
+@contextmanager
+def made_folder(folder: Path) -> Iterator[None]:
+    """A folder for the block to write into; if that fails, it goes again where it was not there."""
+    made = make_folder(folder)
+    try:
+        yield
+    except BaseException:
+        remove(made)
+        raise
+
+
+@contextmanager
+def locked(folder: Path, kind: type[InputError] = InputError) -> Iterator[None]:
+    """Keep every other wheelhop from changing what is in `folder` while the block reads and writes.
+
+    The lock ends with the process, however that ends. Raises an error of this `kind` if another
+    process holds it for longer than a minute.
+    """
+    lock = _open_lock(folder)
+    try:
+        until_s = time.monotonic() + PATIENCE_S
+        while not _take(lock):
+            if time.monotonic() > until_s:
+                raise kind(f"{folder}: another wheelhop is changing it: try again when it is done")
+            time.sleep(POLL_S)
+        yield
+    finally:
+        os.close(lock)
+
+
+def is_draft(path: Path) -> bool:
+    """Whether a file is a draft that a power cut has left behind."""
+    return path.name.startswith(DRAFT)
+
+
+def quoted(text: str) -> str:
+    """A text as a basic string of TOML: a JSON string is one, once DEL is escaped too."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def check_target(
+    path: Path, kind: type[InputError] = InputError, within: Path | None = None
+) -> Path | None:
+    """The plain file that `replacing` would replace; None for what is written as it is.
+
+    Raises an error of this `kind` for a folder, a file in a folder that is not there, a link out of
+    the folder `within`, and a file that is read-only.
+    """
+    place = Path(os.path.abspath(path))
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        mode = stat.S_IFREG
+    if stat.S_ISDIR(mode):
+        raise kind(f"{path}: is a folder; give the name of a file to write")
+    if not stat.S_ISREG(mode) or place.is_relative_to("/dev"):  # /dev/stdout may be a file
+        return None
+    target, folder = place.resolve(), (within or place.parent).resolve()
+    if not target.is_relative_to(folder):
+        raise kind(
+            f"{path}: is a link out of its folder, to {target}: delete the link, or name that file"
+        )
+    if not target.parent.is_dir():
+        raise kind(f"{path}: cannot be written, there is no folder {path.parent}")
+    if target.exists() and not os.access(target, os.W_OK):
+        raise kind(f"{path}: cannot be written: it is read-only")
+    return target
+
+
+def _new_draft(target: Path) -> Path:
+    draft = target.with_name(f"{DRAFT}{secrets.token_hex(6)}{target.suffix}")
+    os.close(os.open(draft, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+    return draft
+
+
+def _finish(draft: Path, target: Path) -> None:
+    if target.exists():
+        draft.chmod(stat.S_IMODE(target.stat().st_mode))
+    file = os.open(draft, os.O_RDWR)
+    try:
+        os.fsync(file)
+    except OSError as error:
+        if error.errno not in CANNOT_SYNC:  # some file systems have nothing to bring to a disk
+            raise
+    finally:
+        os.close(file)
+    os.replace(draft, target)
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring to the disk which names the files in `folder` have, if the system can.
+
+    What is in the files is safe by then, and the names are whole before and after: like SQLite, we
+    do not call a file unwritten because of them.
+    """
+    if sys.platform != "win32":  # there names are in NTFS's journal; a folder cannot be opened
+        with contextlib.suppress(OSError):
+            file = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(file)
+            finally:
+                os.close(file)
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _open_lock(folder: Path) -> int:
+        return _lock_file(folder)
+
+    def _take(lock: int) -> bool:
+        try:
+            msvcrt.locking(lock, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+
+else:
+    import fcntl
+
+    def _open_lock(folder: Path) -> int:
+        """The folder itself, so that nothing is left in it; where folders cannot be locked (NFS),
+        a file that stands for it on this computer."""
+        lock = os.open(folder, os.O_RDONLY)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            fcntl.flock(lock, fcntl.LOCK_UN)
+        except OSError as error:
+            if error.errno in CANNOT_LOCK:
+                os.close(lock)
+                return _lock_file(folder)
+        return lock
+
+    def _take(lock: int) -> bool:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+
+def _lock_file(folder: Path) -> int:
+    name = hashlib.sha256(os.fsencode(folder.resolve())).hexdigest()[:16]
+    return os.open(
+        Path(tempfile.gettempdir()) / f"wheelhop-{name}.lock", os.O_CREAT | os.O_RDWR, 0o666
+    )

@@ -1,0 +1,259 @@
+"""Run one command of wheelhop again and again on a disk that fails at another place each time.
+
+Started with faults.c preloaded: `python fault_driver.py SCENARIO FOLDER`. Each attempt is a forked
+child, so that nothing it leaves in memory helps the next one. Prints how many places were tried.
+"""
+
+import ctypes
+import os
+import shutil
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from tests.campaign.build import write_campaign
+from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.cli.main import main, module_of
+from wheelhop.files import is_draft
+from wheelhop.logger.recording import Channel, Recording
+
+OFF, ONCE, FOREVER, CUT = range(4)
+NAMES = {ONCE: "once", FOREVER: "forever", CUT: "cut"}
+POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
+WASHBOARD = ("--track", "washboard", "amplitude_mm=15", "pitch_mm=400", "--speed-kmph", "7.5")
+ENDED_BY_A_CUT = 137
+
+disk = ctypes.CDLL(None)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """`prepare` fills a folder, `command` is what is run in it; `whole`: its files belong together,
+    and are all of before or all of after; else that holds of each of them alone."""
+
+    prepare: Callable[[Path], object]
+    command: Callable[[Path], list[str]]
+    whole: bool = True
+
+
+def recording_in(folder: Path, suffix: str = ".csv", seed: int = 1) -> Path:
+    from wheelhop.exchange import write
+
+    values = np.random.default_rng(seed).normal(0, 3, (600, 8)).round(3)
+    file = folder / f"source{suffix}"
+    write(Recording(values, 100.0, tuple(Channel(p, "m/s²") for p in POINTS)), file)
+    return file
+
+
+def two_recordings(folder: Path) -> None:
+    recording_in(folder)
+    recording_in(folder, ".uff", 2)
+
+
+def fitted(folder: Path) -> None:
+    """A campaign whose fit is known already: what is tested is how it is written down."""
+    import wheelhop.cli.add as add
+    import wheelhop.cli.compare as compare
+    from wheelhop.diagnose.added import steps_with
+    from wheelhop.report import reports
+    from wheelhop.report.page import write_page
+    from wheelhop.vehicle import read_nominal
+
+    write_campaign(folder)
+    campaign = read_campaign(folder)
+    steps = steps_with(campaign, read_nominal(campaign), [], lambda text: None)
+    pages: list[tuple[str, list[str]]] = []
+    reports.write_page = lambda path, name, body: pages.append((name, list(body)))
+    reports.write_comparison_report(folder / "page", campaign, steps)
+    name, body = pages[0]
+    for module in (add, compare):
+        module.steps_with = lambda *rest: steps
+    compare._driven_by_axles = lambda *rest: None
+    compare.write_comparison_report = lambda path, *rest: write_page(path, name, body)
+
+
+def fitted_before(folder: Path) -> None:
+    fitted(folder)
+    for name in ("x.json", "x.html", "model.toml"):
+        (folder / name).write_text("of before\n")
+
+
+def begun(folder: Path) -> None:
+    source = recording_in(folder)
+    assert main(["campaign", "new", str(folder / "c"), str(source)]) == 0
+    added = ["campaign", "add", str(folder / "c"), str(source), "--id", "first", *WASHBOARD]
+    assert main(added) == 0
+
+
+def logged(folder: Path) -> None:
+    from tests.logger.session import random_sums, session
+
+    (folder / "card.img").write_bytes(session(random_sums()))
+
+
+def calibrated(folder: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from tests.calibration.test_calibrate_command import SENSORS
+    from wheelhop.exchange import write
+    from wheelhop.hil_sim.rig_flip import flip_log
+
+    write(flip_log(SENSORS, np.random.default_rng(1), rest_s=20.0), folder / "flip.csv")
+    Figure.savefig = lambda self, file, **rest: Path(file).write_bytes(b"a picture" * 999)
+
+
+SCENARIOS = {
+    "campaign-new": Scenario(
+        recording_in,
+        lambda f: ["campaign", "new", f"{f}/deep/c", f"{f}/source.csv", "--title", "t"],
+    ),
+    "campaign-add": Scenario(
+        begun,
+        lambda f: [
+            *("campaign", "add", f"{f}/c", f"{f}/source.csv", "--from", "1", "--id", "next"),
+            *WASHBOARD,
+        ],
+    ),
+    **{
+        f"convert-{suffix}": Scenario(
+            recording_in,
+            lambda f, suffix=suffix: ["convert", f"{f}/source.csv", f"{f}/new.{suffix}"],
+        )
+        for suffix in ("csv", "parquet", "uff")
+    },
+    "convert-force": Scenario(
+        two_recordings,
+        lambda f: ["convert", f"{f}/source.uff", f"{f}/source.csv", "--force"],
+    ),
+    "import": Scenario(
+        recording_in,
+        lambda f: ["import", f"{f}/source.csv", "--out", f"{f}/imported"],
+    ),
+    "compare": Scenario(
+        fitted_before,
+        lambda f: ["compare", str(f), "--json", f"{f}/x.json", "--report", f"{f}/x.html"],
+        whole=False,
+    ),
+    "add": Scenario(fitted_before, lambda f: ["add", str(f), "dry-friction"]),
+    "recover": Scenario(logged, lambda f: ["recover", f"{f}/card.img", "--into", f"{f}/saved"]),
+    "calibrate": Scenario(
+        calibrated,
+        lambda f: [*("calibrate", "--flip", f"{f}/flip.csv", "--out", f"{f}/calibration.toml")],
+        whole=False,
+    ),
+}
+
+State = dict[str, bytes | None]
+
+
+def state(folder: Path, drafts: bool = True) -> State:
+    """Every file with its bytes, every folder; drafts that a power cut has left if wanted."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
+        for path in sorted(folder.rglob("*"))
+        if drafts or not is_draft(path)
+    }
+
+
+def as_read(folder: Path) -> State:
+    """What the files mean: of a campaign those that campaign.toml names, else all."""
+    if not (folder / "c").is_dir():
+        return {
+            name: data
+            for name, data in state(folder, drafts=False).items()
+            # A header without samples says nothing, a campaign begins with campaign.toml.
+            if not (name.endswith(".toml") and name[:-5].endswith((".csv", ".uff")))
+            and not (name.startswith("deep") and not (folder / "deep/c/campaign.toml").exists())
+            and not (data is None and name in ("saved", "imported"))
+        }
+    try:
+        campaign = read_campaign(folder / "c")
+    except CampaignError as error:
+        return {"error": str(error).encode()}
+    return {"toml": (folder / "c/campaign.toml").read_bytes()} | {
+        run.id: run.file.read_bytes() for run in campaign.runs
+    }
+
+
+def attempt(words: list[str], mode: int, place: int, said: Path) -> tuple[int, str, int]:
+    """Exit status, what was said on stderr, and how many calls changed the disk."""
+    counted, count = os.pipe()
+    child = os.fork()
+    if child == 0:
+        out = os.open(said, os.O_CREAT | os.O_TRUNC | os.O_WRONLY)
+        os.dup2(out, 2)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        status = 1
+        try:
+            disk.fault_arm(mode, ctypes.c_long(place))
+            status = main(words)
+            disk.fault_calls.restype = ctypes.c_long
+            os.write(count, str(disk.fault_calls()).encode())
+        except BaseException:
+            import traceback
+
+            traceback.print_exc()
+        finally:
+            sys.stderr.flush()
+            os._exit(status)
+    os.close(count)
+    calls = int(os.read(counted, 32) or b"0")
+    os.close(counted)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said.read_text(), calls
+
+
+def run(scenario: Scenario, top: Path) -> int:
+    """Fail every call in turn in every way; return how many attempts that were."""
+    folder, kept, said = top / "disk", top / "kept", top / "said"
+    folder.mkdir()
+    scenario.prepare(folder)
+    shutil.copytree(folder, kept)
+    words = scenario.command(folder)
+    for module in (f"wheelhop.cli.{module_of(words[0])}", "pyarrow.parquet", "pyuff"):
+        import_module(module)  # here, and not in every child
+    before, before_read = state(folder), as_read(folder)
+    status, error, calls = attempt(words, OFF, 0, said)
+    assert status == 0, error
+    after, after_read = state(folder), as_read(folder)
+    assert after != before and calls > 3, calls
+    tried = 0
+    for mode, name in NAMES.items():
+        for place in range(calls):
+            where = f"call {place} of {calls} fails {name}"
+            shutil.rmtree(folder)
+            shutil.copytree(kept, folder)
+            status, error, _ = attempt(words, mode, place, said)
+            check_status(mode, status, error, where)
+            now = state(folder, drafts=mode == ONCE)
+            if not scenario.whole:
+                for file in {**before, **now}:
+                    assert now.get(file) in (before.get(file), after.get(file)), (where, file)
+            elif mode == ONCE:
+                assert now in (before, after), (where, sorted(now), error)
+                assert status or now == after, where
+            else:
+                assert as_read(folder) in (before_read, after_read), (where, sorted(now))
+            if mode == CUT and now != after:  # and then the disk works again
+                status, error, _ = attempt(words, OFF, 0, said)
+                assert status == 0 or as_read(folder) == after_read, (where, error)
+                assert state(folder, drafts=False) == after, (where, error)
+            tried += 1
+    return tried
+
+
+def check_status(mode: int, status: int, error: str, where: str) -> None:
+    """A power cut says nothing; all else says what is wrong in a line, or does not matter."""
+    if mode == CUT:
+        assert status == ENDED_BY_A_CUT, (where, status, error)
+    else:
+        assert (status, error) == (0, "") or (
+            status == 2 and error.startswith("wheelhop: ") and error.count("\n") == 1
+        ), (where, status, error)
+
+
+if __name__ == "__main__":
+    print(run(SCENARIOS[sys.argv[1]], Path(sys.argv[2])))
