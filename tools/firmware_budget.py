@@ -50,7 +50,7 @@ def memory() -> list[Line]:
     return [
         Line("flash", f"{flash} B", "≤ 30720 B", flash <= 30720),
         Line("static RAM", f"{static} B of 2048", "≤ 1500 B", static <= 1500),
-        Line("RAM left by the deepest calls", f"{left} B", "≥ 300 B", left >= 300),
+        Line("RAM left by the deepest calls", f"{left} B", "≥ 256 B", left >= 256),
     ]
 
 
@@ -105,7 +105,7 @@ def life(folder: Path) -> list[Line]:
     idle = (after.idle_cycles - before.idle_cycles) / (seconds * CPU_HZ)
     written = 512 * (after.card_writes - before.card_writes) / seconds
     return [
-        Line("RAM never touched", f"{left} B", "≥ 300 B", left >= 300),
+        Line("RAM never touched", f"{left} B", "≥ 256 B", left >= 256),
         Line(
             "sampling jitter",
             f"{trace.conversion_jitter()} cycles",

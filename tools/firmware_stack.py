@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 ELF = ROOT / "build/firmware/nano/firmware.elf"
 RAM_END = 0x900  # of the ATmega328P
 RETURN_ADDRESS = 2
+PUSHES = 18  # of libgcc's shared prologue (-mcall-prologues): r2 to r17, r28 and r29
 
 # Calls through pointers: who calls, and whom.
 POINTERS = {
@@ -29,8 +30,13 @@ POINTERS = {
     "put_lines": {"report::header_line", "report::summary_line"},
 }
 # Chains that the code has and no run takes. FatFs makes a directory grow when it makes an entry,
-# which only logfile::create() asks for, not when it looks for one.
-NEVER = (("follow_path", "create_chain"), ("Session::meet", "f_open", "create_chain"))
+# which only logfile::create() asks for, not when it looks for one; and a file's chain when a place
+# behind its end is looked for, which is nowhere that recovery looks.
+NEVER = (
+    ("follow_path", "create_chain"),
+    ("Session::meet", "f_open", "create_chain"),
+    ("close", "f_lseek", "put_fat"),
+)
 
 
 class StackError(Exception):
@@ -76,11 +82,26 @@ def read(elf: Path) -> dict[int, Function]:
             if line.code not in ("call", "rcall", "jmp", "rjmp"):
                 continue
             target = jump_target(line)
-            if line.code == "rcall" and target == line.address + 2:
+            if "<__epilogue_restores__" in line.words:
+                continue
+            if "<__prologue_saves__" in line.words:
+                function.takes += shared_prologue(line, body)
+            elif line.code == "rcall" and target == line.address + 2:
                 function.takes += RETURN_ADDRESS  # a short way to make room for two bytes
             elif target:  # 0: a function that is not there
                 function.calls.add(starts[bisect_right(starts, target) - 1])
     return functions
+
+
+def shared_prologue(jump: Instruction, body: list[Instruction]) -> int:
+    """Bytes that libgcc's prologue takes: a push from where it is entered on, and the frame, which
+    the caller has put into r26 and r27."""
+    entered = re.search(r"<__prologue_saves__(?:\+0x([0-9a-f]+))?>", jump.words)
+    before = body[: body.index(jump)]
+    frame = {line.words.split(",")[0]: number(line) for line in before if line.code == "ldi"}
+    if entered is None or not {"r26", "r27"} <= frame.keys():
+        raise StackError(f"{jump.address:#x}: {jump.words}: which frame?")
+    return PUSHES - int(entered[1] or "0", 16) // 2 + (frame["r27"] << 8 | frame["r26"])
 
 
 def plain(name: str) -> str:

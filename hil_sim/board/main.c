@@ -119,7 +119,37 @@ static void set_card_times(const Request* request) {
     config->start_up = number(request, 3);
     config->pull_at = number(request, 4);
     config->write_protected = number(request, 5);
-    config->fault_count = 0;
+    config->sheet_latency = number(request, 6);
+    config->ignores_crc = number(request, 7);
+    config->fault_count = config->reply_fault_count = config->gap_count = 0;
+    memset(board.card.commands, 0, sizeof board.card.commands);
+    ok();
+}
+
+static bool has_room(size_t count) {
+    if (count < MAX_FAULTS) return true;
+    fprintf(control, "error more than %d faults\n", MAX_FAULTS);
+    return false;
+}
+
+// bad-reply COMMAND NTH REPLY
+static void add_bad_reply(const Request* request) {
+    CardConfig* config = &board.card.config;
+    if (!has_room(config->reply_fault_count)) return;
+    config->replies[config->reply_fault_count++] = (BadReply){
+        .command = (uint8_t)(number(request, 1) & 63),
+        .nth = number(request, 2),
+        .reply = (uint8_t)number(request, 3),
+    };
+    ok();
+}
+
+// loose FROM TO
+static void add_gap(const Request* request) {
+    CardConfig* config = &board.card.config;
+    if (!has_room(config->gap_count)) return;
+    config->gaps[config->gap_count++] =
+        (Interval){.from = number(request, 1), .to = number(request, 2)};
     ok();
 }
 
@@ -133,10 +163,7 @@ static void add_fault(const Request* request) {
     for (size_t i = 0; i < sizeof tails / sizeof *tails; i++)
         if (is(request, 4, tails[i])) fault.tail = (Tail)i;
     CardConfig* config = &board.card.config;
-    if (config->fault_count == MAX_FAULTS) {
-        fprintf(control, "error more than %d faults\n", MAX_FAULTS);
-        return;
-    }
+    if (!has_room(config->fault_count)) return;
     config->faults[config->fault_count++] = fault;
     ok();
 }
@@ -233,6 +260,8 @@ static const struct {
     {"card", insert_card},
     {"card-times", set_card_times},
     {"fault", add_fault},
+    {"bad-reply", add_bad_reply},
+    {"loose", add_gap},
     {"record", record},
     {"take-trace", take_trace},
     {"take-journal", take_journal},

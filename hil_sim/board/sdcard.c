@@ -75,7 +75,8 @@ static void begin_sending(SdCard* card, unsigned length, uint64_t now) {
     card->buffer[length + 1] = (uint8_t)crc;
     card->buffer_length = length + 2;
     card->buffer_used = 0;
-    card->data_at = now + card->config.read_latency;
+    card->data_at =
+        now + (length == BLOCK_SIZE ? card->config.read_latency : card->config.sheet_latency);
     card->state = CARD_SENDS;
 }
 
@@ -131,6 +132,14 @@ static void execute(SdCard* card, uint64_t now) {
         violation(card, "command with a wrong CRC");
         begin_reply(card, r1 | R1_CRC);
         return;
+    }
+    uint64_t nth = card->commands[number]++;
+    for (size_t i = 0; i < card->config.reply_fault_count; i++) {
+        const BadReply* bad = &card->config.replies[i];
+        if (bad->command == number && bad->nth == nth) {
+            begin_reply(card, bad->reply);
+            return;
+        }
     }
     if (number == 0 && card->clocks < CLOCKS_BEFORE_FIRST_COMMAND)
         violation(card, "CMD0 before 74 clocks with the card deselected");
@@ -210,7 +219,7 @@ static void execute(SdCard* card, uint64_t now) {
             reply(card, 0);
             break;
         case 59:
-            card->crc_on = argument & 1;
+            card->crc_on = argument & 1 && !card->config.ignores_crc;
             begin_reply(card, r1);
             break;
         default:
@@ -287,7 +296,22 @@ static uint8_t next_output(SdCard* card, bool busy, uint64_t now) {
     return byte;
 }
 
+// Whether the contacts are open. When they have closed again the card starts anew.
+static bool is_loose(SdCard* card, uint64_t now) {
+    for (size_t i = 0; i < card->config.gap_count; i++) {
+        Interval* gap = &card->config.gaps[i];
+        if (gap->over || now < gap->from) continue;
+        if (now < gap->to) return true;
+        gap->over = true;
+        bool power_cut = card->power_cut;
+        sdcard_power_on(card);
+        card->power_cut = power_cut;
+    }
+    return false;
+}
+
 uint8_t sdcard_exchange(SdCard* card, uint8_t in, uint64_t now, uint32_t byte_cycles) {
+    if (is_loose(card, now)) return FLOATING;
     bool pulled = card->config.pull_at && now >= card->config.pull_at;
     if (card->kind == CARD_NONE || pulled || card->power_cut) return FLOATING;
     if (!card->selected) {

@@ -29,6 +29,19 @@ typedef struct {
     uint64_t write, value;
 } Fault;
 
+// A command that is not carried out, and its answer: the `nth` of this number, counted from 0 since
+// the faults were set. 0xff: no answer.
+typedef struct {
+    uint8_t command, reply;
+    uint64_t nth;
+} BadReply;
+
+// Board times; afterwards the card has lost its power and is new.
+typedef struct {
+    uint64_t from, to;
+    bool over;
+} Interval;
+
 // Times in CPU cycles.
 typedef struct {
     Fault faults[MAX_FAULTS];
@@ -38,6 +51,12 @@ typedef struct {
     uint64_t write_busy;    // after every block
     uint64_t read_latency;  // before every block
     uint64_t start_up;      // from the first ACMD41 until the card is ready
+    uint64_t sheet_latency;  // before CSD and CID
+    bool ignores_crc;        // CMD59 is answered, and nothing else
+    BadReply replies[MAX_FAULTS];
+    size_t reply_fault_count;
+    Interval gaps[MAX_FAULTS];  // the contacts are open
+    size_t gap_count;
 } CardConfig;
 
 // One block as it was stored.
@@ -69,6 +88,7 @@ typedef struct {
     JournalEntry* journal;
     size_t journal_count, journal_capacity;
     uint64_t writes, reads;
+    uint64_t commands[64];  // of each number since the faults were set
     uint32_t violations;  // of the protocol, by the host
     const char* last_violation;
 } SdCard;

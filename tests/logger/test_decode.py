@@ -316,3 +316,25 @@ def test_parts_of_a_long_session_fit_together(tmp_path, monkeypatch):
     values = np.concatenate([part.values for part in parts])
     assert np.allclose(values, whole.values, rtol=0, atol=1e-9, equal_nan=True)
     assert np.concatenate([part.time_s for part in parts]) == pytest.approx(whole.time_s)
+
+
+@pytest.mark.parametrize("first", [2**32 - 100, 2**32 - 37, 2**32 - 1])
+def test_scan_numbers_may_pass_two_to_the_thirty_two(first):
+    """A card that was away for months: everything before the first block behind it is lost."""
+    sums, healthy = random_sums(300), blocks_of(session(SUMS[:37], close=False))
+    starts = range(0, 300, 37)
+    for k, at in enumerate(starts):
+        lost = first - 37 + (5 if k >= 4 else 0)  # and five more that are lost on the way
+        number = first + at + (5 if k >= 4 else 0)
+        place = {"first_scan": number % 2**32, "lost": lost % 2**32}
+        rows = sums[at : at + 37]
+        healthy.append(
+            pack_block(b"D", SESSION, 2 + k, count=len(rows), payload=pack_scans(rows), **place)
+        )
+    log = read_log(b"".join(healthy))
+    assert log.written == 337 and log.damage == ()
+    assert log.due == first + 305
+    found = np.concatenate([rows for _, rows in log.scans(first)])
+    assert np.array_equal(found, sums)
+    numbers = np.concatenate([numbers for numbers, _ in log.scans(first)])
+    assert numbers[0] == first and set(np.diff(numbers)) == {1, 6}

@@ -4,9 +4,9 @@
 
 namespace {
 
-// A damaged block must not be taken for the end: the session goes on if one of this many blocks is
-// good.
-const uint8_t kPatience = 4;
+// A damaged block must not be taken for the end. SPEC.md has readers look that far, and what they
+// find must not be cut off.
+const uint8_t kPatience = 64;
 
 bool read_block(FIL& file, uint32_t position, Block& block) {
     UINT count;
@@ -18,11 +18,11 @@ bool is_good(FIL& file, uint32_t session, uint32_t position, Block& block) {
     return read_block(file, position, block) && block.good(session, position);
 }
 
-// The last good block, found by halving: good blocks come first, whatever is behind them is not
-// good.
-uint32_t last_good(FIL& file, uint32_t session, uint32_t blocks, Block& block) {
+// The last good block, found by halving. Behind `end` there are always kPatience blocks that are not
+// good, or the end of the file: no reader gets past them.
+inline __attribute__((always_inline)) uint32_t last_good(FIL& file, uint32_t session, uint32_t blocks, Block& block) {
     uint32_t good = 0;
-    uint32_t end = blocks;  // no block from here on is good
+    uint32_t end = blocks;
     while (end - good > 1) {
         const uint32_t middle = good + (end - good) / 2;
         uint32_t probe = middle + kPatience < end ? middle + kPatience : end;
@@ -36,34 +36,45 @@ uint32_t last_good(FIL& file, uint32_t session, uint32_t blocks, Block& block) {
     return good;
 }
 
+// Write a summary behind the last good block, which is in `block` and at `end` − 1.
+__attribute__((noinline)) bool summarise(FIL& file, Block& block, uint32_t end,
+                                         logfile::Describe describe) {
+    const uint32_t session = block.session;
+    const uint32_t due = block.first_scan + block.count;
+    const uint32_t lost = block.lost;
+    const uint16_t late = block.late;
+    block.clear('S');
+    block.first_scan = due;
+    block.lost = lost;
+    block.late = late;
+    describe(block, due - lost);
+    block.seal(session, end);
+    UINT count;
+    return f_lseek(&file, end << 9) == FR_OK &&
+           f_write(&file, &block, sizeof block, &count) == FR_OK;
+}
+
+// Blocks of the file once it is closed; 0 if there is nothing to close.
+__attribute__((noinline)) uint32_t closed_size(FIL& file, Block& block, uint16_t number,
+                                               logfile::Describe describe) {
+    const uint32_t blocks = static_cast<uint32_t>(f_size(&file) >> 9);
+    if (!blocks || !read_block(file, 0, block)) return 0;
+    const uint32_t session = block.session;
+    if (!block.good(session, 0) || block.kind != 'H' || session >> 16 != number) return 0;
+    if (is_good(file, session, blocks - 1, block) && block.kind == 'S') return 0;
+
+    const uint32_t end = last_good(file, session, blocks, block) + 1;
+    if (!is_good(file, session, end - 1, block)) return 0;
+    if (block.kind == 'S' || end == blocks) return end;
+    return summarise(file, block, end, describe) ? end + 1 : 0;
+}
+
 // Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
 __attribute__((noinline)) bool close(const FIL& opened, Block& block, uint16_t number,
                                      logfile::Describe describe) {
     FIL file = opened;  // `block` may lie in its memory
-    const uint32_t blocks = static_cast<uint32_t>(f_size(&file) >> 9);
-    if (!blocks || !read_block(file, 0, block)) return false;
-    const uint32_t session = block.session;
-    if (!block.good(session, 0) || block.kind != 'H' || session >> 16 != number) return false;
-    if (is_good(file, session, blocks - 1, block) && block.kind == 'S') return false;
-
-    uint32_t end = last_good(file, session, blocks, block) + 1;
-    if (!is_good(file, session, end - 1, block)) return false;
-    if (block.kind != 'S' && end < blocks) {
-        const uint32_t due = block.first_scan + block.count;
-        const uint32_t lost = block.lost;
-        const uint16_t late = block.late;
-        block.clear('S');
-        block.first_scan = due;
-        block.lost = lost;
-        block.late = late;
-        describe(block, due - lost);
-        block.seal(session, end);
-        UINT count;
-        if (f_lseek(&file, end << 9) != FR_OK) return false;
-        if (f_write(&file, &block, sizeof block, &count) != FR_OK) return false;
-        ++end;
-    }
-    return logfile::cut_file(file, end << 9) == FR_OK;
+    const uint32_t blocks = closed_size(file, block, number, describe);
+    return blocks && logfile::cut_file(file, blocks << 9) == FR_OK;
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ const uint16_t kBusyLimitMs = 2000;   // the standard allows 250 ms, SDXC 500 ms
 const uint16_t kReadLimitMs = 100;
 
 const uint8_t kIdle = 0x01;
+const uint8_t kIllegal = 0x04;
 const uint8_t kNoAnswer = 0xFF;
 const uint16_t kNoStatus = 0xFFFF;
 const uint8_t kDataToken = 0xFE;
@@ -38,7 +39,9 @@ void SdCard::begin() {
     board::card_select(false);
     for (uint8_t k = 0; k < 10; ++k) receive_byte();  // at least 74 clocks
     state_ = Starting;
-    awake_ = checks_ = protected_ = false;
+    step_ = Reset;
+    traits_ = 0;
+    protected_ = false;
     since_ms_ = static_cast<uint16_t>(board::milliseconds());
 }
 
@@ -153,41 +156,83 @@ bool SdCard::wait_for(uint8_t token) {
 }
 
 bool SdCard::receive(void* data, uint16_t size) {
-    if (!wait_for(kDataToken)) return false;
+    return wait_for(kDataToken) && receive_data(data, size);
+}
+
+bool SdCard::receive_data(void* data, uint16_t size) {
     const uint16_t crc = board::spi_receive(static_cast<uint8_t*>(data), size);
     uint16_t told = static_cast<uint16_t>(receive_byte() << 8);
     told |= receive_byte();
-    return !checks_ || crc == told;
+    return !(traits_ & kChecks) || crc == told;
 }
 
+// One question to a card that starts. It stays selected while it looks for a sheet.
 void SdCard::start() {
     board::card_select(true);
-    if (!awake_) {
-        if (command(0, 0) == kIdle) {
-            awake_ = true;
-            version_2_ = command(8, 0x1AA) == kIdle;
+    bool right = true;
+    switch (step_) {
+        case Reset:
+            if (command(0, 0) != kIdle) break;
+            if (command(8, 0x1AA) == kIdle) traits_ = kVersion2;
             for (uint8_t k = 0; k < 4; ++k) receive_byte();
-        }
-    } else if (application_command(41, version_2_ ? 0x40000000 : 0) == 0) {
-        identify();
+            step_ = PowerUp;
+            break;
+        case PowerUp:
+            if (application_command(41, traits_ ? 0x40000000 : 0) == 0) step_ = Traits;
+            break;
+        case Traits:
+            right = ask_for_traits();
+            board::spi_fast(true);
+            right = right && command(9, 0) == 0;
+            since_ms_ = static_cast<uint16_t>(board::milliseconds());
+            step_ = SpecificData;
+            break;
+        default:
+            right = take_sheet();
     }
-    deselect();
+    if (!right) fall();
+    if (state_ != Starting || step_ < SpecificData) deselect();
 }
 
-void SdCard::identify() {
-    by_sector_ = version_2_ && command(58, 0) == 0 && (receive_byte() & 0x40);
-    if (version_2_) {
+// Answers that are not clear are no answers: a card of 2 GB and more that is taken for a smaller
+// one gets its blocks at addresses 512 times too high.
+bool SdCard::ask_for_traits() {
+    if (traits_ & kVersion2) {
+        if (command(58, 0) != 0) return false;
+        if (receive_byte() & 0x40) traits_ |= kBySector;
         for (uint8_t k = 0; k < 3; ++k) receive_byte();
     }
-    checks_ = command(59, 1) == 0;
-    if (!by_sector_) command(16, 512);
-    board::spi_fast(true);
+    const uint8_t answer = command(59, 1);
+    if (answer == 0) {
+        traits_ |= kChecks;
+    } else if (answer != kIllegal) {
+        return false;
+    }
+    return traits_ & kBySector || command(16, 512) == 0;
+}
+
+// The card's specific data, then its identification: 16 bytes each, when the card has them ready.
+bool SdCard::take_sheet() {
+    const uint8_t token = receive_byte();
+    if (token == 0xFF) return elapsed() < kReadLimitMs;
     uint8_t sheet[16];
-    if (command(9, 0) != 0 || !receive(sheet, sizeof sheet)) return fall();
-    protected_ = sheet[14] & 0x30;  // permanently or for the time being
-    if (command(10, 0) != 0 || !receive(sheet, sizeof sheet)) return fall();
-    id_ = crc16(sheet, sizeof sheet);
+    if (token != kDataToken || !receive_data(sheet, sizeof sheet)) return false;
+    if (step_ == SpecificData) {
+        // The structure's version is another witness of how the card counts.
+        if ((sheet[0] >> 6 != 0) != ((traits_ & kBySector) != 0)) return false;
+        protected_ = sheet[14] & 0x30;  // permanently or for the time being
+        receive_byte();
+        if (command(10, 0) != 0) return false;
+        since_ms_ = static_cast<uint16_t>(board::milliseconds());
+        step_ = Identification;
+        return true;
+    }
+    const uint16_t id = crc16(sheet, sizeof sheet);
+    if (known_traits_ && id == id_ && traits_ != (known_traits_ & ~kKnown)) return false;
+    id_ = id;
+    known_traits_ = traits_ | kKnown;
     state_ = Ready;
+    return true;
 }
 
 // The card is not busy any more, or not there: its status tells.

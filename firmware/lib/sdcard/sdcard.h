@@ -1,12 +1,14 @@
 #pragma once
 #include <stdint.h>
 
-// An SD or SDHC card on SPI. Nothing here waits for a busy card: poll() asks it once and returns.
+// An SD or SDHC card on SPI. Nothing here waits for a card that is busy or starts: poll() asks it
+// once and returns.
 //
 //     Down ── begin() ──> Starting ── poll() … ──> Ready ── write() ──> Busy ── poll() … ──> Ready
 //
-// From every state a card that does not answer leads to Down. Commands and data carry CRCs, and the
-// card's status is asked for after every write.
+// From every state a card that does not answer leads to Down, and so does one that contradicts
+// itself while it starts. Commands and data carry CRCs, and the card's status is asked for after
+// every write.
 class SdCard {
   public:
     enum State : uint8_t { Down, Starting, Ready, Busy };
@@ -43,22 +45,33 @@ class SdCard {
     uint16_t status();
     bool wait_for(uint8_t token);
     bool receive(void* data, uint16_t size);
+    bool receive_data(void* data, uint16_t size);
     void start() __attribute__((noinline));
     void ask_if_busy();
-    void identify();
+    bool ask_for_traits();
+    bool take_sheet();
     void check_write();
     void deselect();
-    uint32_t address(uint32_t sector) const { return by_sector_ ? sector : sector << 9; }
+    uint32_t address(uint32_t sector) const {
+        return traits_ & kBySector ? sector : sector << 9;
+    }
     uint16_t elapsed() const;
     void fall() { state_ = Down; }
 
-    uint16_t since_ms_ = 0;  // when Starting or Busy began
+    // What is asked for next while Starting. Before the sheets the card's answers are short.
+    enum Step : uint8_t { Reset, PowerUp, Traits, SpecificData, Identification };
+
+    static const uint8_t kVersion2 = 1;
+    static const uint8_t kBySector = 2;  // SDHC: addresses count sectors, not bytes
+    static const uint8_t kChecks = 4;    // CRCs are on
+    static const uint8_t kKnown = 8;     // known_traits_ are some card's
+
+    uint16_t since_ms_ = 0;  // when Starting or Busy began, or a sheet was asked for
     uint16_t id_ = 0;
     State state_ = Down;
-    bool awake_ = false;  // CMD0 was answered
-    bool version_2_ = false;
-    bool by_sector_ = false;  // SDHC: addresses count sectors, not bytes
-    bool checks_ = false;     // CRCs are on
+    Step step_ = Reset;
+    uint8_t traits_ = 0;        // of the card in the socket
+    uint8_t known_traits_ = 0;  // of the card with this id; 0: none was identified yet
     bool accepted_ = false;
     bool written_ = false;
     bool protected_ = false;

@@ -12,12 +12,13 @@ is part of the source tree only: the wheel does not contain it.
 
 from wheelhop.hil_sim.board import Board, Counters, Serial, Write
 from wheelhop.hil_sim.card import CardImage
-from wheelhop.hil_sim.faults import Faults, PowerCut
+from wheelhop.hil_sim.faults import BadReply, Faults, PowerCut
 from wheelhop.hil_sim.program import SimulationError
 from wheelhop.hil_sim.signals import Signals, constant, from_array, from_volts, ramp, sines
 from wheelhop.hil_sim.trace import Event, Trace
 
 __all__ = [
+    "BadReply",
     "Board",
     "CardImage",
     "Counters",

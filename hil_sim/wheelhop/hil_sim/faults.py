@@ -1,6 +1,6 @@
 """What goes wrong with the card, as plain configuration."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -22,6 +22,19 @@ class PowerCut:
 
 
 @dataclass(frozen=True)
+class BadReply:
+    """A command that the card does not carry out, and what it answers instead.
+
+    It is the `nth` command of this number, counted from 0 since the faults were set; 0xFF is no
+    answer at all.
+    """
+
+    command: int
+    nth: int = 0
+    reply: int = 0xFF
+
+
+@dataclass(frozen=True)
 class Faults:
     """Faults and times of the card. Writes are blocks, counted from 0 since it was inserted.
 
@@ -29,6 +42,10 @@ class Faults:
     `rejects`: writes refused with "crc" or "write" error; nothing is stored.
     `flips`: the bit, 0 … 4095, that is stored inverted.
     `pulled_at`: board time in seconds at which the card leaves its socket.
+    `bad_replies`: commands that fail. `bounces`: from and to, board times in seconds between which
+    the contacts are open; the card has lost its power by then.
+    `ignores_crc`: the card answers CMD59 and checks nothing.
+    `sheet_latency`: seconds before CSD and CID.
     `write_busy`, `read_latency`: seconds per block; `start_up`: from the first ACMD41 on.
     """
 
@@ -37,6 +54,10 @@ class Faults:
     flips: Mapping[int, int] = field(default_factory=dict)
     power_cut: PowerCut | None = None
     pulled_at: float | None = None
+    bad_replies: Sequence[BadReply] = ()
+    bounces: Sequence[tuple[float, float]] = ()
+    ignores_crc: bool = False
+    sheet_latency: float = 100e-6
     write_protected: bool = False
     write_busy: float = 300e-6
     read_latency: float = 100e-6
@@ -52,8 +73,17 @@ class Faults:
         pulled = 0 if self.pulled_at is None else max(1, cycles(self.pulled_at))
         yield (
             f"card-times {cycles(self.write_busy)} {cycles(self.read_latency)} "
-            f"{cycles(self.start_up)} {pulled} {int(self.write_protected)}"
+            f"{cycles(self.start_up)} {pulled} {int(self.write_protected)} "
+            f"{cycles(self.sheet_latency)} {int(self.ignores_crc)}"
         )
+        for bad in self.bad_replies:
+            if not (0 <= bad.command < 64 and 0 <= bad.reply < 256):
+                raise ValueError(f"faults: no command or no reply: {bad}")
+            yield f"bad-reply {bad.command} {bad.nth} {bad.reply}"
+        for start, end in self.bounces:
+            if end < start:
+                raise ValueError(f"faults: the contacts close at {end} s, before they open")
+            yield f"loose {cycles(start)} {cycles(end)}"
         for write, seconds in self.stalls.items():
             yield f"fault stall {write} {cycles(seconds)}"
         for write, error in self.rejects.items():

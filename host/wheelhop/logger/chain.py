@@ -2,7 +2,8 @@
 
 In every block first_scan = (scans in all data blocks before) + lost, so first_scan − lost counts
 the scans that were written before it: exactly those of the blocks before, plus what the blocks
-between that are not good have held, at most their capacity. `lost` and `late` only grow.
+between that are not good have held, at most their capacity. `lost` and `late` only grow. Counts of
+scans are modulo 2³²: one that falls by more than half a round has begun the next.
 """
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from wheelhop.logger.block import DATA
 
 PIECE = 1 << 16
+ROUND = 1 << 32  # of scan numbers
 JURY = 8  # blocks ahead that say which of two that contradict each other is false
 BLOCK, WRITTEN, LOST, LATE, COUNT = range(5)  # columns below; WRITTEN is before the block
 
@@ -37,6 +39,16 @@ def agreeing(facts: NDArray[np.void], capacity: int) -> NDArray[np.bool_]:
     return sane
 
 
+def unrolled(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return counts of scans (n,), given modulo 2³² in file order, without the jumps back."""
+    return numbers + ROUND * np.cumsum(np.diff(numbers, prepend=numbers[:1]) < 0)
+
+
+def _nearest(difference: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Differences modulo 2³², the nearer way round."""
+    return (difference + ROUND // 2) % ROUND - ROUND // 2
+
+
 def _rows(facts: NDArray[np.void]) -> NDArray[np.int64]:
     written = facts["first_scan"] - facts["lost"]
     return np.column_stack(
@@ -49,8 +61,9 @@ def _follow(
 ) -> NDArray[np.bool_]:
     """Whether blocks can stand behind others."""
     room = np.maximum(after[..., BLOCK] - before[..., BLOCK] - 1, 0) * capacity
-    more = after[..., WRITTEN] - before[..., WRITTEN] - before[..., COUNT]
-    grown = (after[..., LOST] >= before[..., LOST]) & (after[..., LATE] >= before[..., LATE])
+    more = _nearest(after[..., WRITTEN] - before[..., WRITTEN] - before[..., COUNT])
+    more_lost = after[..., LOST] - before[..., LOST]
+    grown = ((more_lost >= 0) | (_nearest(more_lost) >= 0)) & (after[..., LATE] >= before[..., LATE])
     fits: NDArray[np.bool_] = grown & (more >= 0) & (more <= room)
     return fits
 

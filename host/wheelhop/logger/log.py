@@ -15,6 +15,7 @@ from wheelhop.logger.block import (
     scans_per_block,
     unpack_scans,
 )
+from wheelhop.logger.chain import ROUND
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.recording import CODE, Channel, Recording
 from wheelhop.logger.settings import (
@@ -150,7 +151,7 @@ class Log:
             raise LoggerError(f"{self.name}: became shorter while it was read: try again")
 
     def _check_same(self, facts: NDArray[np.void], fields: NDArray[np.void]) -> None:
-        same = (fields["first_scan"] == facts["first_scan"]) & (fields["count"] == facts["count"])
+        same = (fields["first_scan"] == facts["first_scan"] % ROUND) & (fields["count"] == facts["count"])
         same &= fields["session"] == self.session
         if not same.all():
             offset = int(facts["block"][~same][0]) * BLOCK_BYTES

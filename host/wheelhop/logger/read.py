@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, SUMMARY, parse_text
-from wheelhop.logger.chain import agreeing
+from wheelhop.logger.chain import agreeing, unrolled
 from wheelhop.logger.log import Damage, Log
 from wheelhop.logger.settings import block_capacity, find_settings
 from wheelhop.logger.survey import Progress, Verdict, open_source, pieces, survey
@@ -39,6 +39,8 @@ def read_log(
     closings = np.flatnonzero(facts["kind"] == SUMMARY[0])
     if len(closings):
         facts = facts[: closings[0] + 1]
+    for count in ("first_scan", "lost"):
+        facts[count] = unrolled(facts[count])
     last = facts[-1:] if len(facts) else np.zeros(1, facts.dtype)
     end = int(last["block"][0]) + 1
     data = facts[facts["kind"] == DATA[0]]

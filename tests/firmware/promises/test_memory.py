@@ -5,7 +5,7 @@ from tools import firmware_stack
 from wheelhop.hil_sim import CardImage
 
 ENTRIES = 16  # of a directory, in a cluster of one block
-SPARE = 300  # bytes of RAM that shall never be touched
+SPARE = 256  # bytes of RAM that shall never be touched
 
 
 def test_the_deepest_life_found_comes_close_to_the_deepest_chain_of_calls(elf, logger, tmp_path):

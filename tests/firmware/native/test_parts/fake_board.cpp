@@ -65,14 +65,47 @@ uint8_t Card::exchange(uint8_t sent) {
 void Card::answer_block(const uint8_t* data, size_t size) {
     answer(0xFF);
     answer(0xFE);
-    for (size_t k = 0; k < size; ++k) answer(data[k]);
+    const bool wrong = disturb_read && size == 512;
+    if (wrong) --disturb_read;
+    for (size_t k = 0; k < size; ++k) answer(wrong && k == 77 ? data[k] ^ 4 : data[k]);
     const uint16_t crc = crc16(data, size);
     answer(static_cast<uint8_t>(crc >> 8));
     answer(static_cast<uint8_t>(crc));
 }
 
+// Registers may come late.
+void Card::answer_sheet(const uint8_t* data) {
+    for (uint32_t k = 0; k < sheet_late_us / 2; ++k) answer(0xFF);
+    answer_block(data, 16);
+}
+
+uint8_t Card::crc7() const {
+    uint8_t crc = 0;
+    for (int k = 0; k < 5; ++k) {
+        for (int bit = 7; bit >= 0; --bit) {
+            const bool high = (crc >> 6 & 1) != (in_[k] >> bit & 1);
+            crc = static_cast<uint8_t>(crc << 1 & 0x7F) ^ (high ? 9 : 0);
+        }
+    }
+    return static_cast<uint8_t>(crc << 1 | 1);
+}
+
 void Card::command() {
     const uint8_t index = in_[0] & 63;
+    ++commands[index];
+    if ((checks_ || index == 0 || index == 8) && in_[5] != crc7()) {
+        in_.clear();
+        answer(0xFF);
+        answer(idle_ ? 9 : 8);
+        return;
+    }
+    if (index == bad_command && bad_replies) {
+        --bad_replies;
+        in_.clear();
+        answer(0xFF);
+        answer(bad_reply);
+        return;
+    }
     const uint32_t argument =
         static_cast<uint32_t>(in_[1]) << 24 | in_[2] << 16 | in_[3] << 8 | in_[4];
     const bool application = application_;
@@ -94,13 +127,14 @@ void Card::command() {
             break;
         case 9:
             answer(ready);
+            sheet[0] = by_sector && !sheet_says_bytes ? 0x40 : 0;  // version of the structure
             sheet[14] = write_protected ? 0x10 : 0;
-            answer_block(sheet, sizeof sheet);
+            answer_sheet(sheet);
             break;
         case 10:
             answer(ready);
             sheet[9] = serial_number;
-            answer_block(sheet, sizeof sheet);
+            answer_sheet(sheet);
             break;
         case 13:
             answer(ready);
@@ -129,8 +163,8 @@ void Card::command() {
             for (int k = 0; k < 3; ++k) answer(0);
             break;
         case 59:
-            checks_ = argument & 1;
-            answer(ready);
+            checks_ = knows_checks && argument & 1;
+            answer(knows_checks ? ready : 4 | ready);
             break;
         default:
             answer(index == 16 ? ready : 4 | ready);
@@ -139,6 +173,7 @@ void Card::command() {
 
 void Card::store() {
     const uint16_t crc = static_cast<uint16_t>(in_[513] << 8 | in_[514]);
+    if (disturb) --disturb, in_[301] ^= 0x10;
     const bool right = !checks_ || crc == crc16(&in_[1], 512);
     receiving_ = false;
     busy_until_us_ = now_us + busy_us;

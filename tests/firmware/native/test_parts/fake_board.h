@@ -29,6 +29,16 @@ struct Card {
     int refuse = 0;          // so many of the next writes
     int fail_later = 0;      // accept them, and fail afterwards
     int writes = 0;
+    int commands[64] = {};       // how often each came
+    int bad_replies = 0;         // so many of the next answers to `bad_command` are `bad_reply`,
+    uint8_t bad_command = 0;     // and the command is not carried out
+    uint8_t bad_reply = 0xFF;    // 0xFF: no answer
+    uint32_t sheet_late_us = 0;  // before CSD and CID
+    bool sheet_says_bytes = false;  // whatever the card does
+    bool knows_checks = true;       // CMD59
+    int disturb = 0;                // so many of the next blocks arrive with a wrong bit,
+    int disturb_read = 0;           // or are read with one
+    bool checks() const { return checks_; }
 
     void select(bool selected);
     uint8_t exchange(uint8_t sent);
@@ -37,6 +47,8 @@ struct Card {
   private:
     void answer(uint8_t byte) { out_.push_back(byte); }
     void answer_block(const uint8_t* data, size_t size);
+    void answer_sheet(const uint8_t* data);
+    uint8_t crc7() const;
     void command();
     void store();
 

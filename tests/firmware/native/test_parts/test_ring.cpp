@@ -71,6 +71,20 @@ TEST(skipped_numbers_begin_a_new_block_and_count_as_lost) {
     CHECK(rig.stored + rig.ring.lost() == rig.next + 1);
 }
 
+TEST(scans_behind_a_gap_wait_for_a_block_of_their_own) {
+    Rig rig;
+    rig.add(kCapacity + 5);  // one block waits, the other is partly full
+    rig.next += 4;
+    rig.add(3);  // there is no block for these
+    CHECK(rig.ring.lost() == 7 && rig.ring.depth() == kCapacity + 5);
+    rig.take();
+    rig.add(2);
+    rig.take();
+    rig.ring.finish(rig.next);
+    rig.take();
+    CHECK(rig.ring.lost() == 7 && rig.stored + rig.ring.lost() == rig.next);
+}
+
 TEST(a_block_that_failed_after_release_is_charged_to_all_that_follow) {
     Rig rig;
     rig.add(2 * kCapacity + 3 - 3);

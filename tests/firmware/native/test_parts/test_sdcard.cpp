@@ -95,3 +95,68 @@ TEST(another_card_has_another_id) {
     fake::card.serial_number = 2;
     CHECK(wake() && card.id() != id);
 }
+
+TEST(a_bad_reply_while_the_card_starts_is_card_down_and_never_another_addressing) {
+    for (bool by_sector : {true, false}) {
+        for (int command : {0, 8, 9, 10, 16, 55, 58, 59}) {
+            for (uint8_t reply : {0xFF, 0x08, 0x04, 0x7F, 0x01, 0x00}) {
+                fake::power_on();
+                fake::card.by_sector = by_sector;
+                CHECK(wake() && write(3, 0x33));
+                const uint16_t id = card.id();
+                fake::card.bad_command = static_cast<uint8_t>(command);
+                fake::card.bad_reply = reply;
+                fake::card.bad_replies = 1;
+                fake::card.lose_power();
+                if (!wake()) CHECK(card.state() == SdCard::Down && wake());
+                CHECK(card.id() == id);
+                CHECK(write(5, 0xA5) && fake::card.content[5 * 512] == 0xA5);
+                CHECK(fake::card.content[3 * 512] == 0x33);
+                // That a card says yes and does nothing cannot be seen from outside.
+                CHECK(fake::card.checks() || (command == 59 && reply == 0));
+            }
+        }
+    }
+}
+
+TEST(a_card_that_counts_otherwise_than_its_sheet_says_is_refused) {
+    fake::card.by_sector = true;
+    fake::card.sheet_says_bytes = true;
+    CHECK(!wake());
+    fake::card.by_sector = false;
+    CHECK(wake());
+}
+
+TEST(starting_never_waits_for_a_slow_sheet) {
+    for (uint32_t late_us : {0u, 20000u, 90000u, 400000u}) {
+        fake::power_on();
+        fake::card.sheet_late_us = late_us;
+        card.begin();
+        uint32_t longest = 0;
+        while (card.state() == SdCard::Starting) {
+            const uint32_t before = fake::now_us;
+            card.poll();
+            if (fake::now_us - before > longest) longest = fake::now_us - before;
+        }
+        CHECK(longest < 1000);
+        CHECK((card.state() == SdCard::Ready) == (late_us < 100000));
+    }
+}
+
+TEST(the_card_checks_what_it_is_sent) {
+    CHECK(wake() && fake::card.checks());
+    fake::card.disturb = 1;  // a bit of the next block, on its way
+    CHECK(!write(4, 0x44) && fake::card.content[4 * 512] != 0x44);
+    CHECK(write(4, 0x44) && fake::card.content[4 * 512] == 0x44);
+    fake::power_on();
+    fake::card.knows_checks = false;  // an old card: better without than not at all
+    CHECK(wake() && !fake::card.checks() && write(1, 1));
+}
+
+TEST(what_is_read_is_checked) {
+    CHECK(wake() && write(2, 0x22));
+    uint8_t data[512];
+    fake::card.disturb_read = 1;
+    CHECK(!card.read(2, data));
+    CHECK(card.read(2, data) && data[77] == 0x22);
+}

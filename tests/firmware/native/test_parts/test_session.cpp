@@ -204,6 +204,54 @@ TEST(a_session_that_a_reset_ended_is_closed_when_the_card_is_met_again) {
     }
 }
 
+// Long runs of damage: what SPEC.md's reader finds before the file is closed it finds afterwards.
+TEST(recovery_cuts_nothing_that_a_reader_reaches) {
+    if (!insert_card()) return;
+    const int blocks = 1200;
+    {
+        Rig rig;
+        CHECK(rig.session.start() == kNoTrouble);
+        rig.run(37 * blocks + 1);
+    }
+    const std::vector<uint8_t> intact = fake::card.content;
+    uint32_t seed = 5;
+    for (int round = 0; round < 40; ++round) {
+        fake::card.content = intact;
+        std::vector<bool> bad(blocks + 1);
+        if (round < 8) {  // where halving looks: the file has 2048 blocks
+            for (int k = 0; k < 63; ++k) {
+                for (int middle : {1024, 512, 1136, 1184}) {
+                    if (middle - 8 * round + k <= blocks) bad[middle - 8 * round + k] = true;
+                }
+            }
+        } else {
+            for (int runs = 12; runs; --runs) {
+                seed = seed * 1664525 + 1013904223;
+                for (uint32_t k = 0; k < (seed >> 8) % 64; ++k) {
+                    bad[1 + ((seed >> 14) + k) % blocks] = true;
+                }
+            }
+        }
+        for (size_t at = 0; at + 512 <= fake::card.content.size(); at += 512) {
+            uint8_t* block = &fake::card.content[at];
+            const int position = block[12] | block[13] << 8;
+            if (!memcmp(block, "HOP1D", 5) && position <= blocks && bad[position]) block[99] ^= 1;
+        }
+        uint32_t reached = 0;
+        for (uint32_t k = 1, row = 0; k <= static_cast<uint32_t>(blocks) && row < 64; ++k) {
+            row = bad[k] ? row + 1 : 0;
+            if (!row) reached = k;
+        }
+        Rig rig;
+        CHECK(rig.session.meet() == kNoTrouble);
+        File file;
+        Block block;
+        CHECK(file.open("HOP00001.HOP") && file.blocks() >= reached + 2);
+        CHECK(file.read(file.blocks() - 1, block) && block.kind == 'S');
+        CHECK(block.first_scan >= 37 * reached);
+    }
+}
+
 TEST(recovery_goes_on_over_damaged_blocks) {
     if (!insert_card()) return;
     {
