@@ -2,6 +2,8 @@
 
 from wheelhop.campaign.read import read_campaign
 from wheelhop.campaign.types import (
+    AXLE_POINTS,
+    BODY_POINTS,
     Campaign,
     CampaignError,
     Channel,
@@ -12,6 +14,8 @@ from wheelhop.campaign.types import (
 )
 
 __all__ = [
+    "AXLE_POINTS",
+    "BODY_POINTS",
     "Campaign",
     "CampaignError",
     "Channel",

@@ -1,0 +1,1 @@
+"""Transfer matrices from data."""
