@@ -61,12 +61,18 @@ G_RED = (
 G_11_STATIC = (4.1e60, 5.4e60)
 """Appendix A.4: last coefficients of numerator and denominator of the full G11."""
 
-TABLE_4_1 = {
+ATV = {
     "mass_kg": 228.0,
     "pitch_inertia_kg_m2": 62.0,
-    "front_N_m": 10.5e3,
-    "rear_N_m": 6.5e3,
+    "roll_inertia_kg_m2": 25.0,
+    "wheelbase_m": 1.42,
+    "track_width_m": 1.18,
+    "cg_to_front_axle_m": 0.80,
+    "front_N_m": 25e3,
+    "rear_N_m": 15e3,
 }
+"""The vehicle of chapters 4 and 5: body as in the examples' vehicle.toml, stiffness of one strut's
+spring and not at the wheel (Table 4.1)."""
 
 TABLE_5_3 = {"front": (15.0, 40e3, 200.0), "rear": (12.5, 40e3, 200.0)}
 TABLE_5_4 = {"old": (10.5e3, 6.5e3, 630.0, 590.0), "new": (12.6e3, 7.8e3, 630.0, 590.0)}
