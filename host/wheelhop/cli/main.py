@@ -42,8 +42,8 @@ def _run(arguments: Namespace) -> int:
     from wheelhop.files import InputError
 
     try:
-        for output in (vars(arguments).get("json"), vars(arguments).get("report")):
-            _check_output(output)
+        for key in ("json", "report", "figure", "mat", "study_figure"):
+            _check_output(vars(arguments).get(key))
         if arguments.command in COMPUTING:
             import_module("wheelhop.cli.progress").announce_compilation()
         command = import_module(f"wheelhop.cli.{module_of(arguments.command)}")

@@ -63,9 +63,7 @@ class EquivalentVehicle:
 def wheels(front_mass_kg: float | None = None) -> Wheels:
     """Table 2.3, with another front unsprung mass if wanted."""
     front, rear = published.TABLE_2_3["front"], published.TABLE_2_3["rear"]
-    return Wheels(
-        (front_mass_kg or front[0], rear[0]), (front[1], rear[1]), (front[2], rear[2])
-    )
+    return Wheels((front_mass_kg or front[0], rear[0]), (front[1], rear[1]), (front[2], rear[2]))
 
 
 def ground_to_body(body: StateSpace, front_mass_kg: float | None = None) -> StateSpace:

@@ -78,7 +78,7 @@ class Stack:
         self.transients = sum(len(p.runs) * (order + EDGE_POWERS) for p in parts)
 
     def regressors(
-        self, sections: Sections, factors: Sequence[Array]
+        self, sections: Sections, factors: Sequence[ComplexArray]
     ) -> list[tuple[Array, Array, Array]]:
         """For each part: basis of its transients, Φ and the outputs, as projected real rows.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from wheelhop.campaign import CampaignError
-from wheelhop.identify.gram import EDGE_POWERS, Stack, projected, transient_basis
-from wheelhop.identify.problem import Point, Problem, descend, reduced
-from wheelhop.identify.sections import Sections
-from wheelhop.identify.spectra import Spectra
+from wheelhop.identify.gram import Stack, projected, transient_basis
+from wheelhop.identify.problem import Point, Problem, descend
+from wheelhop.identify.sections import Points, Sections
+from wheelhop.identify.spectra import Spectra, through
 from wheelhop.identify.start import relocated, spread
 from wheelhop.identify.structure import Structure, Suspensions
 
@@ -50,13 +50,14 @@ class TransferMatrix:
         """Number of poles."""
         return self.sections.order
 
-    def __call__(self, s: ComplexArray) -> ComplexArray:
+    def __call__(self, s: Points) -> ComplexArray:
         """H(s) (len(s), n, m)."""
         s = np.atleast_1d(np.asarray(s, complex))
-        values = np.einsum("kl,ijl->kij", self.sections.basis(s), self.theta)
-        return values * self._factor(s)[:, None, :]
+        values = np.tensordot(self.sections.basis(s), self.theta, axes=(1, 2))
+        out: ComplexArray = values * self._factor(s)[:, None, :]
+        return out
 
-    def standard_error(self, s: ComplexArray) -> Array:
+    def standard_error(self, s: Points) -> Array:
         """Standard error (len(s), n, m) of |H(s)| as √(variance of real and imaginary part / 2)."""
         s = np.atleast_1d(np.asarray(s, complex))
         basis, factor = self.sections.basis(s), self._factor(s)
@@ -88,9 +89,9 @@ class TransferMatrix:
             for i, z in enumerate(self.sections.zeta)
         ]
 
-    def _factor(self, s: ComplexArray) -> Array:
+    def _factor(self, s: Points) -> ComplexArray:
         if self.suspensions is None:
-            return np.ones((len(s), len(self.inputs)))
+            return np.ones((len(s), len(self.inputs)), complex)
         return self.suspensions.factor(self.suspensions.value, s, self.inputs)
 
 
@@ -126,7 +127,7 @@ def identify(
     structure = structure or Structure()
     if structure.symmetry == "reciprocal" and suspensions is None:
         raise CampaignError(
-            'structure "reciprocal" needs the suspensions of vehicle.toml: give them, or take "free"'
+            'structure "reciprocal" needs the suspensions: give them, or take "free"'
         )
     if start is not None:
         _check_start(start, order, structure)
@@ -197,7 +198,7 @@ class _Fitter:
             min(float(p.omega[0]) for p in self.runs),
             max(float(p.omega[-1]) for p in self.runs),
         )
-        factors = [np.ones((len(p.omega), len(self.inputs))) for p in problem.stack.parts]
+        factors = [np.ones((len(p.omega), len(self.inputs)), complex) for p in problem.stack.parts]
         tried = relocated(problem.stack, spread(self.order, band), factors)
         points = [problem.at(problem.start(sections)) for sections in tried[-3:]]
         best = min(points, key=lambda point: point.cost)
@@ -224,13 +225,13 @@ class _Fitter:
         total, count = np.zeros(len(self.outputs)), 0
         for part, weight in zip(self.runs, weights, strict=True):
             basis = transient_basis(part.omega, h.sections, weight)
-            model = np.einsum("kij,rkj->rki", h(1j * part.omega), part.inputs)
+            model = through(h(1j * part.omega), part.inputs)
             rest = projected((part.outputs - model) * weight[:, None], basis)
             total += np.sum(rest**2, axis=0)
             count += len(rest) - len(part.runs) * basis.shape[1]
         count -= self.problem.unknowns // len(self.outputs)
         signal = sum(np.sum(np.abs(p.outputs) ** 2, axis=(0, 1)) for p in self.runs) / count
-        return np.maximum(total / max(count, 1), 1e-24 * np.maximum(signal, 1e-300))
+        return np.asarray(np.maximum(total / max(count, 1), 1e-24 * np.maximum(signal, 1e-300)))
 
     def result(self, point: Point, *, covariance: bool = True) -> TransferMatrix:
         """What was fitted, from the least squares at its minimum."""
@@ -323,7 +324,7 @@ def judge(h: TransferMatrix, runs: Sequence[Spectra], noise_rms: float | None = 
         k = len(part.omega)
         basis = transient_basis(part.omega, h.sections, np.ones(k))
         response = h(1j * part.omega)
-        rest = part.outputs - np.einsum("kij,rkj->rki", response, part.inputs)
+        rest = part.outputs - through(response, part.inputs)
         rows = projected(rest, basis).reshape(len(part.runs), 2 * k, -1)
         charged = 2 * k / (2 * k - basis.shape[1])
         growth = 1.0 + np.mean(np.sum(np.abs(response) ** 2, axis=2), axis=0)
@@ -337,6 +338,3 @@ def judge(h: TransferMatrix, runs: Sequence[Spectra], noise_rms: float | None = 
         )
         names += part.runs
     return Judged(tuple(names), *(np.concatenate(column) for column in zip(*parts, strict=True)))
-
-
-__all__ = ["EDGE_POWERS", "Judged", "TransferMatrix", "identify", "judge", "reduced", "Mapping"]

@@ -10,7 +10,6 @@ weighs each frequency by |denominator|²).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from wheelhop.identify.gram import Gram, Stack, gram, projected
-from wheelhop.identify.sections import Sections, from_parameters
+from wheelhop.identify.sections import ComplexArray, Sections, from_parameters
 from wheelhop.identify.structure import RIGID, Structure, Suspensions
 
 Array = NDArray[np.float64]
@@ -158,12 +157,10 @@ class Problem:
         suspension[1:] = np.maximum(suspension[1:], 0.0)
         return from_parameters(poles), suspension
 
-    def _factors(self, suspension: Array) -> list[Array]:
+    def _factors(self, suspension: Array) -> list[ComplexArray]:
         if not self.uses_suspensions:
-            return [np.ones((len(p.omega), len(self.inputs))) for p in self.stack.parts]
-        return [
-            self.belief.factor(suspension, 1j * p.omega, self.inputs) for p in self.stack.parts
-        ]
+            return [np.ones((len(p.omega), len(self.inputs)), complex) for p in self.stack.parts]
+        return [self.belief.factor(suspension, 1j * p.omega, self.inputs) for p in self.stack.parts]
 
     def _prior(self, suspension: Array) -> float:
         off = (suspension - self.belief.value)[self.moving] / self.belief.sd[self.moving]
@@ -199,7 +196,8 @@ class Problem:
         fixed = linalg.lstsq(a, b)[0]
         null = linalg.null_space(a)
         inside: Array = null @ _solve(null.T @ normal @ null, null.T @ (right - normal @ fixed))
-        return fixed + inside
+        out: Array = fixed + inside
+        return out
 
     def _columns(self, point: Point) -> list[Array]:
         """For each part: derivative (rows, n, P) of the modelled outputs by the nonlinear numbers,
@@ -223,7 +221,9 @@ class Problem:
             by *= factor[:, :, None, None]
             if len(self.moving):
                 bends = self.belief.slopes(point.suspension, s, self.inputs)[self.moving]
-                value = np.einsum("kl,ijl->kji", point.sections.basis(s), point.theta)
+                value = np.tensordot(point.sections.basis(s), point.theta, axes=(1, 2)).swapaxes(
+                    1, 2
+                )
                 more = bends.transpose(1, 2, 0)[:, :, None, :] * value[:, :, :, None]
                 by = np.concatenate([by, more], axis=3)
             by *= weight[:, None, None, None]

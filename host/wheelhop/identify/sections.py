@@ -12,12 +12,15 @@ where a pair of complex poles becomes two real ones (ζ > 1).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+Points = NDArray[np.complexfloating[Any, Any]]
+"""Values of s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,16 +60,16 @@ class Sections:
             out = np.convolve(out, [1.0, 2 * zeta * omega, omega**2])
         return out if self.rate is None else np.convolve(out, [1.0, self.rate])
 
-    def basis(self, s: ComplexArray) -> ComplexArray:
+    def basis(self, s: Points) -> ComplexArray:
         """The fractions (len(s), order): first all ω²/(…), then all ωs/(…), then r/(s + r)."""
         s = np.asarray(s, complex)[:, None]
         below = s**2 + 2 * self.zeta * self.omega * s + self.omega**2
-        parts = [self.omega**2 / below, self.omega * s / below]
+        parts: list[ComplexArray] = [self.omega**2 / below, self.omega * s / below]
         if self.rate is not None:
-            parts.append(self.rate / (s + self.rate))
+            parts.append(np.asarray(self.rate / (s + self.rate), complex))
         return np.hstack(parts)
 
-    def basis_slopes(self, s: ComplexArray) -> ComplexArray:
+    def basis_slopes(self, s: Points) -> ComplexArray:
         """Derivatives (order, len(s), order) of `basis` by ln ω (m of them), ζ (m) and ln r."""
         s = np.asarray(s, complex)
         m = len(self.omega)

@@ -159,6 +159,12 @@ def spectra(
     return Spectra(names, 2 * np.pi * band.frequency_hz, lines(inputs), lines(outputs), n)
 
 
+def through(matrix: ComplexArray, inputs: ComplexArray) -> ComplexArray:
+    """Outputs (r, k, n) of a matrix (k, n, m) for inputs (r, k, m)."""
+    moved: ComplexArray = (matrix @ inputs[..., None])[..., 0]
+    return moved
+
+
 def not_excited(spectra: Sequence[Spectra], noise_rms: float | None) -> tuple[str, ...]:
     """Motions of the four axles that no run excites beyond noise: what a transfer matrix says of
     them is not measured. Empty if not all four axles were recorded."""

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.identify.gram import Stack, projected
-from wheelhop.identify.sections import Sections, from_poles
+from wheelhop.identify.gram import Stack, gram, projected
+from wheelhop.identify.sections import ComplexArray, Sections, from_poles
 
 Array = NDArray[np.float64]
 RELOCATIONS = 8
@@ -25,7 +25,7 @@ def spread(order: int, band: tuple[float, float]) -> Sections:
     return Sections(omega[:m], np.full(m, FIRST_ZETA), rate)
 
 
-def relocated(stack: Stack, sections: Sections, factors: Sequence[Array]) -> list[Sections]:
+def relocated(stack: Stack, sections: Sections, factors: Sequence[ComplexArray]) -> list[Sections]:
     """Sections after each of some relocations.
 
     With σ(s) a scalar that has the present poles, σ X = (σ H) Y has σ H over the same poles too, a
@@ -41,12 +41,12 @@ def relocated(stack: Stack, sections: Sections, factors: Sequence[Array]) -> lis
     return out
 
 
-def _relocate(stack: Stack, sections: Sections, factors: Sequence[Array]) -> Sections:
+def _relocate(stack: Stack, sections: Sections, factors: Sequence[ComplexArray]) -> Sections:
     order = sections.order
     schur = np.zeros((order + 1, order + 1))
     mean = np.zeros(order + 1)
     regressors = stack.regressors(sections, factors)
-    phi_phi = sum(phi.T @ phi for _, phi, _ in regressors)
+    phi_phi = gram(regressors).phi_phi
     parts = list(zip(stack.parts, stack.weights, regressors, strict=True))
     for i in range(stack.outputs):
         own = np.zeros((order + 1, order + 1))

@@ -75,10 +75,10 @@ def of_fractions(sections: Sections, theta: Array, direct: Array | None = None) 
     """State space of Σ theta[i, j] · fractions(s) + direct, (p, m, order) -> order · m states."""
     a, b, _ = sections.state_matrix()
     outputs, inputs, _ = theta.shape
-    eye = np.eye(inputs)
+    eye: Array = np.eye(inputs)
     return StateSpace(
-        np.kron(eye, a),
-        np.kron(eye, b[:, None]),
+        np.asarray(np.kron(eye, a), float),
+        np.asarray(np.kron(eye, b[:, None]), float),
         theta.reshape(outputs, -1),
         np.zeros((outputs, inputs)) if direct is None else direct,
     )
@@ -95,7 +95,7 @@ def balanced_reduction(system: StateSpace, order: int) -> tuple[StateSpace, Arra
     ------
     ValueError : an order that is not from 1 up, or a system that does not decay.
     """
-    if not 1 <= order:
+    if not order >= 1:
         raise ValueError(f"an order of {order} is no model: give 1 or more")
     if (system.poles().real >= 0).any():
         raise ValueError("balanced reduction needs a system that decays: it has a pole with σ >= 0")

@@ -15,6 +15,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.identify.sections import ComplexArray, Points
+
 Array = NDArray[np.float64]
 
 Symmetry = Literal["reciprocal", "symmetric", "free"]
@@ -78,17 +80,17 @@ class Suspensions:
     value: Array
     sd: Array
 
-    def factor(self, numbers: Array, s: NDArray[np.complex128], corners: tuple[int, ...]) -> Array:
+    def factor(self, numbers: Array, s: Points, corners: tuple[int, ...]) -> ComplexArray:
         """D over K_front (len(s), len(corners)) for the three `numbers`."""
         return np.stack([self._one(numbers, s, corner) for corner in corners], axis=1)
 
     @staticmethod
-    def _one(numbers: Array, s: NDArray[np.complex128], corner: int) -> Array:
+    def _one(numbers: Array, s: Points, corner: int) -> ComplexArray:
         if corner < 2:
-            return 1.0 + numbers[1] * s
-        return numbers[0] * (1.0 + numbers[2] * s)
+            return np.asarray(1.0 + numbers[1] * s, complex)
+        return np.asarray(numbers[0] * (1.0 + numbers[2] * s), complex)
 
-    def slopes(self, numbers: Array, s: NDArray[np.complex128], corners: tuple[int, ...]) -> Array:
+    def slopes(self, numbers: Array, s: Points, corners: tuple[int, ...]) -> ComplexArray:
         """Derivatives (3, len(s), len(corners)) of `factor` by the three numbers."""
         out = np.zeros((3, len(s), len(corners)), complex)
         for j, corner in enumerate(corners):
@@ -112,6 +114,10 @@ def suspensions(values: Mapping[str, float], uncertainty: Mapping[str, float]) -
         )
     value = np.array([k["rear"] / k["front"], c["front"] / k["front"], c["rear"] / k["rear"]])
     sd = value * np.array(
-        [np.hypot(relative["front"], relative["rear"]), relative["front time"], relative["rear time"]]
+        [
+            np.hypot(relative["front"], relative["rear"]),
+            relative["front time"],
+            relative["rear time"],
+        ]
     )
     return Suspensions(value, sd)

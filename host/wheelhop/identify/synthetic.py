@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wheelhop.identify import published
 from wheelhop.identify.sections import Sections
-from wheelhop.identify.spectra import Spectra, spectra
+from wheelhop.identify.spectra import Spectra, spectra, through
 from wheelhop.identify.statespace import StateSpace, of_fractions
 from wheelhop.identify.structure import Structure
 
@@ -51,13 +51,11 @@ def thesis_runs(
     `noise` is the rms of white noise on every output over the rms of the outputs.
     """
     rng = np.random.default_rng(seed)
-    system = thesis_matrix()
-    before = samples
     inputs = rng.standard_normal((runs, 3 * samples, 4))
     # Periodic in three times the run: the answer is the spectrum times H, and the run cut from the
     # middle has a past and a future that do not repeat in it.
     s = 2j * np.pi * np.fft.rfftfreq(3 * samples, 1 / RATE_HZ)
-    moved = np.einsum("kij,rkj->rki", thesis_matrix()(s), np.fft.rfft(inputs, axis=1))
+    moved = through(thesis_matrix()(s), np.asarray(np.fft.rfft(inputs, axis=1)))
     outputs = np.fft.irfft(moved, 3 * samples, axis=1)[:, samples : 2 * samples]
     inputs = inputs[:, samples : 2 * samples]
     outputs = outputs + noise * outputs.std() * rng.standard_normal(outputs.shape)

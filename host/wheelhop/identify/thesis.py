@@ -26,7 +26,7 @@ from wheelhop.identify.synthetic import thesis_matrix, thesis_runs
 
 Array = NDArray[np.float64]
 
-STEP_TIME_S = np.arange(76) * 0.02  # footnote 9 of chapter 2
+STEP_TIME_S: Array = np.arange(76, dtype=float) * 0.02  # footnote 9 of chapter 2
 STEP_FORCE_N = 1000.0
 
 
@@ -153,9 +153,7 @@ def _table_5_2() -> Iterator[Row]:
     found = h.sections.sorted()
     reason = "from runs made of (D.2) with 1 % noise: beyond what they can tell"
     for k in range(4):
-        yield _row(
-            "5.2", f"mode {k + 1}, Hz", truth.frequency_hz[k], found.frequency_hz[k], reason
-        )
+        yield _row("5.2", f"mode {k + 1}, Hz", truth.frequency_hz[k], found.frequency_hz[k], reason)
         yield _row("5.2", f"mode {k + 1}, ζ", truth.zeta[k], found.zeta[k], reason)
 
 
@@ -219,7 +217,9 @@ def simple_modes() -> dict[str, float]:
     beta = (k_rear * behind - k_front * ahead) / car["mass_kg"]
     gamma = (k_front * ahead**2 + k_rear * behind**2) / car["pitch_inertia_kg_m2"]
     middle = (alpha + gamma) / 2
-    root = np.sqrt(((alpha - gamma) / 2) ** 2 + car["mass_kg"] * beta**2 / car["pitch_inertia_kg_m2"])
+    root = np.sqrt(
+        ((alpha - gamma) / 2) ** 2 + car["mass_kg"] * beta**2 / car["pitch_inertia_kg_m2"]
+    )
     roll = (k_front + k_rear) * (car["track_width_m"] / 2) ** 2 / car["roll_inertia_kg_m2"]
     return {
         "pitch": float(np.sqrt(middle - root) / (2 * np.pi)),
