@@ -30,10 +30,24 @@ CHUNK = 4_000_000
 def transient_basis(omega: Array, sections: Sections, weight: Array) -> Array:
     """Orthonormal basis (2k, order + EDGE_POWERS) of what an initial state leaves in a weighted
     spectrum, real parts above imaginary parts."""
+    q: Array = np.linalg.qr(_transient_columns(omega, sections, weight))[0]
+    return q
+
+
+def _transient_columns(omega: Array, sections: Sections, weight: Array) -> Array:
     powers = (1j * omega[:, None] / omega[-1]) ** np.arange(EDGE_POWERS)
     columns = np.hstack([sections.basis(1j * omega), powers]) * weight[:, None]
-    q: Array = np.linalg.qr(np.vstack([columns.real, columns.imag]))[0]
-    return q
+    return np.vstack([columns.real, columns.imag])
+
+
+def initial_states(omega: Array, sections: Sections, weight: Array, rest: ComplexArray) -> Array:
+    """Coefficients (order, r·n) of the fractions that the initial states put into a weighted
+    residual `rest` (r, k, n)."""
+    columns = _transient_columns(omega, sections, weight)
+    rows = np.concatenate([rest.real, rest.imag], axis=1)
+    flat = rows.transpose(1, 0, 2).reshape(len(columns), -1)
+    found: Array = np.linalg.lstsq(columns, flat, rcond=1e-13)[0]
+    return found[: sections.order]
 
 
 def projected(values: ComplexArray, basis: Array) -> Array:

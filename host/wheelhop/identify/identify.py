@@ -22,6 +22,8 @@ ComplexArray = NDArray[np.complex128]
 
 CORNERS = (0, 1, 2, 3)
 REWEIGHTINGS = 2
+WASTED = 2.0
+"""A damping ratio above this is two real poles far apart: a section that found no mode."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +204,20 @@ class _Fitter:
         tried = relocated(problem.stack, spread(self.order, band), factors)
         points = [problem.at(problem.start(sections)) for sections in tried[-3:]]
         best = min(points, key=lambda point: point.cost)
-        return descend(problem, best.numbers, tolerance=1e-3)
+        return self._wasted_again(descend(problem, best.numbers, tolerance=1e-3), band)
+
+    def _wasted_again(self, point: Point, band: tuple[float, float]) -> Point:
+        """Sections that went where they explain nothing begin once more at the band's upper end."""
+        found = point.sections
+        wasted = (found.zeta > WASTED) | (found.omega > 2 * band[1]) | (found.omega < band[0] / 2)
+        if not wasted.any():
+            return point
+        omega, zeta = found.omega.copy(), np.maximum(found.zeta, 1e-3)
+        omega[wasted] = band[1] * np.geomspace(0.9, 0.5, int(wasted.sum()))
+        zeta[wasted] = 0.7
+        again = self.problem.start(Sections(omega, zeta, found.rate))
+        trial = descend(self.problem, again, tolerance=1e-3)
+        return min(point, trial, key=lambda p: p.cost)
 
     def reweigh(self, point: Point) -> None:
         """Weights from the noise and what the last fit says of its way to the outputs."""

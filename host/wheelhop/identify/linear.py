@@ -16,10 +16,11 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from wheelhop.identify.gram import projected, transient_basis
 from wheelhop.identify.identify import TransferMatrix
-from wheelhop.identify.spectra import Spectra, through
+from wheelhop.identify.spectra import Measured, Spectra, through
 from wheelhop.identify.structure import Structure
 
 Array = NDArray[np.float64]
@@ -34,44 +35,37 @@ STRUCTURES = (
 )
 
 
-def _friction(x: Array, v: Array, size: Array, speed: Array) -> Array:
-    return np.tanh(v / (0.1 * speed))
+Law = Callable[[Array, Array], Array]
 
 
-def _digressive(x: Array, v: Array, size: Array, speed: Array) -> Array:
-    return np.clip(v, -speed, speed) / speed
+def _friction(sharp: float) -> Law:
+    return lambda x, v: np.tanh(v / sharp)
 
 
-def _one_sided(x: Array, v: Array, size: Array, speed: Array) -> Array:
-    return np.abs(v) / speed
+def _bend(knee: float) -> Law:
+    return lambda x, v: np.clip(v, -knee, knee)
 
 
-def _cubic(x: Array, v: Array, size: Array, speed: Array) -> Array:
-    return (x / size) ** 3
+def _stop(clearance: float) -> Law:
+    return lambda x, v: np.minimum(x + clearance, 0.0)
 
 
-def _square(x: Array, v: Array, size: Array, speed: Array) -> Array:
-    return (x / size) ** 2
+def _gap(clearance: float) -> Law:
+    return lambda x, v: x - np.clip(x, -clearance, clearance)
 
 
-def _stop(x: Array, v: Array, size: Array, speed: Array) -> Array:
-    return np.minimum(x + 2 * size, 0.0) / size
-
-
-LAWS: dict[str, Callable[[Array, Array, Array, Array], Array]] = {
-    "friction": _friction,
-    "bend at a speed": _digressive,
-    "rebound unlike compression": _one_sided,
-    "cubic": _cubic,
-    "square": _square,
-    "stop in compression": _stop,
+LAWS: dict[str, tuple[Law, ...]] = {
+    "friction": tuple(map(_friction, (0.03, 0.1, 0.3))),
+    "damper that bends": tuple(map(_bend, (0.5, 1.0, 2.0))),
+    "rebound unlike compression": (lambda x, v: np.abs(v),),
+    "cubic spring": (lambda x, v: x**3,),
+    "spring harder one way": (lambda x, v: x**2,),
+    "stop in compression": tuple(map(_stop, (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5))),
+    "stops both ways": tuple(map(_gap, (0.5, 1.0, 1.5, 2.0, 2.5, 3.0))),
 }
-"""Forces from extension x and its rate v, given the rms of both over the fitted runs."""
+"""Forces from extension and its rate, each over its rms on the fitted runs, per kind of law."""
 
-
-@dataclass(frozen=True, eq=False)
-class Forces:
-    """What the laws' forces do to the outputs, as weighted rows of one part."""
+FLAT = [(name, law) for name, several in LAWS.items() for law in several]
 
 
 def peakedness(model: TransferMatrix, runs: Sequence[Spectra]) -> float:
@@ -91,12 +85,10 @@ def peakedness(model: TransferMatrix, runs: Sequence[Spectra]) -> float:
     return total / expected
 
 
-def strut_motion(model: TransferMatrix, part: Spectra, rate_hz: float) -> tuple[Array, Array]:
-    """Extension, m, and its rate, m/s, (r, samples, 4) of the struts in band, the body's motion as
-    the model predicts it: measured, its noise would drive the laws."""
+def strut_motion(part: Spectra, rate_hz: float) -> tuple[Array, Array]:
+    """Extension, m, and its rate, m/s, (r, samples, 4) of the struts in band, as measured."""
     s = 1j * part.omega
-    body = through(model(s), part.inputs)
-    relative = body - part.inputs
+    relative = part.outputs - part.inputs
     return (
         _signal(relative / s[:, None] ** 2, part, rate_hz),
         _signal(relative / s[:, None], part, rate_hz),
@@ -120,18 +112,113 @@ def _lines(signal: Array, part: Spectra, rate_hz: float) -> ComplexArray:
     return np.asarray(spectrum * np.sqrt(2 / part.samples))
 
 
-def responses(
+def force_responses(
     model: TransferMatrix, part: Spectra, rate_hz: float, sizes: tuple[Array, Array]
-) -> dict[str, ComplexArray]:
-    """Spectra (r, k, n, 2) that a force of each law leaves in the outputs: front struts, rear."""
-    x, v = strut_motion(model, part, rate_hz)
+) -> ComplexArray:
+    """Spectra (r, k, n, 2 laws) that forces of the laws leave in the outputs: of each law first the
+    front struts', then the rear's."""
+    x, v = strut_motion(part, rate_hz)
     s = 1j * part.omega
     assert model.suspensions is not None
     factor = model.suspensions.factor(model.suspensions.value, s, model.inputs)
     body = model(s) / factor[:, None, :] * (s**2)[:, None, None]
-    out = {}
-    for name, law in LAWS.items():
-        force = _lines(law(x, v, *sizes), part, rate_hz)
+    out = []
+    for _, law in FLAT:
+        force = _lines(law(x / sizes[0], v / sizes[1]), part, rate_hz)
         moved = body[None] * force[:, :, None, :]
-        out[name] = np.stack([moved[..., :2].sum(-1), moved[..., 2:].sum(-1)], axis=-1)
-    return out
+        out += [moved[..., :2].sum(axis=-1), moved[..., 2:].sum(axis=-1)]
+    return np.stack(out, axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """One part as weighted real rows, initial states projected out: regressors (N, m·order), laws
+    (N, n, 2 laws), residual (N, n)."""
+
+    phi: Array
+    laws: Array
+    rest: Array
+    runs: int
+
+
+def _rows(
+    model: TransferMatrix, part: Spectra, rate_hz: float, sizes: tuple[Array, Array]
+) -> _Rows:
+    assert model.suspensions is not None
+    s = 1j * part.omega
+    h = model(s)
+    weight = 1.0 / np.sqrt(1.0 + np.mean(np.sum(np.abs(h) ** 2, axis=2), axis=1))
+    basis = transient_basis(part.omega, model.sections, weight)
+    factor = model.suspensions.factor(model.suspensions.value, s, model.inputs)
+    fractions = model.sections.basis(s) * weight[:, None]
+    phi = (part.inputs * factor)[:, :, :, None] * fractions[:, None, :]
+    laws = force_responses(model, part, rate_hz, sizes) * weight[:, None, None]
+    rest = (part.outputs - through(h, part.inputs)) * weight[:, None]
+    runs, lines = part.inputs.shape[:2]
+    outputs = part.outputs.shape[2]
+    return _Rows(
+        projected(phi.reshape(runs, lines, -1), basis),
+        projected(laws.reshape(runs, lines, -1), basis).reshape(-1, outputs, laws.shape[-1]),
+        projected(rest, basis),
+        runs,
+    )
+
+
+def gains(model: TransferMatrix, measured: Measured, rate_hz: float) -> tuple[Array, Array]:
+    """What each law explains of the runs held out: (laws, runs) fall of the squared residual, and
+    (runs,) the squared residual without a law, both over the noise power per coordinate.
+
+    Law and numerators are fitted together to the fitted runs, the poles held.
+    """
+    motion = [strut_motion(part, rate_hz) for part in measured.fit]
+    sizes = tuple(
+        np.sqrt(np.mean(np.concatenate([m[q].reshape(-1, 4) for m in motion]) ** 2, axis=0))
+        for q in (0, 1)
+    )
+    fitted = [_rows(model, part, rate_hz, (sizes[0], sizes[1])) for part in measured.fit]
+    held = [_rows(model, part, rate_hz, (sizes[0], sizes[1])) for part in measured.validate]
+    free, count = int(model.index.max()) + 1, 2 * len(FLAT)
+    normal, right = np.zeros((free + count, free + count)), np.zeros(free + count)
+    for rows in fitted:
+        phi_phi = rows.phi.T @ rows.phi
+        for i, at in enumerate(model.index):
+            laws, rest = rows.laws[:, i], rows.rest[:, i]
+            across = rows.phi.T @ laws
+            np.add.at(normal, (at[:, None], at), phi_phi)
+            np.add.at(normal[:, free:], at, across)
+            normal[free:, free:] += laws.T @ laws
+            np.add.at(right, at, rows.phi.T @ rest)
+            right[free:] += laws.T @ rest
+    normal[free:, :free] = normal[:free, free:].T
+    noise = np.median(np.concatenate([r.rest**2 for r in fitted])) / 0.4549  # χ² of one: its median
+    plain = _left(held, model, _solve(normal[:free, :free], right[:free]), None) / noise
+    falls = []
+    for number in range(len(FLAT)):
+        columns = free + 2 * number + np.arange(2)
+        use = np.append(np.arange(free), columns)
+        solved = _solve(normal[np.ix_(use, use)], right[use])
+        left = _left(held, model, solved[:free], (2 * number, solved[free:]))
+        falls.append(plain - left / noise)
+    return np.array(falls), plain
+
+
+def _left(
+    rows: Sequence[_Rows], model: TransferMatrix, numerators: Array, law: tuple[int, Array] | None
+) -> Array:
+    """Squared residual of each run after numerators and a law are changed by so much."""
+    out = []
+    for part in rows:
+        rest = part.rest.copy()
+        for i, at in enumerate(model.index):
+            rest[:, i] -= part.phi @ numerators[at]
+        if law is not None:
+            first, size = law
+            rest -= part.laws[:, :, first : first + 2] @ size
+        out.append((rest**2).reshape(part.runs, -1).sum(axis=1))
+    return np.concatenate(out)
+
+
+def _solve(normal: Array, right: Array) -> Array:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    scaled = normal * scale[:, None] * scale
+    return np.asarray(scale * linalg.lstsq(scaled, scale * right, cond=1e-10)[0])

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.identify.gram import Gram, Stack, gram, projected
+from wheelhop.identify.gram import Gram, Stack, gram, initial_states, projected
 from wheelhop.identify.sections import ComplexArray, Sections, from_parameters
+from wheelhop.identify.spectra import Spectra, through
 from wheelhop.identify.structure import RIGID, Structure, Suspensions
 
 Array = NDArray[np.float64]
@@ -201,7 +202,7 @@ class Problem:
 
     def _columns(self, point: Point) -> list[Array]:
         """For each part: derivative (rows, n, P) of the modelled outputs by the nonlinear numbers,
-        the numerators held."""
+        the numerators and the initial states held."""
         out = []
         count = len(point.numbers)
         m = self.order // 2
@@ -229,9 +230,28 @@ class Problem:
             by *= weight[:, None, None, None]
             flat = by.reshape(*by.shape[:2], -1)
             moved = np.matmul(part.inputs.transpose(1, 0, 2), flat).transpose(1, 0, 2)
-            rows = projected(moved, basis)
+            moved = moved.reshape(*moved.shape[:2], len(self.outputs), count)
+            moved[..., : self.order] += self._decays(point, part, weight, factor, slopes)
+            rows = projected(moved.reshape(*moved.shape[:2], -1), basis)
             out.append(rows.reshape(len(rows), len(self.outputs), count))
         return out
+
+    def _decays(
+        self,
+        point: Point,
+        part: Spectra,
+        weight: Array,
+        factor: ComplexArray,
+        slopes: ComplexArray,
+    ) -> ComplexArray:
+        """Derivative (r, k, n, order) of what the initial states leave, by the poles."""
+        fractions = point.sections.basis(1j * part.omega)
+        h = np.tensordot(fractions, point.theta, axes=(1, 2)) * factor[:, None, :]
+        rest = (part.outputs - through(h, part.inputs)) * weight[:, None]
+        states = initial_states(part.omega, point.sections, weight, rest)
+        moved = np.tensordot(slopes * weight[:, None], states, axes=(2, 0))
+        shape = (self.order, len(part.omega), len(part.runs), len(self.outputs))
+        return np.asarray(moved.reshape(shape).transpose(2, 1, 3, 0))
 
     def _allowed(self, point: Point) -> Array:
         """Directions (unknowns + P, …) along which the constraints stay true to first order."""

@@ -14,6 +14,9 @@ from wheelhop.identify.statespace import StateSpace, of_fractions
 
 Array = NDArray[np.float64]
 
+EXACT = 1e-12
+"""A sum of squares over the mean square below which no other start is tried."""
+
 
 @dataclass(frozen=True, eq=False)
 class DampedSinusoids:
@@ -119,6 +122,8 @@ def fit_damped_sinusoids(
         )  # fmt: skip
         if best is None or found.cost < best.cost:
             best = found
+        if best.cost < EXACT:
+            break
     assert best is not None
     order = np.argsort(best.x[:count])
     sigma, omega = best.x[:count][order], best.x[count:][order]
