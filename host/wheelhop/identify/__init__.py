@@ -8,6 +8,7 @@ from wheelhop.identify.export import (
     write_mat,
 )
 from wheelhop.identify.identify import Judged, TransferMatrix, identify, judge
+from wheelhop.identify.linear import Linearity, linearity
 from wheelhop.identify.quarter_car import (
     Struts,
     Wheels,
@@ -31,6 +32,7 @@ __all__ = [
     "Car",
     "DampedSinusoids",
     "Judged",
+    "Linearity",
     "Measured",
     "Row",
     "Sections",
@@ -52,6 +54,7 @@ __all__ = [
     "identify",
     "incremental_model",
     "judge",
+    "linearity",
     "measure",
     "not_excited",
     "of_fractions",

@@ -1,224 +1,226 @@
 """Is what is missing between axle and body linear?
 
-The best linear model from axles to body, of any order, is all that a linear mechanism can be,
-whatever it holds: a seat, a mount, a bending frame. What it leaves beyond noise is not linear in
-the axles' motion. Whether that is a law of the struts is asked directly: forces along a few
-nonlinear laws of the struts' motion, as the linear model predicts it, act on the identified body,
-and either they explain runs no fit has seen, or they do not (nonlinear feedback as an input:
-D. Adams and R. Allemang, Mech. Syst. Signal Process. 14 (2000) 637).
+The best linear model from axles to body is all that a linear mechanism can be, whatever it holds: a
+seat, a mount, a bending frame. Where it leaves no more than noise, what the physical model lacks
+there is linear. Where it leaves more, that alone says little (an engine that shakes the body is no
+function of the axles' motion at all): "not linear" is said only if a nonlinear law of the struts'
+motion explains what no linear model does, on runs no fit has seen.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
 
+from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.identify.gram import projected, transient_basis
-from wheelhop.identify.identify import TransferMatrix
-from wheelhop.identify.spectra import Measured, Spectra, through
-from wheelhop.identify.structure import Structure
+from wheelhop.identify.identify import TransferMatrix, identify
+from wheelhop.identify.laws import explained, strut_motion
+from wheelhop.identify.select import Candidate, best, candidate, of_orders
+from wheelhop.identify.spectra import Measured, Spectra, measure, through
+from wheelhop.identify.structure import Structure, Suspensions, suspensions
+from wheelhop.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 Answer = Literal["linear", "not linear", "cannot tell"]
 
 ORDERS = (6, 8, 10)
-STRUCTURES = (
-    Structure("reciprocal"),
-    Structure("reciprocal", left_right=False),
-)
-
-
-Law = Callable[[Array, Array], Array]
-
-
-def _friction(sharp: float) -> Law:
-    return lambda x, v: np.tanh(v / sharp)
-
-
-def _bend(knee: float) -> Law:
-    return lambda x, v: np.clip(v, -knee, knee)
-
-
-def _stop(clearance: float) -> Law:
-    return lambda x, v: np.minimum(x + clearance, 0.0)
-
-
-def _gap(clearance: float) -> Law:
-    return lambda x, v: x - np.clip(x, -clearance, clearance)
-
-
-LAWS: dict[str, tuple[Law, ...]] = {
-    "friction": tuple(map(_friction, (0.03, 0.1, 0.3))),
-    "damper that bends": tuple(map(_bend, (0.5, 1.0, 2.0))),
-    "rebound unlike compression": (lambda x, v: np.abs(v),),
-    "cubic spring": (lambda x, v: x**3,),
-    "spring harder one way": (lambda x, v: x**2,),
-    "stop in compression": tuple(map(_stop, (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5))),
-    "stops both ways": tuple(map(_gap, (0.5, 1.0, 1.5, 2.0, 2.5, 3.0))),
-}
-"""Forces from extension and its rate, each over its rms on the fitted runs, per kind of law."""
-
-FLAT = [(name, law) for name, several in LAWS.items() for law in several]
-
-
-def peakedness(model: TransferMatrix, runs: Sequence[Spectra]) -> float:
-    """Mean over median of the residual's power, 1 for noise of any level, more where the residual
-    gathers in lines; each output and run-length by itself, then averaged by power."""
-    total = expected = 0.0
-    for part in runs:
-        response = model(1j * part.omega)
-        growth = 1.0 + np.sum(np.abs(response) ** 2, axis=2)
-        basis = transient_basis(part.omega, model.sections, np.ones(len(part.omega)))
-        rest = part.outputs - through(response, part.inputs)
-        rows = projected(rest, basis).reshape(len(part.runs), 2, len(part.omega), -1)
-        power = np.sum(rows**2, axis=1) / growth
-        level = np.median(power, axis=(0, 1)) / np.log(2.0)
-        total += float((power.mean(axis=(0, 1)) * len(part.runs)).sum())
-        expected += float((level * len(part.runs)).sum())
-    return total / expected
-
-
-def strut_motion(part: Spectra, rate_hz: float) -> tuple[Array, Array]:
-    """Extension, m, and its rate, m/s, (r, samples, 4) of the struts in band, as measured."""
-    s = 1j * part.omega
-    relative = part.outputs - part.inputs
-    return (
-        _signal(relative / s[:, None] ** 2, part, rate_hz),
-        _signal(relative / s[:, None], part, rate_hz),
-    )
-
-
-def _bins(part: Spectra, rate_hz: float) -> slice:
-    step = 2 * np.pi * rate_hz / part.samples
-    first = round(float(part.omega[0]) / step)
-    return slice(first, first + len(part.omega))
-
-
-def _signal(lines: ComplexArray, part: Spectra, rate_hz: float) -> Array:
-    full = np.zeros((lines.shape[0], part.samples // 2 + 1, lines.shape[2]), complex)
-    full[:, _bins(part, rate_hz)] = lines * np.sqrt(part.samples / 2)
-    return np.asarray(np.fft.irfft(full, part.samples, axis=1))
-
-
-def _lines(signal: Array, part: Spectra, rate_hz: float) -> ComplexArray:
-    spectrum = np.fft.rfft(signal, axis=1)[:, _bins(part, rate_hz)]
-    return np.asarray(spectrum * np.sqrt(2 / part.samples))
-
-
-def force_responses(
-    model: TransferMatrix, part: Spectra, rate_hz: float, sizes: tuple[Array, Array]
-) -> ComplexArray:
-    """Spectra (r, k, n, 2 laws) that forces of the laws leave in the outputs: of each law first the
-    front struts', then the rear's."""
-    x, v = strut_motion(part, rate_hz)
-    s = 1j * part.omega
-    assert model.suspensions is not None
-    factor = model.suspensions.factor(model.suspensions.value, s, model.inputs)
-    body = model(s) / factor[:, None, :] * (s**2)[:, None, None]
-    out = []
-    for _, law in FLAT:
-        force = _lines(law(x / sizes[0], v / sizes[1]), part, rate_hz)
-        moved = body[None] * force[:, :, None, :]
-        out += [moved[..., :2].sum(axis=-1), moved[..., 2:].sum(axis=-1)]
-    return np.stack(out, axis=-1)
+QUIET_ORDERS = (6, 8)
+AT_FLOOR = 1.5
+"""Error over that of stated noise up to which noise may be all: channels differ by that much."""
+FLAT_REST = 1.3
+"""Mean over median power up to which a residual may be noise."""
+EXPLAINED = 0.2
+"""Share of the squared residual on held-out runs that a law must explain to be believed."""
 
 
 @dataclass(frozen=True, eq=False)
-class _Rows:
-    """One part as weighted real rows, initial states projected out: regressors (N, m·order), laws
-    (N, n, 2 laws), residual (N, n)."""
+class Linearity:
+    """The answer and what it stands on.
 
-    phi: Array
-    laws: Array
-    rest: Array
-    runs: int
-
-
-def _rows(
-    model: TransferMatrix, part: Spectra, rate_hz: float, sizes: tuple[Array, Array]
-) -> _Rows:
-    assert model.suspensions is not None
-    s = 1j * part.omega
-    h = model(s)
-    weight = 1.0 / np.sqrt(1.0 + np.mean(np.sum(np.abs(h) ** 2, axis=2), axis=1))
-    basis = transient_basis(part.omega, model.sections, weight)
-    factor = model.suspensions.factor(model.suspensions.value, s, model.inputs)
-    fractions = model.sections.basis(s) * weight[:, None]
-    phi = (part.inputs * factor)[:, :, :, None] * fractions[:, None, :]
-    laws = force_responses(model, part, rate_hz, sizes) * weight[:, None, None]
-    rest = (part.outputs - through(h, part.inputs)) * weight[:, None]
-    runs, lines = part.inputs.shape[:2]
-    outputs = part.outputs.shape[2]
-    return _Rows(
-        projected(phi.reshape(runs, lines, -1), basis),
-        projected(laws.reshape(runs, lines, -1), basis).reshape(-1, outputs, laws.shape[-1]),
-        projected(rest, basis),
-        runs,
-    )
-
-
-def gains(model: TransferMatrix, measured: Measured, rate_hz: float) -> tuple[Array, Array]:
-    """What each law explains of the runs held out: (laws, runs) fall of the squared residual, and
-    (runs,) the squared residual without a law, both over the noise power per coordinate.
-
-    Law and numerators are fitted together to the fitted runs, the poles held.
+    `over_floor` is the error of the best linear model on held-out runs over that of the noise (NaN
+    without stated noise), `peakedness` its residual's mean over median power, `law` the kind of
+    nonlinear law that explains most and `share` how much of the squared residual. `coherence` (n,)
+    is the share of each output's power on held-out runs that the linear model explains. `levels`
+    are the held-out runs' rms motion of the body, m/s², and residual over measured: a linear
+    mechanism errs alike at every level, noise apart.
     """
-    motion = [strut_motion(part, rate_hz) for part in measured.fit]
-    sizes = tuple(
-        np.sqrt(np.mean(np.concatenate([m[q].reshape(-1, 4) for m in motion]) ** 2, axis=0))
-        for q in (0, 1)
+
+    answer: Answer
+    sentence: str
+    order: int
+    error: float
+    over_floor: float
+    peakedness: float
+    law: str | None
+    share: float
+    coherence: Array
+    levels: tuple[tuple[str, float, float], ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain numbers; what is undetermined is None."""
+        return {
+            "answer": self.answer,
+            "sentence": self.sentence,
+            "order": self.order,
+            "error_validate": _number(self.error),
+            "over_floor": _number(self.over_floor),
+            "peakedness": _number(self.peakedness),
+            "law": self.law,
+            "share_explained_by_law": _number(self.share),
+            "coherence": [_number(c) for c in self.coherence.tolist()],
+            "levels": [
+                {"run": run, "rms_m_s2": level, "error": error} for run, level, error in self.levels
+            ],
+        }
+
+
+def linearity(campaign: Campaign, vehicle: Vehicle) -> Linearity:
+    """Whether a linear mechanism can explain the body's motion from the axles'.
+
+    "cannot tell" with a reason, too, where points or held-out runs are lacking.
+    """
+    try:
+        measured = measure(campaign)
+    except CampaignError as error:
+        return _cannot(f"what the axles do to the body cannot be identified: {error}")
+    if measured.inputs != (0, 1, 2, 3) or measured.outputs != (0, 1, 2, 3):
+        return _cannot("four axle and four body points are needed to tell linear from not linear")
+    if len(measured.fit_ids) < 2 or not measured.validate:
+        return _cannot("two runs to fit and one held out are needed to tell linear from not linear")
+    belief = suspensions(vehicle.values, vehicle.uncertainty)
+    try:
+        chosen = _best_linear(measured, belief)
+    except CampaignError as error:
+        return _cannot(f"the runs are too short for a transfer matrix: {error}")
+    return _answer(chosen, measured, belief, campaign.sample_rate_hz)
+
+
+def _best_linear(measured: Measured, belief: Suspensions) -> Candidate:
+    mirrored = best(of_orders(measured, Structure(), belief, ORDERS))
+    sided = candidate(measured, Structure(left_right=False), mirrored.order, belief)
+    return min(mirrored, sided, key=lambda c: c.judging.error)
+
+
+def _answer(
+    chosen: Candidate, measured: Measured, belief: Suspensions, rate_hz: float
+) -> Linearity:
+    held = chosen.judging
+    over = held.error / held.floor
+    peak = peakedness(chosen.model, measured.validate)
+    law, share = None, 0.0
+    at_floor = peak <= FLAT_REST and not over > AT_FLOOR
+    if not at_floor:
+        law, share = _law(chosen.model, measured, belief, rate_hz)
+    power = np.sqrt(held.measured.sum(axis=1) / (4 * measured.validate[0].samples))
+    each = np.sqrt(held.residual.sum(axis=1) / held.measured.sum(axis=1))
+    found = Linearity(
+        answer="cannot tell",
+        sentence="",
+        order=chosen.order,
+        error=held.error,
+        over_floor=over,
+        peakedness=peak,
+        law=law,
+        share=share,
+        coherence=1.0 - held.residual.sum(axis=0) / held.measured.sum(axis=0),
+        levels=tuple(zip(held.runs, power.tolist(), each.tolist(), strict=True)),
     )
-    fitted = [_rows(model, part, rate_hz, (sizes[0], sizes[1])) for part in measured.fit]
-    held = [_rows(model, part, rate_hz, (sizes[0], sizes[1])) for part in measured.validate]
-    free, count = int(model.index.max()) + 1, 2 * len(FLAT)
-    normal, right = np.zeros((free + count, free + count)), np.zeros(free + count)
-    for rows in fitted:
-        phi_phi = rows.phi.T @ rows.phi
-        for i, at in enumerate(model.index):
-            laws, rest = rows.laws[:, i], rows.rest[:, i]
-            across = rows.phi.T @ laws
-            np.add.at(normal, (at[:, None], at), phi_phi)
-            np.add.at(normal[:, free:], at, across)
-            normal[free:, free:] += laws.T @ laws
-            np.add.at(right, at, rows.phi.T @ rest)
-            right[free:] += laws.T @ rest
-    normal[free:, :free] = normal[:free, free:].T
-    noise = np.median(np.concatenate([r.rest**2 for r in fitted])) / 0.4549  # χ² of one: its median
-    plain = _left(held, model, _solve(normal[:free, :free], right[:free]), None) / noise
-    falls = []
-    for number in range(len(FLAT)):
-        columns = free + 2 * number + np.arange(2)
-        use = np.append(np.arange(free), columns)
-        solved = _solve(normal[np.ix_(use, use)], right[use])
-        left = _left(held, model, solved[:free], (2 * number, solved[free:]))
-        falls.append(plain - left / noise)
-    return np.array(falls), plain
+    times = (
+        f"{over:.1f} times the noise" if np.isfinite(over) else f"{held.error:.1%} of the motion"
+    )
+    leaves = f"the best linear model from axles to body (order {chosen.order}) leaves {times}"
+    if at_floor:
+        return replace(
+            found,
+            answer="linear",
+            sentence=f"between axle and body a linear mechanism explains all: {leaves}",
+        )
+    if law is not None and share >= EXPLAINED:
+        return replace(
+            found,
+            answer="not linear",
+            sentence=f"between axle and body something is not linear: {leaves}, and a law of the"
+            f' kind "{law}" explains {share:.0%} of that on runs held out',
+        )
+    return replace(
+        found,
+        sentence=f"whether what is missing between axle and body is linear cannot be told: "
+        f"{leaves},"
+        " and no law of the struts explains it",
+    )
 
 
-def _left(
-    rows: Sequence[_Rows], model: TransferMatrix, numerators: Array, law: tuple[int, Array] | None
-) -> Array:
-    """Squared residual of each run after numerators and a law are changed by so much."""
+def _law(
+    model: TransferMatrix, measured: Measured, belief: Suspensions, rate_hz: float
+) -> tuple[str | None, float]:
+    """Kind of law and share explained: on the best linear matrix, and on those of the half of the
+    runs with least travel, where a stop is not reached and the linear body shows."""
+    quiet = _quiet_half(measured.fit, rate_hz)
+    tried = [model] if model.structure.symmetry == "reciprocal" else []
+    for order in QUIET_ORDERS:
+        try:
+            tried.append(
+                identify(quiet, order=order, suspensions=belief, noise_rms=measured.noise_rms)
+            )
+        except CampaignError:
+            break
+    found: tuple[str | None, float] = (None, 0.0)
+    power = np.concatenate([p.sum(axis=(1, 2)) for p in _residual_power(model, measured.validate)])
+    for body in tried:
+        law, left = explained(body, model, measured, rate_hz)
+        share = 1.0 - float(left @ power / power.sum())
+        if share > found[1]:
+            found = (law, share)
+    return found
+
+
+def _residual_power(model: TransferMatrix, runs: Sequence[Spectra]) -> list[Array]:
+    """Power (r, k, n) of what the model leaves of each run, initial states projected out."""
     out = []
-    for part in rows:
-        rest = part.rest.copy()
-        for i, at in enumerate(model.index):
-            rest[:, i] -= part.phi @ numerators[at]
-        if law is not None:
-            first, size = law
-            rest -= part.laws[:, :, first : first + 2] @ size
-        out.append((rest**2).reshape(part.runs, -1).sum(axis=1))
-    return np.concatenate(out)
+    for part in runs:
+        basis = transient_basis(part.omega, model.sections, np.ones(len(part.omega)))
+        rest = part.outputs - through(model(1j * part.omega), part.inputs)
+        rows = projected(rest, basis).reshape(len(part.runs), 2, len(part.omega), -1)
+        out.append(np.asarray(np.sum(rows**2, axis=1)))
+    return out
 
 
-def _solve(normal: Array, right: Array) -> Array:
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    scaled = normal * scale[:, None] * scale
-    return np.asarray(scale * linalg.lstsq(scaled, scale * right, cond=1e-10)[0])
+def peakedness(model: TransferMatrix, runs: Sequence[Spectra]) -> float:
+    """Mean over median of the residual's power, scaled to 1 for noise of any level and colour of
+    the inputs' share; more where the residual gathers in lines or in some runs."""
+    total = expected = 0.0
+    for part, power in zip(runs, _residual_power(model, runs), strict=True):
+        white = power / (1.0 + np.sum(np.abs(model(1j * part.omega)) ** 2, axis=2))
+        level = np.median(white, axis=(0, 1)) / np.log(2.0)
+        total += float(white.mean(axis=(0, 1)).sum()) * len(part.runs)
+        expected += float(level.sum()) * len(part.runs)
+    return total / expected
+
+
+def _quiet_half(runs: Sequence[Spectra], rate_hz: float) -> list[Spectra]:
+    travel = [np.abs(strut_motion(part, rate_hz)[0]).max(axis=(1, 2)) for part in runs]
+    limit = float(np.median(np.concatenate(travel)))
+    out = []
+    for part, peak in zip(runs, travel, strict=True):
+        keep = np.flatnonzero(peak <= limit)
+        if len(keep):
+            names = tuple(part.runs[i] for i in keep)
+            out.append(
+                Spectra(names, part.omega, part.inputs[keep], part.outputs[keep], part.samples)
+            )
+    return out
+
+
+def _cannot(why: str) -> Linearity:
+    nan = float("nan")
+    return Linearity("cannot tell", why, 0, nan, nan, nan, None, 0.0, np.zeros(0), ())
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

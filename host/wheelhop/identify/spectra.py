@@ -61,9 +61,9 @@ class Measured:
     noise_rms: float | None
 
     @property
-    def runs(self) -> tuple[Spectra, ...]:
-        """All spectra."""
-        return self.fit + self.validate
+    def fit_ids(self) -> tuple[str, ...]:
+        """Ids of the runs to fit."""
+        return tuple(name for part in self.fit for name in part.runs)
 
 
 def measure(campaign: Campaign) -> Measured:
