@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import skrf
 from scipy.io import loadmat
+from skrf.vectorFitting import VectorFitting
 
 from wheelhop.campaign import read_campaign
 from wheelhop.cli.main import main
@@ -48,7 +49,7 @@ def test_states_polynomials_and_residues_are_the_same_matrix(model):
 def test_residues_are_those_of_scikit_rf(model):
     """Its rational function of one element, from our poles, residues and constant."""
     poles, residues, direct = poles_and_residues(model)
-    fitting = skrf.VectorFitting(skrf.Network(f=[1, 2], s=np.zeros((2, 1, 1)), z0=50))
+    fitting = VectorFitting(skrf.Network(f=[1, 2], s=np.zeros((2, 1, 1)), z0=50))
     fitting.poles, fitting.residues = poles, residues[0, 2][None]
     fitting.constant_coeff = np.array([direct[0, 2]])
     fitting.proportional_coeff = np.zeros(1)

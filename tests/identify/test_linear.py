@@ -48,7 +48,7 @@ def test_what_the_axles_do_not_drive_is_not_called_a_law_of_the_struts():
 
     found = linearity(replace(campaign, runs=tuple(map(shaken, campaign.runs))), vehicle)
     assert found.answer == "cannot tell"
-    assert found.over_floor > 3 and found.share < 0.1
+    assert "a line that never decays" in found.sentence
 
 
 def test_without_what_it_needs_it_cannot_tell_and_says_why():
@@ -61,7 +61,7 @@ def test_without_what_it_needs_it_cannot_tell_and_says_why():
     fitted = linearity(replace(campaign, runs=campaign.fit_runs), vehicle)
     assert "one held out" in fitted.sentence
     short = tuple(
-        replace(r, record=r.record[:40], time_s=r.time_s[:40])
+        replace(r, record=r.record[:16], time_s=r.time_s[:16])
         for r in campaign.fit_runs[:2] + campaign.validate_runs[:1]
     )
     assert "too short" in linearity(replace(campaign, runs=short), vehicle).sentence

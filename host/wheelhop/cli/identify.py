@@ -37,6 +37,7 @@ from wheelhop.identify import (
     write_mat,
 )
 from wheelhop.identify.figure import draw_matrix, draw_study, nominal_matrix
+from wheelhop.identify.identify import WASTED
 from wheelhop.vehicle import Vehicle, read_vehicle
 
 
@@ -113,7 +114,10 @@ def _print_model(
     for name in ("mode", "frequency, Hz", "± 1 s.e.", "damping ratio", "± 1 s.e."):
         table.add_column(name, justify="right")
     for number, (f, df, z, dz) in enumerate(sorted(chosen.model.poles_table()), start=1):
-        table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}")
+        if z > WASTED:
+            table.add_row(f"{number}", "not a mode")
+        else:
+            table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}")
     console.print(table)
     held = "runs held out" if chosen.validate else "fitted runs (none is held out)"
     judged = chosen.judging

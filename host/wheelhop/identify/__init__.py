@@ -7,6 +7,7 @@ from wheelhop.identify.export import (
     to_json,
     write_mat,
 )
+from wheelhop.identify.frf import Frf, frf, frf_h1
 from wheelhop.identify.identify import Judged, TransferMatrix, identify, judge
 from wheelhop.identify.linear import Linearity, linearity
 from wheelhop.identify.quarter_car import (
@@ -31,6 +32,7 @@ __all__ = [
     "Candidate",
     "Car",
     "DampedSinusoids",
+    "Frf",
     "Judged",
     "Linearity",
     "Measured",
@@ -51,6 +53,8 @@ __all__ = [
     "car_of",
     "compliance",
     "fit_damped_sinusoids",
+    "frf",
+    "frf_h1",
     "identify",
     "incremental_model",
     "judge",

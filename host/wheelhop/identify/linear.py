@@ -35,6 +35,8 @@ AT_FLOOR = 1.5
 """Error over that of stated noise up to which noise may be all: channels differ by that much."""
 FLAT_REST = 1.3
 """Mean over median power up to which a residual may be noise."""
+LASTING = 5.0
+"""A mode that decays by fewer e-folds in a run can pass a line off as an initial state."""
 EXPLAINED = 0.2
 """Share of the squared residual on held-out runs that a law must explain to be believed."""
 
@@ -115,6 +117,7 @@ def _answer(
     peak = peakedness(chosen.model, measured.validate)
     law, share = None, 0.0
     at_floor = peak <= FLAT_REST and not over > AT_FLOOR
+    rings = at_floor and _rings_on(chosen.model, measured, rate_hz)
     if not at_floor:
         law, share = _law(chosen.model, measured, belief, rate_hz)
     power = np.sqrt(held.measured.sum(axis=1) / (4 * measured.validate[0].samples))
@@ -135,6 +138,12 @@ def _answer(
         f"{over:.1f} times the noise" if np.isfinite(over) else f"{held.error:.1%} of the motion"
     )
     leaves = f"the best linear model from axles to body (order {chosen.order}) leaves {times}"
+    if rings:
+        return replace(
+            found,
+            sentence="whether what is missing between axle and body is linear cannot be told: a"
+            " line that never decays shakes the body, and the axles may have no part in it",
+        )
     if at_floor:
         return replace(
             found,
@@ -154,6 +163,14 @@ def _answer(
         f"{leaves},"
         " and no law of the struts explains it",
     )
+
+
+def _rings_on(model: TransferMatrix, measured: Measured, rate_hz: float) -> bool:
+    """Whether a mode in band outlasts the longest run."""
+    longest = max(part.samples for part in measured.fit) / rate_hz
+    high = max(float(part.omega[-1]) for part in measured.fit)
+    omega, zeta = model.sections.omega, model.sections.zeta
+    return bool(((omega < high) & (zeta * omega * longest < LASTING)).any())
 
 
 def _law(
