@@ -57,7 +57,7 @@ def test_without_what_it_needs_it_cannot_tell_and_says_why():
     few = replace(few, runs=tuple(replace(r, record=r.record[:, :-1]) for r in few.runs))
     found = linearity(few, vehicle)
     assert (found.answer, found.to_json()["over_floor"]) == ("cannot tell", None)
-    assert "four axle and four body points" in found.sentence
+    assert "our axle and four body points" in found.sentence
     fitted = linearity(replace(campaign, runs=campaign.fit_runs), vehicle)
     assert "one held out" in fitted.sentence
     short = tuple(

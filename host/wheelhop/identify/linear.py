@@ -141,27 +141,27 @@ def _answer(
     if rings:
         return replace(
             found,
-            sentence="whether what is missing between axle and body is linear cannot be told: a"
-            " line that never decays shakes the body, and the axles may have no part in it",
+            sentence="Whether what is missing between axle and body is linear cannot be told: a"
+            " line that never decays shakes the body, and the axles may have no part in it.",
         )
     if at_floor:
         return replace(
             found,
             answer="linear",
-            sentence=f"between axle and body a linear mechanism explains all: {leaves}",
+            sentence=f"Between axle and body a linear mechanism explains all: {leaves}.",
         )
     if law is not None and share >= EXPLAINED:
         return replace(
             found,
             answer="not linear",
-            sentence=f"between axle and body something is not linear: {leaves}, and a law of the"
+            sentence=f"Between axle and body something is not linear: {leaves}, and a law of the"
             f' kind "{law}" explains {share:.0%} of that on runs held out',
         )
     return replace(
         found,
-        sentence=f"whether what is missing between axle and body is linear cannot be told: "
+        sentence=f"Whether what is missing between axle and body is linear cannot be told: "
         f"{leaves},"
-        " and no law of the struts explains it",
+        " and no law of the struts explains it.",
     )
 
 
@@ -236,7 +236,9 @@ def _quiet_half(runs: Sequence[Spectra], rate_hz: float) -> list[Spectra]:
 
 def _cannot(why: str) -> Linearity:
     nan = float("nan")
-    return Linearity("cannot tell", why, 0, nan, nan, nan, None, 0.0, np.zeros(0), ())
+    return Linearity(
+        "cannot tell", f"{why[0].upper()}{why[1:]}.", 0, nan, nan, nan, None, 0.0, np.zeros(0), ()
+    )
 
 
 def _number(value: float) -> float | None:
