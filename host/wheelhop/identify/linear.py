@@ -155,13 +155,12 @@ def _answer(
             found,
             answer="not linear",
             sentence=f"Between axle and body something is not linear: {leaves}, and a law of the"
-            f' kind "{law}" explains {share:.0%} of that on runs held out',
+            f' kind "{law}" explains {share:.0%} of that on runs held out.',
         )
     return replace(
         found,
-        sentence=f"Whether what is missing between axle and body is linear cannot be told: "
-        f"{leaves},"
-        " and no law of the struts explains it.",
+        sentence="Whether what is missing between axle and body is linear cannot be told:"
+        f" {leaves}, and no law of the struts explains it.",
     )
 
 
