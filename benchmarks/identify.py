@@ -27,8 +27,6 @@ THESIS = Structure("symmetric", rigid=False)
 PLACE = THESIS.elements((0, 1, 2, 3), (0, 1, 2, 3))
 START = Sections(2 * np.pi * np.array([3.03, 4.93, 10.56, 26.49]), np.full(4, 0.1))
 SIMPLEX = 300  # evaluations: it has not converged then, and is already slow enough to judge
-    2000  # evaluations, as many as MATLAB's fminsearch allows 8 numbers by default (1600) and more
-)
 
 
 def main() -> None:
