@@ -3,6 +3,8 @@
 from wheelhop.campaign.duplicates import Duplicate, find_duplicates
 from wheelhop.campaign.read import read_campaign
 from wheelhop.campaign.types import (
+    AXLE_POINTS,
+    BODY_POINTS,
     Campaign,
     CampaignError,
     Channel,
@@ -13,6 +15,8 @@ from wheelhop.campaign.types import (
 )
 
 __all__ = [
+    "AXLE_POINTS",
+    "BODY_POINTS",
     "Campaign",
     "CampaignError",
     "Channel",

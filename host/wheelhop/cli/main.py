@@ -90,9 +90,9 @@ def _call(arguments: Namespace) -> int:
     from wheelhop.files import InputError, check_target
 
     try:
-        for output in (vars(arguments).get("json"), vars(arguments).get("report")):
-            if output is not None:  # better to know before a long computation than after it
-                check_target(output)
+        for key in ("json", "report", "figure", "mat", "study_figure"):
+            if vars(arguments).get(key) is not None:  # better to know before a long computation
+                check_target(vars(arguments)[key])
         if arguments.command in COMPUTING:
             import_module("wheelhop.cli.progress").announce_compilation()
         command = import_module(f"wheelhop.cli.{module_of(arguments.command)}")

@@ -5,6 +5,8 @@ import os
 from pathlib import Path
 from typing import NoReturn
 
+from wheelhop.cli.parser_identify import add_identify
+
 BAD_INPUT = 2
 
 
@@ -27,6 +29,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
     _make_analysis(commands)
+    add_identify(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
         "folder",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wheelhop.files import Table, did_you_mean, read_toml
+from wheelhop.files import Table, did_you_mean, read_toml, write_text
 from wheelhop.material.error import MaterialError
 from wheelhop.material.fit import ModulusFit
 from wheelhop.material.maxwell import GeneralizedMaxwell
@@ -61,7 +61,7 @@ def write_specimen(path: Path, specimen: Specimen) -> None:
     if specimen.uncertainty:
         lines += ["", "[uncertainty]  # half-widths of 95 % intervals"]
         lines += [f"{k} = {float(v)!r}" for k, v in specimen.uncertainty.items()]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(path, "\n".join(lines) + "\n", MaterialError)
 
 
 def read_specimen(path: Path) -> Specimen:

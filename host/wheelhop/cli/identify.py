@@ -1,0 +1,241 @@
+"""`wheelhop identify`: a transfer matrix from axle to body motion, or from step responses."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, read_campaign
+from wheelhop.cli.console import open_console
+from wheelhop.cli.exchange import write_json
+from wheelhop.cli.identify_steps import run_steps
+from wheelhop.identify import (
+    Candidate,
+    Judged,
+    Measured,
+    Sections,
+    Structure,
+    Suspensions,
+    best,
+    candidate,
+    car_of,
+    identify,
+    judge,
+    measure,
+    not_excited,
+    of_orders,
+    relaxed,
+    study,
+    suspensions,
+    to_json,
+    write_mat,
+)
+from wheelhop.identify.figure import draw_matrix, draw_study, nominal_matrix
+from wheelhop.identify.identify import WASTED
+from wheelhop.vehicle import Vehicle, read_vehicle
+
+
+def run(arguments: Namespace) -> int:
+    """Fit, judge on held-out runs, print, draw and export; raises CampaignError."""
+    if arguments.source.is_file():
+        return run_steps(arguments)
+    campaign = read_campaign(arguments.source)
+    if isinstance(campaign, ComponentCampaign):
+        raise CampaignError(
+            f"{campaign.folder}: is a component on a rig; a transfer matrix needs axles and a body"
+        )
+    vehicle = read_vehicle(campaign.vehicle_file)
+    measured = measure(campaign)
+    belief = suspensions(vehicle.values, vehicle.uncertainty)
+    structure = Structure(
+        arguments.structure, arguments.left_right, arguments.rigid, arguments.stable
+    )
+    candidates = _candidates(arguments, measured, structure, belief)
+    chosen = best(candidates)
+    console = open_console()
+    _print_model(chosen, candidates, measured, console)
+    _print_tracks(campaign, chosen, console)
+    physics = _physics(measured, chosen, belief) if arguments.physics else {}
+    if physics:
+        _print_physics(physics, console)
+    _write(arguments, campaign, vehicle, chosen, candidates, physics, measured)
+    if arguments.study:
+        _study(arguments, chosen, vehicle, console)
+    return 0
+
+
+def _candidates(
+    arguments: Namespace, measured: Measured, structure: Structure, belief: Suspensions
+) -> list[Candidate]:
+    if arguments.start is not None:
+        order = 2 * len(arguments.start)
+        numbers = np.array(arguments.start)
+        model = identify(
+            measured.fit,
+            structure,
+            order=order,
+            inputs=measured.inputs,
+            outputs=measured.outputs,
+            suspensions=belief,
+            noise_rms=measured.noise_rms,
+            start=Sections(2 * np.pi * numbers[:, 0], numbers[:, 1]),
+        )
+        fit = judge(model, measured.fit, measured.noise_rms)
+        held = judge(model, measured.validate, measured.noise_rms) if measured.validate else None
+        return [Candidate(model, fit, held, float("nan"))]
+    if arguments.order is not None:
+        return [candidate(measured, structure, arguments.order, belief)]
+    return of_orders(measured, structure, belief)
+
+
+def _print_model(
+    chosen: Candidate, candidates: Sequence[Candidate], measured: Measured, console: Console
+) -> None:
+    if len(candidates) > 1:
+        table = Table(box=box.SIMPLE_HEAD)
+        for name in ("order", "unknowns", "BIC", "error fit", "error held out", "floor"):
+            table.add_column(name, justify="right")
+        least = min(c.bic for c in candidates)
+        for c in candidates:
+            held = "–" if c.validate is None else f"{c.validate.error:.4f}"
+            mark = "←" if c is chosen else ""
+            table.add_row(
+                *(f"{c.order}", f"{c.model.unknowns}", f"+{c.bic - least:.0f}"),
+                *(f"{c.fit.error:.4f}", held, f"{_floor(c.judging)} {mark}"),
+            )
+        console.print(table)
+    table = Table(box=box.SIMPLE_HEAD)
+    for name in ("mode", "frequency, Hz", "± 1 s.e.", "damping ratio", "± 1 s.e."):
+        table.add_column(name, justify="right")
+    for number, (f, df, z, dz) in enumerate(sorted(chosen.model.poles_table()), start=1):
+        if z > WASTED:
+            table.add_row(f"{number}", "not a mode")
+        else:
+            table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}")
+    console.print(table)
+    held = "runs held out" if chosen.validate else "fitted runs (none is held out)"
+    judged = chosen.judging
+    console.print(
+        f"order {chosen.order}: error {judged.error:.4f} on {held};"
+        f" noise alone leaves {_floor(judged)}"
+    )
+    for motion in not_excited(measured.fit, measured.noise_rms):
+        console.print(f"the axles never move {motion}: what H says of it is not measured")
+
+
+def _floor(judged: Judged) -> str:
+    return f"{judged.floor:.4f}" if np.isfinite(judged.floor) else "unknown"
+
+
+def _print_tracks(campaign: Campaign, chosen: Candidate, console: Console) -> None:
+    table = Table(box=box.SIMPLE_HEAD, title="residual over measured, each run's by track")
+    table.add_column("track")
+    table.add_column("runs", justify="right")
+    for corner in chosen.model.outputs:
+        table.add_column(f"B{corner + 1}", justify="right")
+    table.add_column("all", justify="right")
+    for kind, count, by_output, overall in tracks(campaign, chosen):
+        table.add_row(kind, f"{count}", *(f"{e:.4f}" for e in by_output), f"{overall:.4f}")
+    console.print(table)
+
+
+def tracks(campaign: Campaign, chosen: Candidate) -> list[tuple[str, int, list[float], float]]:
+    """Track kind, number of runs, error of each output and of all, over all runs."""
+    kind = {run.id: run.track.kind for run in campaign.runs}
+    judged = [j for j in (chosen.fit, chosen.validate) if j is not None]
+    names = [name for j in judged for name in j.runs]
+    residual = np.concatenate([j.residual for j in judged])
+    power = np.concatenate([j.measured for j in judged])
+    out = []
+    for one in dict.fromkeys(kind.values()):
+        rows = [i for i, name in enumerate(names) if kind[name] == one]
+        per = np.sqrt(residual[rows].sum(axis=0) / np.maximum(power[rows].sum(axis=0), 1e-300))
+        overall = float(np.sqrt(residual[rows].sum() / max(power[rows].sum(), 1e-300)))
+        out.append((one, len(rows), per.tolist(), overall))
+    return out
+
+
+def _physics(measured: Measured, chosen: Candidate, belief: Suspensions) -> dict[str, Candidate]:
+    """The chosen structure, and it with one piece of physics changed at a time."""
+    return {
+        name: candidate(measured, structure, chosen.order, belief)
+        for name, structure in relaxed(chosen.model.structure).items()
+    }
+
+
+def _print_physics(physics: dict[str, Candidate], console: Console) -> None:
+    table = Table(box=box.SIMPLE_HEAD, title="what each piece of physics does")
+    table.add_column("structure")
+    for name in ("unknowns", "error fit", "error held out"):
+        table.add_column(name, justify="right")
+    for name, c in physics.items():
+        held = "–" if c.validate is None else f"{c.validate.error:.4f}"
+        table.add_row(name, f"{c.model.unknowns}", f"{c.fit.error:.4f}", held)
+    console.print(table)
+
+
+def _write(
+    arguments: Namespace,
+    campaign: Campaign,
+    vehicle: Vehicle,
+    chosen: Candidate,
+    candidates: Sequence[Candidate],
+    physics: dict[str, Candidate],
+    measured: Measured,
+) -> None:
+    if arguments.json:
+        write_json(
+            arguments.json,
+            {
+                "format": 1,
+                **to_json(chosen.model),
+                **_errors(chosen),
+                "not_excited": list(not_excited(measured.fit, measured.noise_rms)),
+                "tracks": [
+                    {"track": kind, "runs": count, "error": error, "by_output": by_output}
+                    for kind, count, by_output, error in tracks(campaign, chosen)
+                ],
+                "orders": [{"order": c.order, **_errors(c)} for c in candidates],
+                "physics": {name: _errors(c) for name, c in physics.items()},
+            },
+        )
+    if arguments.mat:
+        write_mat(chosen.model, arguments.mat)
+    if arguments.figure:
+        low, high = campaign.band_hz
+        frequency = np.geomspace(low, high, 300)
+        nominal = nominal_matrix(campaign, vehicle, chosen.model, frequency)
+        draw_matrix(chosen.model, nominal, frequency, arguments.figure)
+
+
+def _errors(c: Candidate) -> dict[str, Any]:
+    floor = c.judging.floor
+    return {
+        "error_fit": c.fit.error,
+        "error_validate": None if c.validate is None else c.validate.error,
+        "floor": floor if np.isfinite(floor) else None,
+        "unknowns": c.model.unknowns,
+    }
+
+
+def _study(arguments: Namespace, chosen: Candidate, vehicle: Vehicle, console: Console) -> None:
+    varied, factors = arguments.study
+    variants = study(car_of(chosen.model, vehicle.values), varied, factors)
+    table = Table(box=box.SIMPLE_HEAD, title=f"ground under A1 to B1, {varied} varied")
+    for name in ("factor", "static", "largest of a step", "wheel hop, Hz"):
+        table.add_column(name, justify="right")
+    time_s = np.arange(0, 3.0, 0.005)
+    for variant in variants:
+        table.add_row(
+            *(f"{variant.factor:g}", f"{variant.static:.3f}"),
+            *(f"{variant.step(time_s).max():.3f}", f"{variant.wheel_hop_hz():.2f}"),
+        )
+    console.print(table)
+    if arguments.study_figure:
+        draw_study(variants, varied, arguments.study_figure)

@@ -1,0 +1,56 @@
+"""`wheelhop identify STEPS.csv`: damped sinusoids and H(s) from step responses."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from rich import box
+from rich.table import Table
+
+from wheelhop.campaign import CampaignError
+from wheelhop.cli.console import open_console
+from wheelhop.cli.exchange import write_json
+from wheelhop.identify import fit_damped_sinusoids, read_steps
+
+MOST = 3
+"""Damped sinusoids tried when no order is given, as in Table 2.1 of the thesis."""
+
+
+def run_steps(arguments: Namespace) -> int:
+    """Fit, print σ and ω for each number of sinusoids, export; raises CampaignError."""
+    if arguments.order is not None and arguments.order % 2:
+        raise CampaignError(f"--order {arguments.order}: damped sinusoids come in pairs of poles")
+    steps = read_steps(arguments.source, arguments.force_N)
+    counts = [arguments.order // 2] if arguments.order else list(range(1, MOST + 1))
+    table = Table(box=box.SIMPLE_HEAD)
+    for name in ("sinusoids", "σ, 1/s", "ω, rad/s", "error"):
+        table.add_column(name, justify="right")
+    fits = []
+    for count in counts:
+        found = fit_damped_sinusoids(
+            steps.time_s, steps.responses, count, starts_at_rest=arguments.rigid
+        )
+        fits.append(found)
+        for k in range(count):
+            first = (f"{count}", f"{found.error:.2e}") if k == 0 else ("", "")
+            table.add_row(first[0], f"{found.sigma[k]:.3f}", f"{found.omega[k]:.3f}", first[1])
+    open_console().print(table)
+    if arguments.json:
+        write_json(
+            arguments.json,
+            {
+                "format": 1,
+                "points": list(steps.points),
+                "forces": list(steps.forces),
+                "fits": [
+                    {
+                        "sigma_1_s": fit.sigma.tolist(),
+                        "omega_rad_s": fit.omega.tolist(),
+                        "residues": fit.residues.tolist(),
+                        "error": fit.error,
+                    }
+                    for fit in fits
+                ],
+            },
+        )
+    return 0

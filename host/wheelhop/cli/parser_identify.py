@@ -1,0 +1,85 @@
+"""What `wheelhop identify` and `wheelhop thesis` take."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+
+def add_identify(commands: Any) -> None:
+    """Add both commands."""
+    identify = commands.add_parser("identify", help="fit a transfer matrix from axles to body")
+    identify.add_argument(
+        "source", metavar="CAMPAIGN", type=Path, help="a campaign's folder, or STEPS.csv"
+    )
+    identify.add_argument(
+        "--order", metavar="N", type=_count, help="number of poles (default: by held-out runs)"
+    )
+    identify.add_argument(
+        "--start",
+        metavar="HZ:ZETA,…",
+        type=_modes,
+        help="where the modes begin, such as 2.4:0.3,5:0.3 (default: found)",
+    )
+    identify.add_argument(
+        "--structure",
+        choices=("reciprocal", "symmetric", "free"),
+        default="reciprocal",
+        help="reciprocal: H/D symmetric (default); symmetric: H itself, as in the thesis",
+    )
+    for name, what in (
+        ("left-right", "the left side need not mirror the right"),
+        ("rigid", "the body need not follow raised axles at 0 Hz; of steps: need not begin at 0"),
+        ("stable", "poles need not decay"),
+    ):
+        identify.add_argument(
+            f"--no-{name}", dest=name.replace("-", "_"), action="store_false", help=what
+        )
+    identify.add_argument(
+        "--physics", action="store_true", help="fit without each piece of physics, too"
+    )
+    identify.add_argument(
+        "--study",
+        metavar="WHAT=FACTOR,…",
+        type=_study,
+        help="vary the car, such as front-stiffness=1,1.25,1.5",
+    )
+    identify.add_argument("--study-figure", metavar="FILE.png", type=Path, help="draw the study")
+    identify.add_argument("--figure", metavar="FILE.png", type=Path, help="draw H with its bands")
+    identify.add_argument("--mat", metavar="FILE.mat", type=Path, help="write H for MATLAB")
+    identify.add_argument(
+        "--force-N", metavar="N", type=float, default=1.0, help="of the steps (default 1)"
+    )
+    thesis = commands.add_parser(
+        "thesis", help="the thesis's tables, recomputed beside the printed"
+    )
+    for command in (identify, thesis):
+        command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 up")
+    return int(text)
+
+
+def _modes(text: str) -> list[tuple[float, float]]:
+    try:
+        modes = [tuple(map(float, pair.split(":"))) for pair in text.split(",")]
+    except ValueError:
+        modes = []
+    if not modes or any(len(mode) != 2 or not mode[0] > 0 for mode in modes):
+        raise argparse.ArgumentTypeError(f"'{text}' is not HZ:ZETA,HZ:ZETA,…")
+    return [(mode[0], mode[1]) for mode in modes]
+
+
+def _study(text: str) -> tuple[str, list[float]]:
+    varied, _, numbers = text.partition("=")
+    try:
+        factors = [float(number) for number in numbers.split(",")]
+    except ValueError:
+        factors = []
+    if not varied or not factors or not all(0 < factor < 1e3 for factor in factors):
+        raise argparse.ArgumentTypeError(f"'{text}' is not WHAT=FACTOR,FACTOR,…")
+    return varied, factors

@@ -1,0 +1,32 @@
+"""`wheelhop thesis`: chapters 2 and 5 recomputed, beside the printed numbers."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from rich import box
+from rich.table import Table
+
+from wheelhop.cli.console import open_console
+from wheelhop.cli.exchange import write_json
+from wheelhop.identify import thesis_rows
+
+
+def run(arguments: Namespace) -> int:
+    """Print each number with a reason where ours differs."""
+    rows = thesis_rows()
+    console = open_console()
+    table = Table(box=box.SIMPLE_HEAD)
+    for name, side in (("table", "left"), ("", "left"), ("printed", "right"), ("ours", "right")):
+        table.add_column(name, justify="right" if side == "right" else "left", no_wrap=True)
+    table.add_column("why they differ", no_wrap=True)
+    notes: dict[str, int] = {}
+    for row in rows:
+        mark = f"({notes.setdefault(row.reason, len(notes) + 1)})" if row.reason else ""
+        table.add_row(row.table, row.what, f"{row.printed:.4g}", f"{row.ours:.4g}", mark)
+    console.print(table)
+    for reason, number in notes.items():
+        console.print(f"({number}) {reason}", markup=False, soft_wrap=True)
+    if arguments.json:
+        write_json(arguments.json, {"format": 1, "rows": [vars(row) for row in rows]})
+    return 0

@@ -1,0 +1,80 @@
+"""Transfer matrices from data, and what they say of the vehicle they were measured on."""
+
+from wheelhop.identify.export import (
+    poles_and_residues,
+    polynomials,
+    state_space,
+    to_json,
+    write_mat,
+)
+from wheelhop.identify.frf import Frf, frf, frf_h1
+from wheelhop.identify.identify import Judged, TransferMatrix, identify, judge
+from wheelhop.identify.linear import Linearity, linearity
+from wheelhop.identify.quarter_car import (
+    Struts,
+    Wheels,
+    compliance,
+    on_wheels,
+    other_suspensions,
+    wheel_hop_hz,
+)
+from wheelhop.identify.sections import Sections
+from wheelhop.identify.select import Candidate, best, candidate, of_orders, relaxed
+from wheelhop.identify.spectra import Measured, Spectra, measure, not_excited, spectra
+from wheelhop.identify.statespace import StateSpace, balanced_reduction, of_fractions
+from wheelhop.identify.steps import DampedSinusoids, fit_damped_sinusoids, incremental_model
+from wheelhop.identify.steps_file import StepResponses, read_steps
+from wheelhop.identify.structure import Structure, Suspensions, suspensions
+from wheelhop.identify.study import Car, Variant, car_of, study
+from wheelhop.identify.thesis import Row, thesis_rows
+
+__all__ = [
+    "Candidate",
+    "Car",
+    "DampedSinusoids",
+    "Frf",
+    "Judged",
+    "Linearity",
+    "Measured",
+    "Row",
+    "Sections",
+    "Spectra",
+    "StateSpace",
+    "StepResponses",
+    "Structure",
+    "Struts",
+    "Suspensions",
+    "TransferMatrix",
+    "Variant",
+    "Wheels",
+    "balanced_reduction",
+    "best",
+    "candidate",
+    "car_of",
+    "compliance",
+    "fit_damped_sinusoids",
+    "frf",
+    "frf_h1",
+    "identify",
+    "incremental_model",
+    "judge",
+    "linearity",
+    "measure",
+    "not_excited",
+    "of_fractions",
+    "of_orders",
+    "on_wheels",
+    "other_suspensions",
+    "poles_and_residues",
+    "polynomials",
+    "read_steps",
+    "relaxed",
+    "spectra",
+    "state_space",
+    "study",
+    "suspensions",
+    "thesis_rows",
+    "to_json",
+    "wheel_hop_hz",
+    "write_mat",
+]

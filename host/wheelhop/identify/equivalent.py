@@ -1,0 +1,99 @@
+"""A vehicle that stands for the thesis's racing car, whose finite-element frame is not published.
+
+A body of 548 kg with heave, pitch and roll on the struts of Table 2.2, and one twisting mode of its
+frame. Where its centre of mass lies, its two radii of gyration and how stiffly, heavily and with
+what loss the frame twists are not printed: six numbers, chosen so that its poles come nearest to
+the three pairs of Table 2.1 and G₁₁(0) to the printed 0.76. What else the tables hold, the fits
+with one and two sinusoids, the guesses of Table A.2, wheel hop and the poles of G_red, is then no
+choice any more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from wheelhop.identify import published
+from wheelhop.identify.quarter_car import Struts, Wheels, on_wheels
+from wheelhop.identify.statespace import StateSpace
+
+Array = NDArray[np.float64]
+
+FIRST = np.array([0.5, 0.5, 0.55, 2.5, 30.0, 0.05])
+LEAST = np.array([0.35, 0.3, 0.3, 1.3, 15.0, 0.005])
+MOST = np.array([0.65, 1.2, 1.2, 20.0, 200.0, 0.5])
+
+
+@dataclass(frozen=True)
+class EquivalentVehicle:
+    """The six numbers, as parts of half the wheelbase and half the track: the front axle's distance
+    from the centre of mass over the wheelbase; radii of gyration in pitch (over the wheelbase) and
+    roll (over the track); the twisting stiffness over the struts' own against warp, the frequency,
+    rad/s, and the damping ratio of the twist."""
+
+    front: float
+    pitch_radius: float
+    roll_radius: float
+    twist_stiffness: float
+    twist_omega: float
+    twist_zeta: float
+
+    def body(self) -> StateSpace:
+        """S: forces at the four points to their displacements, the wheels held, N to m."""
+        struts = Struts(*published.TABLE_2_2["old"])
+        mass = published.SPRUNG_MASS_KG
+        x, y = np.repeat([self.front, self.front - 1.0], 2), np.array([0.5, -0.5, 0.5, -0.5])
+        shape = np.column_stack([np.ones(4), x, y, [1, -1, -1, 1]])  # heave, pitch, roll, twist
+        stiffness = self.twist_stiffness * struts.stiffness.sum()
+        modal = stiffness / self.twist_omega**2
+        m = np.diag([mass, mass * self.pitch_radius**2, mass * self.roll_radius**2, modal])
+        k = shape.T @ np.diag(struts.stiffness) @ shape + np.diag([0, 0, 0, stiffness])
+        loss = 2 * self.twist_zeta * self.twist_omega * modal
+        c = shape.T @ np.diag(struts.damping) @ shape + np.diag([0, 0, 0, loss])
+        inverse = np.linalg.inv(m)
+        a = np.block([[np.zeros((4, 4)), np.eye(4)], [-inverse @ k, -inverse @ c]])
+        b = np.vstack([np.zeros((4, 4)), inverse @ shape.T])
+        return StateSpace(a, b, np.hstack([shape, np.zeros((4, 4))]), np.zeros((4, 4)))
+
+
+def wheels(front_mass_kg: float | None = None) -> Wheels:
+    """Table 2.3, with another front unsprung mass if wanted."""
+    front, rear = published.TABLE_2_3["front"], published.TABLE_2_3["rear"]
+    return Wheels((front_mass_kg or front[0], rear[0]), (front[1], rear[1]), (front[2], rear[2]))
+
+
+def ground_to_body(body: StateSpace, front_mass_kg: float | None = None) -> StateSpace:
+    """G(s) of the car on the new struts of Table 2.2."""
+    old, new = (Struts(*published.TABLE_2_2[key]) for key in ("old", "new"))
+    return on_wheels(body, old, new, wheels(front_mass_kg))
+
+
+@cache
+def equivalent_vehicle() -> EquivalentVehicle:
+    """The vehicle nearest to the printed numbers, by least squares."""
+    wanted = np.array(published.TABLE_2_1[3])
+    static = published.G_11_STATIC[0] / published.G_11_STATIC[1]
+
+    def off(numbers: Array) -> Array:
+        body = EquivalentVehicle(*numbers.tolist()).body()
+        poles = body.poles()
+        lowest = sorted((p for p in poles if p.imag > 1e-6), key=abs)[:3]
+        if len(lowest) < 3:
+            return np.full(7, 10.0)
+        pairs = np.array([[-p.real, p.imag] for p in lowest])
+        pairs = pairs[np.argsort(pairs[:, 0])]
+        here = ground_to_body(body).static()[0, 0]
+        return np.append(((pairs - wanted) / wanted).ravel(), 5 * (here - static) / static)
+
+    best = min(
+        (
+            optimize.least_squares(off, np.clip(FIRST * scale, LEAST, MOST), bounds=(LEAST, MOST))
+            for scale in (1.0, 0.9, 1.1)
+        ),
+        key=lambda found: float(found.cost),
+    )
+    return EquivalentVehicle(*best.x.tolist())

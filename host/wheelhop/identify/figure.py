@@ -1,0 +1,113 @@
+"""Pictures of transfer matrices and of parameter studies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign
+from wheelhop.fit import initial_model
+from wheelhop.identify.identify import TransferMatrix
+from wheelhop.identify.study import Variant
+from wheelhop.simulate import frequency_response
+from wheelhop.vehicle import Vehicle
+
+Array = NDArray[np.floating[Any]]
+ComplexArray = NDArray[np.complex128]
+
+IDENTIFIED, NOMINAL = "C0", "C1"
+TICKS = (0.5, 1, 2, 5, 10, 20, 50)
+
+
+def nominal_matrix(
+    campaign: Campaign, vehicle: Vehicle, model: TransferMatrix, frequency_hz: Array
+) -> ComplexArray:
+    """H of vehicle.toml's own model at the places of an identified one (f, n, m)."""
+    wanted = {BODY_POINTS[corner]: row for row, corner in enumerate(model.outputs)}
+    channels = sorted(
+        (c for c in campaign.channels if c.point in wanted), key=lambda c: wanted[c.point]
+    )
+    system = initial_model(campaign, vehicle).system(channels, "axles")
+    omega = 2 * np.pi * frequency_hz[:, None, None]
+    response = frequency_response(system, frequency_hz) / -(omega**2)
+    return np.asarray(response[:, :, list(model.inputs)])
+
+
+def draw_matrix(
+    model: TransferMatrix, nominal: ComplexArray, frequency_hz: Array, path: Path
+) -> None:
+    """Magnitudes of all elements with their bands (twice the standard error), beside the nominal
+    model's. The format is by the suffix of `path`; raises OSError."""
+    from matplotlib.figure import Figure
+
+    s = 2j * np.pi * frequency_hz
+    h, error = np.abs(model(s)), model.standard_error(s)
+    rows, columns = h.shape[1:]
+    figure = Figure(figsize=(2.6 * columns + 0.6, 2.1 * rows + 0.6), layout="constrained")
+    axes: Any = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for i in range(rows):
+        for j in range(columns):
+            axis = axes[i, j]
+            low, high = h[:, i, j] - 2 * error[:, i, j], h[:, i, j] + 2 * error[:, i, j]
+            axis.fill_between(
+                frequency_hz, np.maximum(low, 1e-6), high, color=IDENTIFIED, alpha=0.25, lw=0
+            )
+            axis.plot(frequency_hz, h[:, i, j], color=IDENTIFIED, lw=1.5, label="identified")
+            axis.plot(
+                *(frequency_hz, np.abs(nominal[:, i, j])),
+                **{"color": NOMINAL, "lw": 1.2, "ls": "--", "label": "vehicle.toml"},
+            )
+            title = f"{AXLE_POINTS[model.inputs[j]]} → {BODY_POINTS[model.outputs[i]]}"
+            axis.set_title(title, fontsize=9)
+            axis.set_ylim(0.002, 3 * max(1.0, float(h.max()) / 2))
+            _frequency_axis(axis, frequency_hz, i == rows - 1)
+            axis.set_yscale("log")
+    for i in range(rows):
+        axes[i, 0].set_ylabel("|H|")
+    axes[0, 0].legend(fontsize=7, loc="lower left")
+    figure.savefig(path, dpi=130)
+
+
+def draw_study(
+    variants: Sequence[Variant], varied: str, path: Path, *, words: Mapping[str, str] | None = None
+) -> None:
+    """Magnitude, phase and step response of each variant (thesis figures 2.15-2.20)."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 4.2), layout="constrained")
+    axes: Any = figure.subplots(1, 3)
+    frequency = np.geomspace(0.2, 50, 400)
+    time_s = np.arange(0, 2.0, 0.004)
+    for number, variant in enumerate(variants):
+        response = variant.system(2j * np.pi * frequency)[:, 0, 0]
+        style = {"color": f"C{number}", "lw": 1.4, "label": f"× {variant.factor:g}"}
+        axes[0].plot(frequency, np.abs(response), **style)
+        axes[1].plot(frequency, np.degrees(np.unwrap(np.angle(response))), **style)
+        axes[2].plot(time_s, variant.step(time_s), **style)
+    axes[0].set_yscale("log")
+    axes[0].set_ylabel("body over ground")
+    axes[1].set_ylabel("phase, °")
+    axes[2].set_ylabel("body, m, for a step of 1 m")
+    axes[2].set_xlabel("time, s")
+    axes[2].grid(alpha=0.3)
+    for axis in axes[:2]:
+        _frequency_axis(axis, frequency, True)
+    axes[0].legend(title=varied.replace("-", " "), fontsize=8)
+    for axis in axes:
+        axis.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=130)
+
+
+def _frequency_axis(axis: Any, frequency_hz: Array, labelled: bool) -> None:
+    axis.set_xscale("log")
+    axis.set_xlim(frequency_hz[0], frequency_hz[-1])
+    ticks = [f for f in TICKS if frequency_hz[0] <= f <= frequency_hz[-1]]
+    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axis.minorticks_off()
+    axis.grid(alpha=0.3)
+    if labelled:
+        axis.set_xlabel("frequency, Hz")

@@ -1,0 +1,314 @@
+"""The least-squares problem: numerators by linear algebra, poles by Gauss-Newton steps.
+
+For given poles (and given ratios of the suspensions) the numerators are a linear least-squares
+problem with linear constraints, solved exactly; what remains is a function of the poles alone
+(variable projection: G. Golub and V. Pereyra, Inverse Problems 19 (2003) R1). Its Gauss-Newton
+step is the one of the full problem with the numerators eliminated, analytic throughout. The error
+that is minimised is the output error, not the error times the denominator (thesis 5.6-5.10, which
+weighs each frequency by |denominator|²).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from wheelhop.identify.gram import Gram, Stack, gram, initial_states, projected
+from wheelhop.identify.sections import ComplexArray, Sections, from_parameters
+from wheelhop.identify.spectra import Spectra, through
+from wheelhop.identify.structure import RIGID, Structure, Suspensions
+
+Array = NDArray[np.float64]
+RIDGE = 1e-13
+"""Of the largest diagonal term, after scaling: keeps superfluous poles from dividing by zero."""
+LEAST_ZETA = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A trial: nonlinear numbers, the numerators that belong to them, and the cost."""
+
+    numbers: Array  #: (P,) ln ω, ln ζ (or ζ), ln r, and the free numbers of the suspensions
+    sections: Sections
+    suspension: Array  #: (3,)
+    free: Array  #: (elements · order,)
+    theta: Array  #: (n, m, order)
+    gram: Gram
+    regressors: list[tuple[Array, Array, Array]]
+    cost: float
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """The linearised problem at a point.
+
+    `normal` and `gradient` are of the unknowns that constraints leave: first the numerators', then
+    the nonlinear numbers. `basis` takes them to (free, numbers).
+    """
+
+    normal: Array
+    gradient: Array
+    basis: Array
+    nonlinear: int
+
+
+class Problem:
+    """Weighted runs, a structure and an order.
+
+    Parameters
+    ----------
+    stack : the weighted runs.
+    structure : what physics fixes.
+    inputs, outputs : corners of the columns and rows.
+    suspensions : belief about D, needed by the structure "reciprocal".
+    output_weight : (n,) one over the variance of a real coordinate of each output.
+    order : number of poles.
+    """
+
+    def __init__(
+        self,
+        stack: Stack,
+        structure: Structure,
+        inputs: tuple[int, ...],
+        outputs: tuple[int, ...],
+        suspensions: Suspensions | None,
+        output_weight: Array,
+        order: int,
+    ) -> None:
+        self.stack, self.structure = stack, structure
+        self.inputs, self.outputs = inputs, outputs
+        self.output_weight, self.order = output_weight, order
+        self.elements = structure.elements(outputs, inputs)
+        self.index = (self.elements[:, :, None] * order + np.arange(order)).reshape(
+            len(outputs), -1
+        )
+        self.unknowns = (int(self.elements.max()) + 1) * order
+        self.belief = suspensions or Suspensions(np.array([1.0, 0.0, 0.0]), np.zeros(3))
+        uses = structure.symmetry == "reciprocal"
+        self.moving = np.flatnonzero(self.belief.sd > 0) if uses else np.zeros(0, int)
+        self.uses_suspensions = uses
+
+    def start(self, sections: Sections) -> Array:
+        """The vector of nonlinear numbers at these sections and at the believed suspensions."""
+        numbers = sections.parameters()
+        m = len(sections.omega)
+        if self.structure.stable:
+            numbers[m : 2 * m] = np.log(np.maximum(sections.zeta, LEAST_ZETA))
+        return np.concatenate([numbers, self.belief.value[self.moving]])
+
+    def at(self, numbers: Array) -> Point:
+        """Solve for the numerators."""
+        sections, suspension = self._unpack(numbers)
+        regressors = self.stack.regressors(sections, self._factors(suspension))
+        sums = gram(regressors)
+        free = self._numerators(sums, sections, suspension)
+        theta = free[self.index]
+        cost = self._prior(suspension)
+        for i, weight in enumerate(self.output_weight):
+            t = theta[i]
+            rest = sums.x_x[i] - 2 * t @ sums.phi_x[:, i] + t @ sums.phi_phi @ t
+            cost += weight * max(float(rest), 0.0)
+        shape = (len(self.outputs), len(self.inputs), self.order)
+        return Point(
+            numbers, sections, suspension, free, theta.reshape(shape), sums, regressors, cost
+        )
+
+    def linearised(self, point: Point) -> Step:
+        """Normal equations of numerators and nonlinear numbers together."""
+        count = len(point.numbers)
+        normal = np.zeros((self.unknowns + count, self.unknowns + count))
+        gradient = np.zeros(self.unknowns + count)
+        below = slice(self.unknowns, None)
+        theta = point.theta.reshape(len(self.outputs), -1)
+        columns = self._columns(point)
+        for i, weight in enumerate(self.output_weight):
+            at = self.index[i]
+            d_d, phi_d, d_x = np.zeros((count, count)), np.zeros((len(at), count)), np.zeros(count)
+            for (_, phi, x), by_output in zip(point.regressors, columns, strict=True):
+                d = by_output[:, i]
+                d_d += d.T @ d
+                phi_d += phi.T @ d
+                d_x += d.T @ x[:, i]
+            np.add.at(normal, (at[:, None], at), weight * point.gram.phi_phi)
+            np.add.at(normal[:, below], at, weight * phi_d)
+            normal[below, below] += weight * d_d
+            rest = point.gram.phi_x[:, i] - point.gram.phi_phi @ theta[i]
+            np.add.at(gradient, at, weight * rest)
+            gradient[below] += weight * (d_x - phi_d.T @ theta[i])
+        normal[below, : self.unknowns] = normal[: self.unknowns, below].T
+        if len(self.moving):
+            inverse = 1.0 / self.belief.sd[self.moving] ** 2
+            tail = np.arange(self.unknowns + count - len(self.moving), self.unknowns + count)
+            normal[tail, tail] += inverse
+            gradient[tail] -= inverse * (point.suspension - self.belief.value)[self.moving]
+        basis = self._allowed(point)
+        return Step(basis.T @ normal @ basis, basis.T @ gradient, basis, count)
+
+    def _unpack(self, numbers: Array) -> tuple[Sections, Array]:
+        poles = np.array(numbers[: self.order])
+        m = self.order // 2
+        if self.structure.stable:
+            poles[m : 2 * m] = np.exp(poles[m : 2 * m])
+        suspension = self.belief.value.copy()
+        suspension[self.moving] = numbers[self.order :]
+        suspension[0] = max(suspension[0], 0.1 * self.belief.value[0])
+        suspension[1:] = np.maximum(suspension[1:], 0.0)
+        return from_parameters(poles), suspension
+
+    def _factors(self, suspension: Array) -> list[ComplexArray]:
+        if not self.uses_suspensions:
+            return [np.ones((len(p.omega), len(self.inputs)), complex) for p in self.stack.parts]
+        return [self.belief.factor(suspension, 1j * p.omega, self.inputs) for p in self.stack.parts]
+
+    def _prior(self, suspension: Array) -> float:
+        off = (suspension - self.belief.value)[self.moving] / self.belief.sd[self.moving]
+        return float(off @ off)
+
+    def _constraints(self, sections: Sections, suspension: Array) -> tuple[Array, Array, Array]:
+        """A (k, unknowns) and b (k,) of A free = b, and the derivative of A by K_rear / K_front."""
+        if not (self.structure.rigid and len(self.inputs) == 4):
+            return np.zeros((0, self.unknowns)), np.zeros(0), np.zeros((0, self.unknowns))
+        rear = np.array([corner >= 2 for corner in self.inputs])
+        scale = np.where(rear & self.uses_suspensions, suspension[0], 1.0)
+        at_zero = sections.at_zero()[0]
+        rigid = RIGID[list(self.inputs)]
+        a = np.zeros((len(self.outputs) * 3, self.unknowns))
+        by_ratio = np.zeros_like(a)
+        for i in range(len(self.outputs)):
+            for k in range(3):
+                row = 3 * i + k
+                np.add.at(a[row], self.index[i], np.outer(scale * rigid[:, k], at_zero).ravel())
+                moved = np.outer(rear * rigid[:, k], at_zero).ravel()
+                np.add.at(by_ratio[row], self.index[i], moved)
+        return a, RIGID[list(self.outputs)].ravel(), by_ratio
+
+    def _numerators(self, sums: Gram, sections: Sections, suspension: Array) -> Array:
+        normal = np.zeros((self.unknowns, self.unknowns))
+        right = np.zeros(self.unknowns)
+        for i, weight in enumerate(self.output_weight):
+            np.add.at(normal, (self.index[i][:, None], self.index[i]), weight * sums.phi_phi)
+            np.add.at(right, self.index[i], weight * sums.phi_x[:, i])
+        a, b, _ = self._constraints(sections, suspension)
+        if not len(a):
+            return _solve(normal, right)
+        fixed = linalg.lstsq(a, b)[0]
+        null = linalg.null_space(a)
+        inside: Array = null @ _solve(null.T @ normal @ null, null.T @ (right - normal @ fixed))
+        out: Array = fixed + inside
+        return out
+
+    def _columns(self, point: Point) -> list[Array]:
+        """For each part: derivative (rows, n, P) of the modelled outputs by the nonlinear numbers,
+        the numerators and the initial states held."""
+        out = []
+        count = len(point.numbers)
+        m = self.order // 2
+        parts = zip(
+            self.stack.parts,
+            self.stack.weights,
+            self._factors(point.suspension),
+            point.regressors,
+            strict=True,
+        )
+        for part, weight, factor, (basis, _, _) in parts:
+            s = 1j * part.omega
+            slopes = point.sections.basis_slopes(s)
+            if self.structure.stable:
+                slopes[m : 2 * m] *= point.sections.zeta[:, None, None]
+            by = np.einsum("pkl,ijl->kjip", slopes, point.theta, optimize=True)
+            by *= factor[:, :, None, None]
+            if len(self.moving):
+                bends = self.belief.slopes(point.suspension, s, self.inputs)[self.moving]
+                value = np.tensordot(point.sections.basis(s), point.theta, axes=(1, 2)).swapaxes(
+                    1, 2
+                )
+                more = bends.transpose(1, 2, 0)[:, :, None, :] * value[:, :, :, None]
+                by = np.concatenate([by, more], axis=3)
+            by *= weight[:, None, None, None]
+            flat = by.reshape(*by.shape[:2], -1)
+            moved = np.matmul(part.inputs.transpose(1, 0, 2), flat).transpose(1, 0, 2)
+            moved = moved.reshape(*moved.shape[:2], len(self.outputs), count)
+            moved[..., : self.order] += self._decays(point, part, weight, factor, slopes)
+            rows = projected(moved.reshape(*moved.shape[:2], -1), basis)
+            out.append(rows.reshape(len(rows), len(self.outputs), count))
+        return out
+
+    def _decays(
+        self,
+        point: Point,
+        part: Spectra,
+        weight: Array,
+        factor: ComplexArray,
+        slopes: ComplexArray,
+    ) -> ComplexArray:
+        """Derivative (r, k, n, order) of what the initial states leave, by the poles."""
+        fractions = point.sections.basis(1j * part.omega)
+        h = np.tensordot(fractions, point.theta, axes=(1, 2)) * factor[:, None, :]
+        rest = (part.outputs - through(h, part.inputs)) * weight[:, None]
+        states = initial_states(part.omega, point.sections, weight, rest)
+        moved = np.tensordot(slopes * weight[:, None], states, axes=(2, 0))
+        shape = (self.order, len(part.omega), len(part.runs), len(self.outputs))
+        return np.asarray(moved.reshape(shape).transpose(2, 1, 3, 0))
+
+    def _allowed(self, point: Point) -> Array:
+        """Directions (unknowns + P, …) along which the constraints stay true to first order."""
+        count = len(point.numbers)
+        a, _, by_ratio = self._constraints(point.sections, point.suspension)
+        null = linalg.null_space(a) if len(a) else np.eye(self.unknowns)
+        out = np.zeros((self.unknowns + count, null.shape[1] + count))
+        out[: self.unknowns, : null.shape[1]] = null
+        out[self.unknowns :, null.shape[1] :] = np.eye(count)
+        if len(a) and 0 in self.moving:
+            follows = linalg.lstsq(a, -by_ratio @ point.free)[0]
+            out[: self.unknowns, null.shape[1] + self.order] = follows
+        return out
+
+
+def reduced(step: Step) -> tuple[Array, Array]:
+    """Normal matrix and gradient of the nonlinear numbers, the numerators eliminated."""
+    k = step.nonlinear
+    inner = step.normal[:-k, :-k]
+    across = step.normal[:-k, -k:]
+    eliminated = _solve(inner, np.column_stack([across, step.gradient[:-k]]))
+    normal = step.normal[-k:, -k:] - across.T @ eliminated[:, :-1]
+    return normal, step.gradient[-k:] - across.T @ eliminated[:, -1]
+
+
+def descend(problem: Problem, start: Array, *, steps: int = 40, tolerance: float = 1e-8) -> Point:
+    """Levenberg-Marquardt steps from `start` until a step promises less than `tolerance` of the
+    cost."""
+    point = problem.at(start)
+    damping = 1e-3
+    for _ in range(steps):
+        normal, gradient = reduced(problem.linearised(point))
+        scale = np.maximum(np.diag(normal), 1e-12 * np.diag(normal).max())
+        while damping < 1e8:
+            move = _solve(normal + damping * np.diag(scale), gradient)
+            move *= min(1.0, 0.7 / max(float(np.abs(move[: problem.order]).max()), 1e-300))
+            promised = float(2 * move @ gradient - move @ normal @ move)
+            if promised < tolerance * point.cost:
+                return point
+            trial = problem.at(point.numbers + move)
+            if trial.cost < point.cost:
+                point, damping = trial, max(damping / 5, 1e-9)
+                break
+            damping *= 8
+        else:
+            return point
+    return point
+
+
+def _solve(normal: Array, right: Array) -> Array:
+    """Solve symmetric positive equations scaled to a unit diagonal."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    scaled = normal * scale[:, None] * scale
+    scaled[np.diag_indices_from(scaled)] += RIDGE
+    columns = right * (scale if right.ndim == 1 else scale[:, None])
+    try:
+        out = linalg.cho_solve(linalg.cho_factor(scaled, check_finite=False), columns)
+    except linalg.LinAlgError:
+        out = linalg.lstsq(scaled, columns, cond=1e-12)[0]
+    return np.asarray(out * (scale if right.ndim == 1 else scale[:, None]))

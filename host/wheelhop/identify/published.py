@@ -1,0 +1,87 @@
+"""Numbers printed in the thesis (H. Kanchwala, Studies in simplified dynamic modeling and
+characterization of vehicle suspensions), in SI: what ours are held against."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wheelhop.identify.sections import Sections
+
+TABLE_5_2 = Sections(
+    2 * np.pi * np.array([2.37, 4.92, 10.41, 27.46]), np.array([0.31, 0.33, 0.18, 0.73])
+)
+"""Poles of H(s) fitted to the field tests."""
+
+D2_DENOMINATOR = np.array([1, 305.1, 5e4, 3.3e6, 2.3e8, 6.8e9, 2e11, 2e12, 2.7e13])
+"""Appendix D.2.1, highest power first."""
+
+D2_NUMERATORS = np.array(
+    [
+        [-0.4, 72.1, -3.9e4, 3.9e6, -9.1e8, -3.6e5, 5.5e4, 1.5e13],
+        [-0.3, 47.8, -3.1e4, 2.6e6, -6.5e8, 1.7e4, 5.6e4, 6e12],
+        [-0.1, -11.1, -7.1e3, -4.3e5, -1.4e8, -1.6e6, 1e4, 5.8e12],
+        [0.3, 72.2, 4.5e4, 2.4e6, 5.8e8, -5e6, -6e4, -4.8e12],
+        [-0.2, -87.1, 3.6e4, -1e7, 1e9, 4.2e6, -1.6e5, 1.2e13],
+        [0.4, 38.7, 3.5e4, 6e6, 16e7, -4.1e3, -6.7e4, 5e12],
+    ]
+)
+"""Appendix D.2.1: H11, H12, H13, H14, H33, H34, highest power (s⁷) first, as printed."""
+
+TABLE_2_1 = {
+    1: ((3.546, 13.894),),
+    2: ((1.708, 12.425), (4.452, 17.042)),
+    3: ((1.559, 12.365), (3.079, 17.257), (5.909, 16.659)),
+}
+"""σ and ω, 1/s and rad/s, of 1, 2, 3 damped sinusoids fitted to the step responses."""
+
+TABLE_A_2 = {
+    1: ((2.11, 14.72),),
+    2: ((1.88, 17.88), (1.90, 12.26)),
+    3: ((1.52, 12.28), (2.41, 18.29), (4.29, 13.40)),
+}
+"""Their first guesses from an incremental linear model."""
+
+TABLE_2_2 = {"old": (25e3, 30e3, 500.0, 750.0), "new": (23.6e3, 34.9e3, 620.0, 760.0)}
+"""K front, K rear, N/m, C front, C rear, N·s/m, of chapter 2's racing car."""
+
+TABLE_2_3 = {"front": (45.0, 250e3, 50.0), "rear": (50.0, 275e3, 60.0)}
+"""Unsprung mass, kg, tyre stiffness, N/m, and damping, N·s/m, of the same car."""
+
+SPRUNG_MASS_KG = 548.0
+
+TABLE_2_4 = ((33.75, 14.3, 13.2), (45.0, 12.4, 11.8), (56.25, 11.1, 10.9))
+"""Unsprung mass, kg; wheel hop by (2.27) and from the poles of G_red, Hz."""
+
+G_RED = (
+    np.array([8.3e-3, 1.1, 2.1e2, 2.6e4, 1.1e6, 8.9e6, 1.9e8]),
+    np.array([1.0, 2.9e1, 6.2e3, 7.6e4, 2.8e6, 1.3e7, 2.5e8]),
+)
+"""Appendix A.4: numerator and denominator of the reduced G11, highest power first."""
+
+G_11_STATIC = (4.1e60, 5.4e60)
+"""Appendix A.4: last coefficients of numerator and denominator of the full G11."""
+
+ATV = {
+    "mass_kg": 228.0,
+    "pitch_inertia_kg_m2": 62.0,
+    "roll_inertia_kg_m2": 25.0,
+    "wheelbase_m": 1.42,
+    "track_width_m": 1.18,
+    "cg_to_front_axle_m": 0.80,
+    "front_N_m": 25e3,
+    "rear_N_m": 15e3,
+}
+"""The vehicle of chapters 4 and 5: body as in the examples' vehicle.toml, stiffness of one strut's
+spring and not at the wheel (Table 4.1)."""
+
+TABLE_5_3 = {"front": (15.0, 40e3, 200.0), "rear": (12.5, 40e3, 200.0)}
+TABLE_5_4 = {"old": (10.5e3, 6.5e3, 630.0, 590.0), "new": (12.6e3, 7.8e3, 630.0, 590.0)}
+H_RED = (
+    np.array([-0.1, 46.7, -4.6e3, 1.9e5, 3.9e7, -3.2e8, 1.1e10, -8.3e11]),
+    np.array([1.0, 75.1, 9.6e3, 4e5, 2.4e7, 4.9e8, 1.4e10, 1e11, 1.5e12]),
+)
+"""Appendix D.2.2: the reduced H_n,11 (its sign: errata 5)."""
+H_N_11_STATIC = (-4.2e105, 7.9e105)
+
+TABLE_D_1 = {"pitch": 3.03, "bounce": 4.93, "roll": 4.95, "wheel hop": 10.56, "twist": 26.49}
+"""Simple estimates of the modes, Hz."""

@@ -1,0 +1,107 @@
+"""Which order, and which physics to impose: judged on runs no fit has seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wheelhop.campaign import CampaignError
+from wheelhop.identify.identify import Judged, TransferMatrix, identify, judge
+from wheelhop.identify.spectra import Measured
+from wheelhop.identify.structure import Structure, Suspensions
+
+ORDERS = (4, 6, 8, 10, 12)
+NO_WORSE = 1.01
+"""A lower order that errs by less than this factor more is preferred."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A fitted matrix and how it does; `validate` is None where no run is held out. `bic` is the
+    Bayesian information criterion on the fitted runs: lower is better."""
+
+    model: TransferMatrix
+    fit: Judged
+    validate: Judged | None
+    bic: float
+
+    @property
+    def order(self) -> int:
+        """Number of poles."""
+        return self.model.order
+
+    @property
+    def judging(self) -> Judged:
+        """On the runs held out, or, without any, on those fitted."""
+        return self.fit if self.validate is None else self.validate
+
+
+def candidate(
+    measured: Measured,
+    structure: Structure,
+    order: int,
+    suspensions: Suspensions | None,
+) -> Candidate:
+    """Fit one structure at one order and judge it. Raises CampaignError as `identify` does."""
+    model = identify(
+        measured.fit,
+        structure,
+        order=order,
+        inputs=measured.inputs,
+        outputs=measured.outputs,
+        suspensions=suspensions if structure.symmetry == "reciprocal" else None,
+        noise_rms=measured.noise_rms,
+    )
+    fit = judge(model, measured.fit, measured.noise_rms)
+    held_out = judge(model, measured.validate, measured.noise_rms) if measured.validate else None
+    rows = sum(2 * len(p.runs) * len(p.omega) for p in measured.fit) * len(measured.outputs)
+    bic = rows * float(np.log(fit.residual.sum())) + model.unknowns * float(np.log(rows))
+    return Candidate(model, fit, held_out, bic)
+
+
+def of_orders(
+    measured: Measured,
+    structure: Structure,
+    suspensions: Suspensions | None,
+    orders: Sequence[int] = ORDERS,
+) -> list[Candidate]:
+    """One candidate for each order that the runs are long enough for."""
+    found = []
+    for order in orders:
+        try:
+            found.append(candidate(measured, structure, order, suspensions))
+        except CampaignError:
+            if not found:
+                raise
+            break
+    return found
+
+
+def best(candidates: Iterable[Candidate]) -> Candidate:
+    """The lowest order whose error on held-out runs is hardly more than the least; without runs
+    held out, the lowest BIC."""
+    several = sorted(candidates, key=lambda c: c.order)
+    if several[0].validate is None:
+        return min(several, key=lambda c: c.bic)
+    least = min(c.judging.error for c in several)
+    return next(c for c in several if c.judging.error <= NO_WORSE * least)
+
+
+def relaxed(structure: Structure) -> dict[str, Structure]:
+    """The structure, and it with one piece of physics taken away or replaced at a time."""
+    out = {"as chosen": structure}
+    if structure.symmetry != "reciprocal":
+        out["reciprocal instead"] = replace(structure, symmetry="reciprocal")
+    if structure.symmetry != "symmetric":
+        out["H itself symmetric (thesis)"] = replace(structure, symmetry="symmetric")
+    if structure.symmetry != "free":
+        out["without reciprocity"] = replace(structure, symmetry="free")
+    if structure.left_right:
+        out["without left-right symmetry"] = replace(structure, left_right=False)
+    if structure.rigid:
+        out["without rigid body at 0 Hz"] = replace(structure, rigid=False)
+    if structure.stable:
+        out["poles free to be unstable"] = replace(structure, stable=False)
+    return out

@@ -1,0 +1,93 @@
+"""wheelhop identify and wheelhop thesis, and the files they write."""
+
+import json
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+import skrf
+from scipy.io import loadmat
+from skrf.vectorFitting import VectorFitting
+
+from wheelhop.campaign import read_campaign
+from wheelhop.cli.main import main
+from wheelhop.identify import (
+    Structure,
+    identify,
+    measure,
+    poles_and_residues,
+    polynomials,
+    state_space,
+    suspensions,
+)
+from wheelhop.vehicle import read_vehicle
+
+CLEAN = Path(__file__).parents[2] / "examples/clean"
+S = 2j * np.pi * np.array([0.7, 3.0, 12.0])
+
+
+@pytest.fixture(scope="module")
+def model():
+    campaign = read_campaign(CLEAN)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    belief = suspensions(vehicle.values, vehicle.uncertainty)
+    return identify(measure(campaign).fit, Structure(), order=5, suspensions=belief)
+
+
+def test_states_polynomials_and_residues_are_the_same_matrix(model):
+    h = model(S)
+    assert state_space(model)(S) == pytest.approx(h, rel=1e-9)
+    numerators, denominator = polynomials(model)
+    over = np.array([[np.polyval(n, S) for n in row] for row in numerators])
+    assert (over / np.polyval(denominator, S)).transpose(2, 0, 1) == pytest.approx(h, rel=1e-8)
+    system = state_space(model)
+    theirs = control.ss(system.a, system.b, system.c, system.d)
+    assert theirs(S[1]) == pytest.approx(h[1], rel=1e-9)
+
+
+def test_residues_are_those_of_scikit_rf(model):
+    """Its rational function of one element, from our poles, residues and constant."""
+    poles, residues, direct = poles_and_residues(model)
+    fitting = VectorFitting(skrf.Network(f=[1, 2], s=np.zeros((2, 1, 1)), z0=50))
+    fitting.poles, fitting.residues = poles, residues[0, 2][None]
+    fitting.constant_coeff = np.array([direct[0, 2]])
+    fitting.proportional_coeff = np.zeros(1)
+    found = fitting.get_model_response(0, 0, S.imag / (2 * np.pi))
+    assert found == pytest.approx(model(S)[:, 0, 2], rel=1e-8)
+
+
+def test_the_command_judges_draws_and_exports(tmp_path, capsys):
+    files = {key: tmp_path / f"out.{key}" for key in ("json", "mat", "png")}
+    arguments = ["identify", str(CLEAN), "--order", "6", "--physics", "--json", str(files["json"])]
+    arguments += ["--mat", str(files["mat"]), "--figure", str(files["png"])]
+    drawn = tmp_path / "study.png"
+    arguments += ["--study", "front-stiffness=1,1.5", "--study-figure", str(drawn)]
+    assert main(arguments) == 0
+    printed = capsys.readouterr().out
+    assert "H itself symmetric (thesis)" in printed and "chassis-twist" in printed
+    result = json.loads(files["json"].read_text())
+    assert result["error_validate"] < 1.15 * result["floor"]
+    thesis = result["physics"]["H itself symmetric (thesis)"]
+    assert thesis["error_validate"] > 2 * result["error_validate"]
+    mat = loadmat(files["mat"])
+    h = mat["C"] @ np.linalg.solve(S[0] * np.eye(len(mat["A"])) - mat["A"], mat["B"]) + mat["D"]
+    by_ratio = np.polyval(mat["num"][0, 0], S[0]) / np.polyval(mat["den"].ravel(), S[0])
+    assert h[0, 0] == pytest.approx(by_ratio, rel=1e-6)
+    for picture in (files["png"], drawn):
+        assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--start", "2:0.3,5:-0.1"], "the start is unstable: 5 Hz has damping ratio -0.1"),
+        (["--order", "4", "--study", "colour=1"], 'a study cannot vary "colour"'),
+        (["--order", "900"], "take a lower order or longer runs"),
+        (["--json", "nowhere/x.json"], "there is no folder nowhere"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(words, line, capsys):
+    assert main(["identify", str(CLEAN), *words]) == 2
+    error = capsys.readouterr().err
+    assert line in error and error.count("\n") == 1

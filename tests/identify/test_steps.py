@@ -1,0 +1,97 @@
+"""Step responses to damped sinusoids, to H(s), and back."""
+
+import numpy as np
+import pytest
+
+from wheelhop.campaign import CampaignError
+from wheelhop.cli.main import main
+from wheelhop.identify import fit_damped_sinusoids, incremental_model, read_steps, thesis_rows
+from wheelhop.identify.equivalent import EquivalentVehicle
+
+TIME_S = np.arange(76) * 0.02
+BODY = EquivalentVehicle(0.45, 0.4, 0.55, 4.0, 60.0, 0.05).body()
+RESPONSES = BODY.step(TIME_S).transpose(2, 1, 0)
+TRUTH = sorted((-p.real, p.imag) for p in BODY.poles() if p.imag > 0)
+
+
+@pytest.mark.parametrize("at_rest", [True, False])
+def test_four_modes_are_four_sinusoids(at_rest):
+    found = fit_damped_sinusoids(TIME_S, RESPONSES, 4, starts_at_rest=at_rest)
+    assert found.error < 1e-8
+    pairs = sorted(zip(found.sigma, found.omega, strict=True))
+    assert np.array(pairs) == pytest.approx(np.array(TRUTH), rel=1e-5)
+    s = 1j * np.array([1.0, 10.0, 60.0])
+    h = found.transfer(4, 4)
+    assert h(s) == pytest.approx(BODY(s), rel=1e-4, abs=1e-4 * np.abs(BODY(s)).max())
+    assert h(s) == pytest.approx(h(s).transpose(0, 2, 1), abs=1e-4 * np.abs(h(s)).max())
+
+
+def test_increments_over_two_steps_hold_all_four_modes():
+    sigma, omega = incremental_model(TIME_S, RESPONSES, 2)
+    for pair in zip(sigma, omega, strict=True):
+        assert min(abs(complex(*pair) - complex(*truth)) for truth in TRUTH) < 1e-3
+
+
+def test_more_sinusoids_leave_less_and_transfer_matches_its_sinusoids():
+    fits = [fit_damped_sinusoids(TIME_S, RESPONSES, j) for j in (1, 2, 3)]
+    errors = [fit.error for fit in fits]
+    assert errors == sorted(errors, reverse=True)
+    fit = fits[-1]
+    angle = np.outer(TIME_S, fit.omega)
+    decay = np.exp(-np.outer(TIME_S, fit.sigma))
+    by_terms = fit.residues[:, :1] + fit.residues[:, 1::2] @ (decay * np.sin(angle)).T
+    by_terms = by_terms + fit.residues[:, 2::2] @ (decay * np.cos(angle)).T
+    by_states = fit.transfer(4, 4).step(TIME_S).transpose(2, 1, 0).reshape(16, -1)
+    assert by_states == pytest.approx(by_terms, abs=1e-9 * np.abs(by_terms).max())
+
+
+def write(path, text):
+    path.write_text(text)
+    return path
+
+
+def test_a_table_of_steps_is_fitted_by_command(tmp_path, capsys):
+    header = ["time_s", *(f"B{p + 1}/F{f + 1}" for f in range(4) for p in range(4))]
+    columns = [TIME_S, *(1000 * RESPONSES[f, p] for f in range(4) for p in range(4))]
+    rows = [",".join(header), *(",".join(map(repr, row)) for row in np.array(columns).T.tolist())]
+    file = write(tmp_path / "steps.csv", "\n".join(rows))
+    steps = read_steps(file, 1000.0)
+    assert steps.responses == pytest.approx(RESPONSES)
+    assert main(["identify", str(file), "--force-N", "1000", "--order", "8"]) == 0
+    printed = capsys.readouterr().out
+    assert all(f"{sigma:.3f}" in printed for sigma, _ in TRUTH)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("t,B1/F1\n0,0\n1,1", "first column must be time_s"),
+        ("time_s,B1\n0,0\n1,1", "name it POINT/FORCE"),
+        ("time_s,B1/F1,B2/F2\n0,0,0\n1,1,1", "each response once"),
+        ("time_s,B1/F1\n0,0\n1,x", 'row 3, column B1/F1: "x"'),
+        ("time_s,B1/F1\n0,0\n1", "row 3 has 1 cells"),
+        ("time_s,B1/F1\n1,0\n2,1", "must begin at 0"),
+        ("time_s,B1/F1\n0,0\n1,1", "too few"),
+    ],
+)
+def test_a_table_that_is_wrong_is_one_line(tmp_path, capsys, text, line):
+    file = write(tmp_path / "steps.csv", text)
+    assert main(["identify", str(file)]) == 2
+    assert line in (printed := capsys.readouterr().err)
+    assert printed.count("\n") == 1
+
+
+def test_silence_cannot_be_fitted():
+    with pytest.raises(CampaignError, match="all zero"):
+        fit_damped_sinusoids(TIME_S, 0 * RESPONSES, 1)
+
+
+def test_the_thesis_is_recomputed_with_a_reason_for_every_difference():
+    rows = thesis_rows()
+    off = [row for row in rows if abs(row.ours - row.printed) > 0.01 * abs(row.printed)]
+    assert [row for row in off if not row.reason] == []
+    assert {row.table for row in rows} >= {"2.1", "A.2", "2.4", "5.2", "D.1", "A.4", "fig 2.15"}
+    by_name = {f"{row.table} {row.what}": row for row in rows}
+    assert by_name["A.4 G11(0)"].ours == pytest.approx(0.76, abs=0.005)
+    assert by_name["D.2.2 H_n,11(0)"].ours > 0
+    assert not any(row.reason for row in rows if "(2.27)" in row.what or row.table == "5.2")
