@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.screen_heights import screen_heights
+from wheelhop.diagnose.screen_table import Columns, Known, Table, beyond, run_table
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit import Fit, Move, RunFit, Trial, Workshop, effect_run_parameters, moves
 from wheelhop.simulate import Model
@@ -187,108 +188,18 @@ def _prepare(workshop: Workshop, model: Model, variant: Variant) -> _Prepared:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Table:
-    """One run's normal equations with the run's own parameters eliminated: shared parameters
-    first, then the variant's amplitudes."""
-
-    matrix: Array  # (g + a, g + a)
-    gradient: Array  # (g + a,)
-    gain: float  # what the run's own parameters gain by themselves
-    freedom: int  # how many of them the effect brought
-    price: float  # of these: the logarithm of prior over posterior volume, twice
-    signatures: Array  # (size, a), per spread
-    back: Array  # (n, g + a + 1): own parameters per step of the others, and by themselves
-    plain: Array  # (n + g + a + 1, …): products of all columns and the residual, not per spread
-
-    def left(self, x: Array) -> float:
-        """Σ residual² (not per spread) after a step of shared parameters and amplitudes."""
-        own = self.back[:, -1] - self.back[:, :-1] @ x
-        step = np.concatenate([-own, -x, [1.0]])
-        return float(step @ self.plain @ step)
-
-
 def _run_tables(
     run: RunFit, base: Fit, systems: dict[Drive, System], prepared: Sequence[_Prepared]
-) -> list[_Table]:
+) -> list[Table]:
     """Tables of all variants for one run; products of the baseline's columns are formed once."""
-    known = np.hstack([run.own_jacobian, run.shared_jacobian, run.residual[:, None]])
-    spread = run.spread[:, None]
-    plain, weighed = _Known.of(run, known), _Known.of(run, known / spread)
-    found = []
-    for c in _columns(run, base.model, systems, prepared):
-        products = plain.with_columns(run, c)
-        per_spread = _Columns(c.amplitudes / spread, c.own / spread)
-        found.append(_run_table(run, base, per_spread, weighed, products))
-    return found
-
-
-@dataclass(frozen=True, eq=False)
-class _Columns:
-    """Signatures of a variant's amplitudes (size, a), and of its effect's own parameters of the run
-    (size, q) per prior standard deviation."""
-
-    amplitudes: Array
-    own: Array
-
-
-@dataclass(frozen=True, eq=False)
-class _Known:
-    """A run's columns free of heights, own, shared and residual (size, r + g + 1), and the products
-    of them."""
-
-    free: Array
-    products: Array
-
-    @classmethod
-    def of(cls, run: RunFit, columns: Array) -> _Known:
-        # The residual is free of heights already.
-        free = np.hstack([run.freed(columns[:, :-1]), columns[:, -1:]])
-        products = columns.T @ free
-        products[-1] = products[:, -1]
-        return cls(free, products)
-
-    def with_columns(self, run: RunFit, more: _Columns) -> Array:
-        """Products of all columns in the order: own, effect's own, shared, amplitudes, residual."""
-        added = np.hstack([more.own, more.amplitudes])
-        across, among = self.free.T @ added, added.T @ run.freed(added)
-        r, q, known = len(run.own), more.own.shape[1], len(self.products)
-        order = [*range(r), *range(known, known + q), *range(r, known - 1)]
-        order += [*range(known + q, known + added.shape[1]), known - 1]
-        whole = np.block([[self.products, across], [across.T, among]])
-        return np.asarray(whole[np.ix_(order, order)])
-
-
-def _run_table(run: RunFit, base: Fit, signatures: _Columns, known: _Known, plain: Array) -> _Table:
-    """The table of a variant from its signatures per spread; `plain`: products not per spread."""
-    columns, own_columns = signatures.amplitudes, signatures.own
-    whole = known.with_columns(run, signatures)
-    r, q, g = len(run.own), own_columns.shape[1], len(base.shared)
-    n = r + q
-    prior = np.array([(f.scale / f.sigma) ** 2 for f in run.own] + [1.0] * q) * base.sigma**2
-    inner = whole[:n, :n] + np.diag(prior + 1e-9 * (base.sigma**2 + prior))
-    back = np.linalg.solve(inner, whole[:n, n:])
-    rest = whole[n:, n:] - whole[n:, :n] @ back
-    nuisance = np.hstack([run.weighed[:, g:], own_columns])
-    return _Table(
-        rest[:-1, :-1],
-        rest[:-1, -1],
-        float(whole[-1, :n] @ back[:, -1]),
-        q,
-        _log_det(inner) - _log_det(inner[:r, :r]) - q * float(np.log(base.sigma**2)),
-        columns - nuisance @ back[:, g:-1],
-        np.asarray(back),
-        plain,
-    )
-
-
-def _log_det(matrix: Array) -> float:
-    return float(np.linalg.slogdet(matrix)[1])
+    known = Known.of(run)
+    columns = _columns(run, base.model, systems, prepared)
+    return [run_table(run, base, c, known.with_columns(run, c)) for c in columns]
 
 
 def _columns(
     run: RunFit, model: Model, systems: dict[Drive, System], prepared: Sequence[_Prepared]
-) -> list[_Columns]:
+) -> list[Columns]:
     """The signatures of all variants in one run, simulated together."""
     bench, size = run.bench, len(run.residual)
     trials, own_moves = list[Trial](), list[list[Move]]()
@@ -309,7 +220,7 @@ def _columns(
             columns = [bench.coefficients(next(changes)) / step for step in item.steps]
         parts = dict(part for move in moved for part in move.parts(bench, next(changes)))
         own_columns = [parts[i] / OWN_STRENGTH for i in sorted(parts)]
-        found.append(_Columns(_stacked(columns, size), _stacked(own_columns, size)))
+        found.append(Columns(_stacked(columns, size), _stacked(own_columns, size)))
     return found
 
 
@@ -339,7 +250,7 @@ def _stacked(columns: Sequence[Array], size: int) -> Array:
     return np.where(np.abs(together).max(axis=0, initial=0.0) < RAN_AWAY, together, np.nan)
 
 
-def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
+def _solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
     g = len(base.shared)
     weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
     matrix = np.sum([t.matrix for t in tables], axis=0)
@@ -357,7 +268,11 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[_Table]) -> Screened:
             p.name: p.absent + float(d) for p, d in zip(variant.amplitudes, x[g:], strict=True)
         }
         along = {f.name: f.scale * float(d) for f, d in zip(base.shared, x[:g], strict=True)}
-        rss = max(sum(table.left(x) for table in tables), 0.0)
+        left = [table.left(x) for table in tables]
+        rss = float(sum(squares.sum() for squares in left))
+        gain += sum(
+            beyond(r, base.sigma, squares) for r, squares in zip(base.runs, left, strict=True)
+        )
     gain = (gain + own_gain) / base.sigma**2
     energy = sum(run.bench.energy for run in base.runs)
     numbers = sum(not p.switch for p in variant.amplitudes) + len(variant.shapes)

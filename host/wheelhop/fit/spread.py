@@ -29,12 +29,24 @@ a quarter, one standard deviation. Sensors of one make differ by that."""
 def spread(residual: Array, sigma: float) -> Array:
     """ρ (c,) of every channel of a residual (n, c): its standard deviation per that of the sensors,
     σ."""
-    with np.errstate(over="ignore"):  # a model that runs away leaves infinitely much
-        squares = ((residual / sigma) ** 2).sum(axis=0)
-    return np.asarray(np.sqrt((BELIEVED + squares) / (BELIEVED + len(residual))))
+    return np.asarray(np.sqrt(_power(_squares(residual, sigma), len(residual))))
 
 
 def cost(residual: Array, sigma: float) -> float:
     """−2 ln p of a residual (n, c); n c where it is noise of standard deviation σ."""
-    logarithm = 2.0 * np.log(spread(residual, sigma))
-    return float((BELIEVED + len(residual)) * logarithm.sum() + residual.size)
+    return cost_of(_squares(residual, sigma), len(residual))
+
+
+def cost_of(squares: Array, count: int) -> float:
+    """The same from Q/σ² (c,) of channels with so many data each."""
+    logarithm = np.log(_power(squares, count)).sum()
+    return float((BELIEVED + count) * logarithm + count * len(squares))
+
+
+def _squares(residual: Array, sigma: float) -> Array:
+    with np.errstate(over="ignore"):  # a model that runs away leaves infinitely much
+        return np.asarray(((residual / sigma) ** 2).sum(axis=0))
+
+
+def _power(squares: Array, count: int) -> Array:
+    return np.asarray((BELIEVED + squares) / (BELIEVED + count))
