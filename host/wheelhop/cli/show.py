@@ -88,3 +88,5 @@ def print_verdict(diagnosis: Diagnosis, console: Console, *, explain: bool = Tru
     console.print(Text(f"Confidence {100 * diagnosis.confidence:.0f} %."))
     for line in diagnosis.explanation if explain else ():
         console.print(Text(line))
+    if explain and diagnosis.axle_to_body is not None:
+        console.print(Text(diagnosis.axle_to_body.sentence))

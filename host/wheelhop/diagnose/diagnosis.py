@@ -11,6 +11,7 @@ import numpy as np
 from wheelhop.compare import Comparison, where_to_json
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.diagnose.rung import Rung
+from wheelhop.identify import Linearity
 
 FORMAT = 1
 
@@ -101,7 +102,11 @@ class Grounds:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """Verdict, ranking on the first rung, and the ladder from the baseline to the last rung."""
+    """Verdict, ranking on the first rung, and the ladder from the baseline to the last rung.
+
+    ``axle_to_body`` says whether what lies between the measured axles and the body is linear; None
+    where nothing is missing, or not all axles were recorded.
+    """
 
     verdict: tuple[str, ...]
     confidence: float
@@ -110,6 +115,7 @@ class Diagnosis:
     ladder: tuple[Step, ...]
     next_run: NextRun | None
     explanation: tuple[str, ...]
+    axle_to_body: Linearity | None = None
 
 
 def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -144,7 +150,14 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "last": where_to_json(last.breakdown),
         },
         "next_run": _next_run(diagnosis.next_run),
+        "axle_to_body": None
+        if diagnosis.axle_to_body is None
+        else diagnosis.axle_to_body.to_json(),
     }
+
+
+def _linearity(found: Linearity | None) -> dict[str, Any] | None:
+    return None if found is None else found.to_json()
 
 
 def _ranked(ranked: Ranked) -> dict[str, Any]:

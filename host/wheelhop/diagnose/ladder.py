@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from wheelhop.campaign import Campaign
-from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
+from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
 from wheelhop.diagnose.confirm import confirm, refit, without
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.exchange import Stand, exchange
@@ -20,6 +20,7 @@ from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
+from wheelhop.identify import linearity
 from wheelhop.vehicle import Vehicle
 
 HOPELESS = 2.0
@@ -60,7 +61,11 @@ def diagnose(
         The campaign does not hold what a comparison needs.
     """
     base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
-    return climb(base, effects, max_effects=max_effects, progress=progress)
+    diagnosis = climb(base, effects, max_effects=max_effects, progress=progress)
+    if diagnosis.verdict == ("none",) or axle_driven(campaign) is None:
+        return diagnosis
+    progress("asking whether what lies between axle and body is linear")
+    return replace(diagnosis, axle_to_body=linearity(campaign, vehicle))
 
 
 def climb(

@@ -36,6 +36,7 @@ def write_diagnosis_report(
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),
+        sections.axle_to_body(diagnosis),
         sections.ranking(diagnosis, effects),
         sections.model(campaign, steps),
         sections.next_run(diagnosis),

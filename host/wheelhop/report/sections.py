@@ -73,6 +73,14 @@ def _case_caption(case: Case, campaign: Campaign) -> str:
     )
 
 
+def axle_to_body(diagnosis: Diagnosis) -> str:
+    """Whether what lies between axle and body is linear; empty where that was not asked."""
+    found = diagnosis.axle_to_body
+    if found is None:
+        return ""
+    return section("Linear between axle and body?", paragraph(found.sentence))
+
+
 def where(steps: Sequence[Step]) -> str:
     """The residual cut along every axis, for the first and the last model."""
     first, last = steps[0].comparison, steps[-1].comparison
