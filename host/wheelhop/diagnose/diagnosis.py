@@ -150,9 +150,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "last": where_to_json(last.breakdown),
         },
         "next_run": _next_run(diagnosis.next_run),
-        "axle_to_body": None
-        if diagnosis.axle_to_body is None
-        else diagnosis.axle_to_body.to_json(),
+        "axle_to_body": _linearity(diagnosis.axle_to_body),
     }
 
 
