@@ -63,7 +63,9 @@ def _follow(
     room = np.maximum(after[..., BLOCK] - before[..., BLOCK] - 1, 0) * capacity
     more = _nearest(after[..., WRITTEN] - before[..., WRITTEN] - before[..., COUNT])
     more_lost = after[..., LOST] - before[..., LOST]
-    grown = ((more_lost >= 0) | (_nearest(more_lost) >= 0)) & (after[..., LATE] >= before[..., LATE])
+    grown = ((more_lost >= 0) | (_nearest(more_lost) >= 0)) & (
+        after[..., LATE] >= before[..., LATE]
+    )
     fits: NDArray[np.bool_] = grown & (more >= 0) & (more <= room)
     return fits
 

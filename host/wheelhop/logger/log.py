@@ -151,7 +151,9 @@ class Log:
             raise LoggerError(f"{self.name}: became shorter while it was read: try again")
 
     def _check_same(self, facts: NDArray[np.void], fields: NDArray[np.void]) -> None:
-        same = (fields["first_scan"] == facts["first_scan"] % ROUND) & (fields["count"] == facts["count"])
+        same = (fields["first_scan"] == facts["first_scan"] % ROUND) & (
+            fields["count"] == facts["count"]
+        )
         same &= fields["session"] == self.session
         if not same.all():
             offset = int(facts["block"][~same][0]) * BLOCK_BYTES
