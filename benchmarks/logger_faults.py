@@ -54,15 +54,18 @@ def bounces(rng: Rng, now: float) -> list[tuple[float, float]]:
 
 
 def bounce(rng: Rng, one: Logger) -> Faults:
+    """Contacts open for moments; the card loses its power."""
     return Faults(bounces=bounces(rng, one.board.time))
 
 
 def slow_sheets(rng: Rng, one: Logger) -> Faults:
+    """The same, and the card is slow to identify itself."""
     latency = float(rng.uniform(1e-3, 0.15))
     return Faults(bounces=bounces(rng, one.board.time), sheet_latency=latency)
 
 
 def bad_replies(rng: Rng, one: Logger) -> Faults:
+    """The same, and commands fail."""
     bad = [
         BadReply(int(rng.choice(COMMANDS)), int(rng.integers(0, 6)), int(rng.choice(REPLIES)))
         for _ in range(rng.integers(1, 6))
@@ -71,28 +74,33 @@ def bad_replies(rng: Rng, one: Logger) -> Faults:
 
 
 def no_checks(rng: Rng, one: Logger) -> Faults:
+    """The same, with a card that checks nothing."""
     return Faults(bounces=bounces(rng, one.board.time), ignores_crc=True)
 
 
 def stalls(rng: Rng, one: Logger) -> Faults:
+    """The card is busy for long."""
     first = one.board.counters().card_writes
     writes = first + rng.integers(0, 12, rng.integers(1, 5))
     return Faults(stalls={int(write): float(rng.uniform(0.05, 0.9)) for write in writes})
 
 
 def rejects(rng: Rng, one: Logger) -> Faults:
+    """Writes are refused."""
     first = one.board.counters().card_writes
     writes = first + rng.integers(0, 12, rng.integers(1, 6))
     return Faults(rejects={int(w): "crc" if rng.random() < 0.5 else "write" for w in writes})
 
 
 def cut(rng: Rng, one: Logger) -> Faults:
+    """The power fails inside a write."""
     write = one.board.counters().card_writes + int(rng.integers(0, 10))
     tail = ("old", "ones", "noise")[rng.integers(3)]
     return Faults(power_cut=PowerCut(write, int(rng.integers(0, 513)), tail))
 
 
 def reset(rng: Rng, one: Logger) -> Faults:
+    """The controller starts anew, the card does not."""
     one.run(float(rng.uniform(0.0, 2.0)))
     kind = rng.integers(3)
     if kind == 2:

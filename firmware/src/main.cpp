@@ -64,8 +64,9 @@ void setup() {
     session.begin();
     console.say('M', FLASH("ready"));
     session.meet();
-    if (session.settings.start_at_power) {
-        console.start();
+    const bool resumes = session.interrupted();
+    if (resumes || session.settings.start_at_power) {
+        console.start(resumes);
     } else {
         console.sample_for_stream();
     }
@@ -75,7 +76,7 @@ void loop() {
     board::feed_watchdog();
     pump();
     console.poll();
-    if (session.full()) console.stop(End::Full);
+    if (session.full() && !console.stop(End::Full) && session.settings.resume) console.start(true);
     if (button.pressed(board::button_down(), board::milliseconds())) {
         session.running() ? console.stop(End::Button) : console.start();
     }

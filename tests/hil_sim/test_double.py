@@ -113,7 +113,7 @@ def test_lost_scans_are_counted_in_the_file(tmp_path):
     assert log.summary["lost"] == "11" and 55 not in log.scans and 200 not in log.scans
 
 
-def test_a_full_file_ends_the_session(tmp_path, monkeypatch):
+def test_a_full_file_rolls_over_to_the_next(tmp_path, monkeypatch):
     monkeypatch.setattr("wheelhop.hil_sim.double.session.MEBIBYTE", 20 * 512)
     one = device(tmp_path)
     for command in ("set size_mb=1", "start"):
@@ -122,6 +122,8 @@ def test_a_full_file_ends_the_session(tmp_path, monkeypatch):
     one.run(one.time_s + 10.0)
     log = read_log((tmp_path / "HOP00001.HOP").read_bytes())
     assert log.summary["end"] == "full" and 17 < len(log.blocks) <= 20
+    following = read_log((tmp_path / "HOP00002.HOP").read_bytes())
+    assert following.header["continues"] == f"{log.session:08X}"
 
 
 def test_without_a_card_it_says_so():
@@ -148,7 +150,7 @@ def test_the_line_goes_and_comes_back_under_its_name(port):
     with SerialDouble(factor=10, port=port) as one:
         for _ in range(2):
             with connect(one.url) as link:
-                assert link.info()["firmware"] == "1.0.0"
+                assert link.info()["firmware"] == "1.1.0"
                 one.tear(3.0)
                 with pytest.raises(PortLost):
                     for _ in range(3):

@@ -384,14 +384,21 @@ def test_the_real_firmware_is_recorded_and_its_card_downloaded(elf, tmp_path):
     assert mine.scans.items() <= told.scans.items() and len(mine.scans) + one.lost == one.card[0]
 
 
-def test_a_session_that_a_reset_has_ended_is_closed(bench):
+def test_a_session_that_a_reset_has_ended_is_closed_and_gone_on_with(bench):
     link = bench.link
     link.stream(True)
     name = link.start()
     bench.run(1.5)
     link.command("reset")
-    link.info()
+    before = f"{read_log(bench.read(name)).session:08X}"
+    assert link.info()["continues"] == before
+    bench.run(0.5)
+    after = link.start()  # runs already
+    assert link.status()["state"] == "recording" and after != name
+    link.stop()
     assert name in link.files()
+    assert read_log(bench.read(after)).header["continues"] == before
+    assert not link.info().get("continues")
     log = read_log(bench.read(name))
     assert log.summary["end"] == "recovered" and log.summary["lost"] == "0"
     assert int(log.summary["written"]) == len(log.scans) == int(log.summary["due"]) >= 111

@@ -146,9 +146,10 @@ def test_a_restart_begins_another_file_and_both_are_whole(card, out):
     for one in (first, second):
         log, told = log_of(one), card_log(card, one)
         assert log.session == told.session
-        # What was in the logger's memory at the restart is on the host alone.
+        # What was in the logger's memory at the restart is on the host alone; what the logger has
+        # recorded afterwards, until the host asked for it, on the card.
         common = set(log.scans) & set(told.scans)
-        assert len(common) >= len(told.scans) - 3
+        assert len(common) >= len(told.scans) - 60
         assert all(log.scans[number] == told.scans[number] for number in common)
     assert read_log(first.path.read_bytes()).summary["end"] == "recovered"
     assert first.card is None and second.card is not None

@@ -66,6 +66,8 @@ void save_reset_flags() {
     wdt_disable();
 }
 
+uint8_t causes() { return reset_flags ? reset_flags : handed_on; }
+
 }  // namespace
 
 namespace board {
@@ -99,8 +101,13 @@ uint16_t dice() {
 
 void feed_watchdog() { wdt_reset(); }
 
+bool was_reset() {
+    const uint8_t flags = causes();
+    return flags & (_BV(WDRF) | _BV(BORF) | _BV(EXTRF)) && !(flags & _BV(PORF));
+}
+
 const FlashChar* reset_cause() {
-    const uint8_t flags = reset_flags ? reset_flags : handed_on;
+    const uint8_t flags = causes();
     if (flags & _BV(WDRF)) return FLASH("watchdog");
     if (flags & _BV(PORF)) return FLASH("power");
     if (flags & _BV(BORF)) return FLASH("brown-out");

@@ -12,6 +12,7 @@ uint32_t milliseconds();
 uint16_t dice();  // two bytes that differ from start to start
 void feed_watchdog();
 const FlashChar* reset_cause();
+bool was_reset();  // while the power was on: by watchdog, brown-out or pin
 
 // SD card
 void card_select(bool selected);

@@ -86,6 +86,10 @@ const FlashChar* Settings::apply(const char* key, const char* value) {
         if (!parse_choice(value, FLASH("off"), FLASH("on"), stream)) {
             return FLASH("stream: on or off");
         }
+    } else if (same(key, FLASH("resume"))) {
+        if (!parse_choice(value, FLASH("off"), FLASH("on"), resume)) {
+            return FLASH("resume: on or off");
+        }
     } else if (same(key, FLASH("size_mb"))) {
         if (!read_number(value, 4095, number) || !number) return FLASH("size_mb must be 1 to 4095");
         size_mb = static_cast<uint16_t>(number);

@@ -16,6 +16,7 @@ struct Settings {
     uint8_t conversions = 8;  // of each input in a scan: 800 / rate
     bool start_at_power = false;
     bool stream = false;
+    bool resume = true;  // go on in another file after a reset, and when the file is full
 
     // Returns nullptr, or what is wrong; then nothing has changed.
     const FlashChar* apply(const char* key, const char* value);

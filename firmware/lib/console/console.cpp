@@ -73,8 +73,8 @@ void Console::answer(const FlashChar* problem, bool with_size) {
     link_.send(problem ? 'E' : 'K', static_cast<uint8_t>(text.length()));
 }
 
-Trouble Console::start() {
-    const Trouble trouble = session_.start();
+Trouble Console::start(bool resumes) {
+    const Trouble trouble = session_.start(resumes);
     if (trouble) {
         sample_for_stream();
         return trouble;

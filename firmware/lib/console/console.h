@@ -13,7 +13,7 @@ class Console {
     void poll();  // carry out a command, if there is one
 
     // Start or end a session and tell so; these return the trouble that was met.
-    Trouble start();
+    Trouble start(bool resumes = false);
     Trouble stop(End end);
 
     void sample_for_stream();  // without a session, sampling follows the setting

@@ -25,10 +25,12 @@ inline __attribute__((always_inline)) uint32_t last_good(FIL& file, uint32_t ses
     uint32_t end = blocks;
     while (end - good > 1) {
         const uint32_t middle = good + (end - good) / 2;
-        uint32_t probe = middle + kPatience < end ? middle + kPatience : end;
-        while (probe > middle && !is_good(file, session, probe - 1, block)) --probe;
-        if (probe > middle) {
-            good = probe - 1;
+        const uint32_t limit = middle + kPatience < end ? middle + kPatience : end;
+        // Upwards: FatFs finds the way to an earlier cluster from the file's beginning only.
+        uint32_t probe = middle;
+        while (probe < limit && !is_good(file, session, probe, block)) ++probe;
+        if (probe < limit) {
+            good = probe;
         } else {
             end = middle;
         }
@@ -70,19 +72,20 @@ __attribute__((noinline)) uint32_t closed_size(FIL& file, Block& block, uint16_t
 }
 
 // Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
-__attribute__((noinline)) bool close(const FIL& opened, Block& block, uint16_t number,
-                                     logfile::Describe describe) {
+__attribute__((noinline)) uint32_t close(const FIL& opened, Block& block, uint16_t number,
+                                         logfile::Describe describe) {
     FIL file = opened;  // `block` may lie in its memory
     const uint32_t blocks = closed_size(file, block, number, describe);
-    return blocks && logfile::cut_file(file, blocks << 9) == FR_OK;
+    // All that may be in `block` now is of the session: a header, a last block, a summary.
+    return blocks && logfile::cut_file(file, blocks << 9) == FR_OK ? block.session : 0;
 }
 
 }  // namespace
 
 namespace logfile {
 
-bool recover(Work& work, Block& block, uint16_t number, Describe describe) {
-    if (open_session(work.file, work.name, number, FA_READ | FA_WRITE) != FR_OK) return false;
+uint32_t recover(Work& work, Block& block, uint16_t number, Describe describe) {
+    if (open_session(work.file, work.name, number, FA_READ | FA_WRITE) != FR_OK) return 0;
     return close(work.file, block, number, describe);
 }
 

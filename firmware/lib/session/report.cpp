@@ -83,6 +83,10 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
         case 11:
             put(text, FLASH("config_errors="), session.config_errors);
             break;
+        case 12:
+            text.put(FLASH("continues="));
+            if (session.continues) text.hex(session.continues, 8);
+            break;
         default:
             return false;
     }

@@ -55,8 +55,8 @@ Trouble Session::meet() {
     if (!known_card_ || card.id() != card_id_) {
         known_card_ = true;
         card_id_ = card.id();
-        logfile::recover(first.work, first.block, identity::session_number(),
-                         report::put_recovered);
+        continues = logfile::recover(first.work, first.block, identity::session_number(),
+                                     report::put_recovered);
         config_errors = 0;
         logfile::read_config(first.work, take_config_line, this);
     }
@@ -65,8 +65,13 @@ Trouble Session::meet() {
 
 logfile::Work& Session::work() { return first.work; }
 
-Trouble Session::start() {
+bool Session::interrupted() const {
+    return !running_ && settings.resume && continues && board::was_reset();
+}
+
+Trouble Session::start(bool resumes) {
     if (meet()) return trouble_;
+    if (!resumes) continues = 0;
     uint16_t number = identity::session_number();
     trouble_ =
         logfile::create(second.volume, first.work, first.block, number, settings.size_mb, place_);
@@ -96,6 +101,7 @@ Trouble Session::begin_file(uint16_t number) {
 Trouble Session::stop(End end) {
     const bool flushed = flush();
     running_ = false;
+    continues = end == End::Full ? id_ : 0;
     store_clock();
     end_ = end;
     supply_mv = board::supply_mv();

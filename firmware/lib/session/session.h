@@ -42,9 +42,12 @@ class Session {
     // Without a session: memory for reading the card's files, until the next meet() or start().
     logfile::Work& work();
 
-    Trouble start();        // sampling too
+    // Sampling too. `resumes`: goes on with the session of before.
+    Trouble start(bool resumes = false);
     Trouble stop(End end);  // after sampling was stopped and its last scan taken
     bool running() const { return running_; }
+    // A reset has ended a session that shall go on.
+    bool interrupted() const;
     bool full() const { return running_ && tally.blocks + 4 > place_.blocks; }
 
     // Fetch a finished scan from the sampler; while a session runs it is kept for the card.
@@ -71,6 +74,7 @@ class Session {
     uint32_t epoch_s = 0;  // when the logger was switched on, since 1970; 0: no host has told
     // When the session began or ended, so that card and line say the same; 0: no host has told.
     uint32_t unix_s = 0;
+    uint32_t continues = 0;  // id of the session that this one goes on with, or the next one may
     uint16_t config_errors = 0;
     uint16_t supply_mv = 0;
 

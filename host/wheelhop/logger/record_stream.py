@@ -26,7 +26,7 @@ LINES_S = 0.3  # header or summary are told when no line has come for so long
 LARGEST_STEP = 1000  # scans; a longer gap must be confirmed by a second frame
 HEADER_KEYS = (
     *("firmware", "device", "calibration", "name", "rate_hz", "conversions", "channels"),
-    *("clock_ppm", "unix_s", "supply_mv", "reset", "config_errors"),
+    *("clock_ppm", "unix_s", "supply_mv", "reset", "config_errors", "continues"),
 )
 SUMMARY_KEYS = (
     *("end", "due", "written", "lost", "late", "stall_ms", "deepest", "room", "card_errors"),

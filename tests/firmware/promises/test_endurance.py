@@ -113,22 +113,24 @@ def test_after_session_65535_comes_session_1(logger, card):
     assert one.command("start").text == "HOP00003.HOP"
 
 
-def test_a_file_that_is_full_ends_the_session_cleanly(logger, tmp_path):
+def test_a_file_that_is_full_rolls_over_to_the_next(logger, tmp_path):
     """1 MiB at 400 scans a second: more than 65536 scans, so 16-bit counters wrap, too."""
     card = CardImage.fat32(tmp_path / "card.img")
     one = logger(configure(card, "size_mb = 1\nrate = 400\n"), signals=sawtooth())
     assert one.command("start").ok
     one.until(lambda: "unix_s" in one.summary(), timeout=200.0, step=1.0)
     one.run(0.5)
-    log = one.log()
+    log = one.log("HOP00001.HOP")
     assert log.summary["end"] == "full"
     assert len(log.blocks) <= 2048
     scans = len(log.scans)
     assert scans > 65536 and int(log.summary["due"]) == scans + int(log.summary["lost"])
     assert int(log.summary["lost"]) <= int(log.summary["room"])
     assert list(log.scans) == list(range(scans))
-    assert one.command("status").values["state"] == "ready"
-    assert card.check() == ""
+    assert one.command("status").values["state"] == "recording"
+    one.run(1.0)
+    assert one.command("stop").ok and card.check() == ""
+    assert one.log().header["continues"] == f"{log.session:08X}" and len(one.log().scans) > 390
 
 
 @pytest.mark.skipif(

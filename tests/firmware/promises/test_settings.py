@@ -155,7 +155,42 @@ def test_after_every_kind_of_reset_the_session_is_closed_and_the_cause_told(logg
     log = one.log("HOP00001.HOP")
     assert log.summary["end"] == "recovered" and log.summary["reset"] == cause
     assert len(log.scans) == int(log.summary["due"]) >= acknowledged > 100
-    assert card.check() == ""
+    resumes = cause != "power"  # whoever switches the logger on decides whether it records
+    assert (one.command("status").values["state"] == "recording") == resumes
+    assert one.command("stop").ok and card.check() == ""
+    if resumes:
+        second = one.log("HOP00002.HOP")
+        assert second.header["continues"] == f"{log.session:08X}" and len(second.scans) > 80
+        assert one.command("start").ok and one.command("stop").ok
+        assert one.log("HOP00003.HOP").header["continues"] == ""  # asked for, not gone on with
+
+
+def test_resets_in_quick_succession_are_gone_on_with(logger, card):
+    """As when the starter turns."""
+    one = logger(card)
+    assert one.command("start").ok
+    one.run(1.5)
+    for pause_s in (0.3, 0.05, 0.9, 0.4):
+        one.board.reset("brown-out")
+        one.run(pause_s)
+    one.run(2.0)
+    assert one.command("status").values["state"] == "recording"
+    assert one.command("stop").ok and card.check() == ""
+    assert len(one.log().scans) > 60  # of 2 s: the start and the closing of a file take one
+
+
+def test_nothing_is_gone_on_with_where_the_settings_say_so(logger, card):
+    configure(card, "size_mb = 1\nresume = off\n")
+    one = logger(card)
+    assert one.command("start").ok
+    one.run(1.5)
+    begin = len(one.frames)
+    one.board.reset("brown-out")
+    one.until(lambda: "ready" in one.texts("M", begin))
+    one.run(1.0)
+    assert one.command("status").values["state"] == "ready"
+    assert one.log("HOP00001.HOP").summary["end"] == "recovered"
+    assert sorted(card.files()) == ["HOP.CFG", "HOP00001.HOP"]
 
 
 def test_what_belongs_to_the_device_is_kept_without_power(logger, card):

@@ -37,11 +37,14 @@ class Console:
         self._device = device
         self._epoch_s = 0  # when it was switched on, as a host has told
         self._met = False
+        self._continues = 0  # id of the session that the last one goes on with
 
     def greet(self) -> Answer:
         """Say `ready`; meet the card."""
         yield ("M", b"ready")
         self._meet()
+        if self._device.interrupted and self._device.settings.resume:
+            yield from self.start(self._device.interrupted)
 
     def answer(self, line: bytes) -> Answer:
         """Carry out a command."""
@@ -68,8 +71,15 @@ class Console:
             raise Refusal("unknown command")
         yield ("K", self._name() if done is None else done)
 
-    def start(self) -> Answer:
-        """Start a session, unless one runs."""
+    def roll_over(self) -> Answer:
+        """End a session whose file is full, and go on in the next one."""
+        session = self._device.session
+        yield from self.stop("full")
+        if session and self._device.settings.resume:
+            yield from self.start(session.id)
+
+    def start(self, continues: int = 0) -> Answer:
+        """Start a session, unless one runs; it may go on with another."""
         device = self._device
         if device.running:
             return
@@ -78,6 +88,7 @@ class Console:
         dice = int(device.random.integers(0, 0x10000))
         identity = device.session_number << 16 | dice
         session = Session(card, identity, device.settings, device.faults.stalls)
+        self._continues = continues
         header = self._header()
         session.begin(header)
         device.session = session
@@ -98,6 +109,7 @@ class Console:
             yield None
         rest = self._rest()
         session.close(end, rest)
+        self._continues = 0
         device.sample()
         yield from _lines("S", {**session.summary(), **rest})
 
@@ -156,7 +168,7 @@ class Console:
     def _header(self) -> dict[str, object]:
         settings = self._device.settings
         return {
-            "firmware": "1.0.0",
+            "firmware": "1.1.0",
             "device": settings.device,
             "calibration": settings.calibration,
             "name": settings.name,
@@ -168,6 +180,7 @@ class Console:
             "supply_mv": SUPPLY_MV,
             "reset": self._device.cause,
             "config_errors": 0,
+            "continues": f"{self._continues:08X}" if self._continues else "",
         }
 
     def _rest(self) -> dict[str, object]:

@@ -44,6 +44,8 @@ class Device:
 
     def reset(self, cause: str = "external") -> None:
         """Restart, as a reset or a power failure does."""
+        session = getattr(self, "session", None)
+        self.interrupted = session.id if session and session.running and cause != "power" else 0
         self.settings = self.settings.after_reset()
         self.session: Session | None = None
         self.cause, self.started_s = cause, self.time_s
@@ -109,7 +111,7 @@ class Device:
             self._ready_s = self.time_s + self.faults.reply_delay_s
             return self._console.answer(self._command)
         if self.running and self.session and self.session.full:
-            return self._console.stop("full")
+            return self._console.roll_over()
         if self._pressed:
             self._pressed = False
             return self._console.stop("button") if self.running else self._console.start()

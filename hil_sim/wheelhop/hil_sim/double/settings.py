@@ -25,6 +25,7 @@ class Settings:
     start: str = "button"
     stream: bool = False
     size_mb: int = 128
+    resume: bool = True
 
     device: int = 0
     calibration: str = ""
@@ -113,6 +114,12 @@ def _stream(settings: Settings, value: str) -> Settings:
     return replace(settings, stream=value == "on")
 
 
+def _resume(settings: Settings, value: str) -> Settings:
+    if value not in ("on", "off"):
+        raise Refusal("resume: on or off")
+    return replace(settings, resume=value == "on")
+
+
 def _size(settings: Settings, value: str) -> Settings:
     size = number(value, 4095)
     if not size:
@@ -129,4 +136,5 @@ _CHECKS = {
     "start": _start,
     "stream": _stream,
     "size_mb": _size,
+    "resume": _resume,
 }

@@ -200,6 +200,7 @@ namespace board {
 uint32_t milliseconds() { return fake::now_us / 1000; }
 uint16_t dice() { return 0x1234; }
 void feed_watchdog() {}
+bool was_reset() { return true; }
 const FlashChar* reset_cause() { return FLASH("watchdog"); }
 
 void card_select(bool selected) { fake::card.select(selected); }

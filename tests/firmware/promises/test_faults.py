@@ -1,0 +1,14 @@
+"""Trials of benchmarks.logger_faults: every scan at its number, whatever happens to the card."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.logger_faults import CAUSES, trial
+
+
+@pytest.mark.parametrize("seed", range(16, 16 + len(CAUSES)))
+def test_every_decoded_scan_is_its_own_and_every_acknowledged_one_is_there(elf, tmp_path, seed):
+    outcome = trial(seed, tmp_path, Path(elf))
+    assert outcome.wrong == []
+    assert outcome.decoded >= outcome.acknowledged > 0
