@@ -138,6 +138,12 @@ CASES = {
         {"loose": 1.0, "freq_hz": 18.0, "zeta": 0.05},
         {"channel": "A2", "freq_hz": 18.0, "zeta": 0.05},
     ),
+    "sensor-mount that rings": (
+        "sensor-mount",
+        "B2",
+        {"loose": 1.0, "freq_hz": 24.5, "zeta": 0.05},
+        {"channel": "B2", "freq_hz": 24.5, "zeta": 0.05},
+    ),
     "sensor-gain": (
         "sensor-gain",
         "B2",

@@ -218,8 +218,13 @@ class Effect:
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
     ) -> Array:
-        """What the instrument makes of the true accelerations (n, c), m/s²."""
+        """What the instrument makes of the true accelerations (n, c), m/s², at rest before."""
         return acceleration
+
+    def lingering(self, theta: Values, since_s: Array, channels: Sequence[Channel]) -> Array | None:
+        """What is left of motion before the record that no simulation knows, in the instrument
+        itself (T, c), m/s²; ``since_s`` (T,) counts from the record's first sample."""
+        return None
 
     def restore(
         self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float
