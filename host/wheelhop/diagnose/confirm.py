@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf, isfinite
 
 import numpy as np
@@ -111,11 +112,11 @@ def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[Model]:
     of the likeliest."""
     benches = list(workshop.benches.values())
     probe = FitProbe(workshop, base.model, benches)
-    effect = screened.variant.effect
-    starts = workshop.each(lambda b: effect.run_start(probe, b.simulator.setting), benches)
-    runs = {bench.run.id: start for bench, start in zip(benches, starts, strict=True)}
     by_variant = []
     for item in (screened, *screened.others):
+        begin = partial(item.variant.effect.run_start, probe, shapes=item.variant.shapes)
+        starts = workshop.each(begin, [bench.simulator.setting for bench in benches])
+        runs = {bench.run.id: start for bench, start in zip(benches, starts, strict=True)}
         models = list(_starts_of(base, item, replace(item.variant, runs=runs)))
         order = np.argsort(_misfits(workshop, models), kind="stable")
         by_variant.append([models[i] for i in order])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.screen_heights import screen_heights
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.fit import Fit, Move, RunFit, Workshop, effect_run_parameters, moves
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Drive, System
@@ -99,8 +99,20 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
         first = {name: values[0] for name, values in starts.items()}
         grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
         for shapes in [{**first, **start} for start in form.shape_starts(probe)] or grid:
-            found.append(Variant(form, choice, shapes, parameters))
+            runs = {s.run_id: _run_shapes(form, probe, s, shapes) for s in settings}
+            found.append(Variant(form, choice, shapes, parameters, runs))
     return found
+
+
+def _run_shapes(
+    effect: Effect, probe: FitProbe, run: RunSetting, shapes: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Where the shapes begin that an effect leaves free in a run: without them, amplitudes of the
+    run would mean nothing."""
+    names = {p.name for p in effect.per_run(run) if p.is_shape}
+    if not names:
+        return {}
+    return {k: v for k, v in effect.run_start(probe, run, shapes).items() if k in names}
 
 
 def with_variant(model: Model, variant: Variant, amplitudes: Mapping[str, float]) -> Model:
@@ -267,7 +279,8 @@ def _columns(
         own_moves.append([])
         if _acts(run, item.variant) and not _is_restored(item.variant):
             trials += zip(item.models, item.systems, strict=True)
-            own = effect_run_parameters(bench.simulator.setting, item.variant.effect)
+            free = effect_run_parameters(bench.simulator.setting, item.variant.effect)
+            own = [f for f in free if not f.is_shape]
             own_moves[-1] = moves(bench, item.absent, own, lambda f: OWN_STRENGTH * f.scale)
             trials += [(move.model, item.absent_systems) for move in own_moves[-1]]
     record, *others = bench.records(trials)

@@ -177,8 +177,9 @@ class Effect:
         """Shape parameters to screen, from the data; empty: every parameter's own starts."""
         return ()
 
-    def run_start(self, probe: Probe, run: RunSetting) -> Values:
-        """Where the fit of what one run leaves free may begin, from the data; empty: absent."""
+    def run_start(self, probe: Probe, run: RunSetting, shapes: Values) -> Values:
+        """Where the fit of what one run leaves free may begin, from the data and the effect's
+        ``shapes`` that are tried; empty: absent. Screening begins shapes of the run there, too."""
         return {}
 
     def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:

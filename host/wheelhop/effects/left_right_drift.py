@@ -77,7 +77,7 @@ class LeftRightDrift(Effect):
                 rates.append((lead[0][1] - lead[0][0]) / driven)
         return {"relative_rate": float(np.sqrt(np.mean(np.square(rates))))} if rates else {}
 
-    def run_start(self, probe: Probe, run: RunSetting) -> Values:
+    def run_start(self, probe: Probe, run: RunSetting, shapes: Values) -> Values:
         """Follow the phase of either side along the track."""
         if not run.on_road or run.speed_m_s <= 0:
             return {}

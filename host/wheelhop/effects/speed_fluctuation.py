@@ -73,7 +73,7 @@ class SpeedFluctuation(Effect):
         rms = float(np.sqrt(np.mean(shares)))
         return {"rms_fraction": rms, "peak_fraction": float(np.mean(peaks))}
 
-    def run_start(self, probe: Probe, run: RunSetting) -> Values:
+    def run_start(self, probe: Probe, run: RunSetting, shapes: Values) -> Values:
         """Follow the phase of all channels along the track."""
         if not run.on_road or run.speed_m_s <= 0:
             return {}
