@@ -48,6 +48,12 @@ HALF_TRACK = ATV["geometry.track_width_m"] / 2
 # Our effect, its form and parameters; the same physics in the truth's terms.
 CASES = {
     "nothing": ("", "", {}, {}),
+    "dry-friction that creeps": (
+        "dry-friction",
+        "creeping",
+        {"front_N": 70.0, "rear_N": 40.0, "creep_m_s": 0.008},
+        {"tanh_front_N": 70.0, "tanh_rear_N": 40.0, "creep_m_s": 0.008},
+    ),
     "dry-friction": (
         "dry-friction",
         "",

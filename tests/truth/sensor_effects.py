@@ -69,6 +69,7 @@ class SensorMount(Effect):
     channel: str
     freq_hz: float
     zeta: float
+    struck_m_s: float = 0.0  # so fast it moves off when the record begins: knocked
 
     def feel(self, time: Array, velocity: Array) -> Array:
         k, omega = channel_index(self.channel), 2.0 * pi * self.freq_hz
@@ -78,6 +79,12 @@ class SensorMount(Effect):
         step = mount.to_discrete(time[1] - time[0], method="foh")
         velocity = velocity.copy()
         velocity[:, k] = signal.dlsim(step, velocity[:, k])[1][:, 0]
+        # z'' + 2 zeta omega z' + omega^2 z = 0 from z = 0 with that velocity on
+        since = np.maximum(time, 0.0)
+        damped = omega * np.sqrt(1.0 - self.zeta**2)
+        still = np.cos(damped * since) - self.zeta * omega / damped * np.sin(damped * since)
+        free = np.exp(-self.zeta * omega * since) * still
+        velocity[:, k] += self.struck_m_s * np.where(time < 0.0, 0.0, free)
         return velocity
 
 

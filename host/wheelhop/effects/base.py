@@ -147,7 +147,7 @@ class Effect:
     has_random_heights: ClassVar[bool] = False
     """Whether it adds heights nobody knows to the ground (`height_density`): they are estimated run
     by run, and its parameters, all shapes, are found by their evidence."""
-    longest_step_s: ClassVar[float] = 0.0025
+    longest_step_s: float = 0.0025
     """Integration step at which its force laws leave an error below the sensors' noise."""
 
     def acts_in(self, run: RunSetting) -> bool:
