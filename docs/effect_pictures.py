@@ -13,6 +13,7 @@ from effect_stage import (
     Change,
     Stage,
     extension,
+    history,
     most_telling,
     strengths,
 )
@@ -79,7 +80,8 @@ def setting_words(effect: Effect, stage: Stage) -> str:
     choice = effect.choices(stage.campaign.channels)[0]
     if choice:
         words.insert(0, choice)
-    if effect.per_run(stage.setting(stage.campaign.runs[0])):
+    free = effect.per_run(stage.setting(stage.campaign.runs[0]))
+    if history(effect, len(free)).any():
         words.append("what is free in each run at half its scale")
     return ", ".join(words)
 

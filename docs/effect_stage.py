@@ -90,18 +90,21 @@ def switched_on(
     prefixed = {f"{effect.id}.{k}": v for k, v in values.items()}
     model = Model({**model.values, **prefixed}, (*model.effects, effect), model.runs)
     for setting in settings:
-        free = effect.per_run(setting)
+        free = [p for p in effect.per_run(setting) if not p.is_shape]
         own = {
             f"{effect.id}.{p.name}": p.absent + own_share * p.scale * share
-            for p, share in zip(free, _history(effect, len(free)), strict=True)
+            for p, share in zip(free, history(effect, len(free)), strict=True)
         }
         model = model.with_run(setting.run_id, own)
     return model
 
 
-def _history(effect: Effect, count: int) -> Array:
-    """Shares of the scale for the numbers free in a run: distance won and lost again, a lead that
-    grows, an acceleration that swings; for other effects all at once."""
+def history(effect: Effect, count: int) -> Array:
+    """Shares of the scale for the amplitudes free in a run: distance won and lost again, a lead
+    that grows, an acceleration that swings, a mount that nobody struck; for other effects all at
+    once."""
+    if effect.id == "sensor-mount":
+        return np.zeros(count)
     if effect.id == "speed-fluctuation":
         return np.hanning(count)
     if effect.id == "left-right-drift":

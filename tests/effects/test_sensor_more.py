@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
 from wheelhop.effects import RunSetting
@@ -64,6 +65,47 @@ def test_a_mount_transmits_as_a_mass_on_a_spring(channel, frequency, resonance, 
     power = (1 + (2 * zeta * r) ** 2) / ((1 - r**2) ** 2 + (2 * zeta * r) ** 2)
     assert abs(found) ** 2 == pytest.approx(power, rel=0.02)
     assert found.imag < 1e-3
+
+
+@settings(max_examples=15)
+@given(st.floats(8.0, 60.0), st.floats(0.01, 0.9), st.floats(0.5, 30.0), st.floats(0.0, 6.0))
+def test_a_mount_moves_as_its_equation_says_from_the_first_sample_on(resonance, zeta, f, phase):
+    """Beside a fine integration of r″ + 2ζω r′ + ω² r = −a; the sensor reads a + r″."""
+    own, rate, time = 2 * np.pi * resonance, 1000.0, np.arange(1000) / 1000.0
+    record = np.zeros((len(time), 8))
+    record[:, 2] = np.cos(2 * np.pi * f * time + phase)
+    theta = {"loose": 1.0, "freq_hz": resonance, "zeta": zeta}
+    found = EFFECTS["sensor-mount"].with_choice("B3").sense(theta, record, CHANNELS, rate)[:, 2]
+
+    def motion(t, state):
+        foot = np.cos(2 * np.pi * f * t + phase)
+        return state[1], -2 * zeta * own * state[1] - own**2 * state[0] - foot
+
+    solved = solve_ivp(motion, (0.0, 1.0), (0.0, 0.0), t_eval=time, rtol=1e-8, atol=1e-12)
+    reading = -2 * zeta * own * solved.y[1] - own**2 * solved.y[0]
+    np.testing.assert_allclose(found[:-20], reading[:-20], atol=0.01 * np.abs(reading).max())
+
+
+@settings(max_examples=30)
+@given(st.floats(12.0, 60.0), st.floats(0.01, 0.3), st.floats(-9.0, 9.0), st.floats(-9.0, 9.0))
+def test_a_mount_that_was_struck_before_rings_down_and_its_foot_stands_still(f, zeta, cosine, sine):
+    effect, rate = EFFECTS["sensor-mount"].with_choice("B3"), 1000.0
+    theta = {"loose": 1.0, "freq_hz": f, "zeta": zeta}
+    theta |= {"ring_cos_m_s2": cosine, "ring_sin_m_s2": sine}
+    since = np.arange(-200, 1000) / rate
+    ring = effect.lingering(theta, since, CHANNELS)
+    if cosine == sine == 0.0:
+        assert ring is None
+        return
+    reading, damped = ring[:, 2], 2 * np.pi * f * np.sqrt(1 - zeta**2)
+    assert not np.delete(ring, 2, axis=1).any() and not reading[:200].any()
+    after = np.clip(since, 0.0, None)
+    turning = cosine * np.cos(damped * after) + sine * np.sin(damped * after)
+    np.testing.assert_allclose(
+        reading[200:], (np.exp(-zeta * 2 * np.pi * f * after) * turning)[200:], atol=1e-9
+    )
+    foot = effect.restore(theta, ring[200:], CHANNELS, rate)[:, 2]
+    assert np.abs(foot[100:-100]).max() < 0.02 * np.hypot(cosine, sine)
 
 
 def test_a_mount_is_stiff_below_and_gives_way_above_its_resonance():

@@ -119,7 +119,7 @@ def test_speed_fluctuation_begins_near_the_wander_of_a_record(fraction, period):
         return size * np.sin(2 * np.pi * t / period + 0.7)
 
     effect, probe = EFFECTS["speed-fluctuation"], Washboard(gain, 0.05)
-    theta = effect.run_starts(probe, SETTING)[0]
+    theta = effect.run_starts(probe, SETTING, {})[0]
     found, _ = effect.travel(theta, SETTING, probe.time, 4.0 * probe.time, 4.0)
     inside = (probe.time > 0.5) & (probe.time < 9.5)
     error = (found[:, 0] - gain(probe.time))[inside]
@@ -139,7 +139,7 @@ def test_left_right_drift_begins_near_the_lead_of_the_left_side():
     effect = EFFECTS["left-right-drift"]
     for form in effect.choices(probe.channels):
         drift = effect.with_choice(form)
-        theta = drift.run_starts(probe, SETTING)[0]
+        theta = drift.run_starts(probe, SETTING, {})[0]
         found, _ = drift.travel(theta, SETTING, probe.time, 4.0 * probe.time, 4.0)
         inside = (probe.time > 0.5) & (probe.time < 9.5)
         error = (found[:, 0] - found[:, 1] - lead(probe.time))[inside]

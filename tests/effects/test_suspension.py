@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
 from wheelhop.effects.asymmetric_damper import one_sided_difference
 from wheelhop.effects.digressive_damper import blow_off
-from wheelhop.effects.dry_friction import elastic_slip
+from wheelhop.effects.dry_friction import creeping_slip, elastic_slip
 from wheelhop.effects.progressive_spring import POLYTROPIC_EXPONENT, cubic, gas
 from wheelhop.effects.tyre_lift_off import no_pull
 from wheelhop.vehicle import baseline, static_load, static_tyre_load
@@ -174,3 +174,15 @@ def test_tyre_lift_off_sits_between_axle_and_ground():
     system = parts.system(body_inertia(ATV))
     np.testing.assert_allclose(system.port, system.output[4:])
     np.testing.assert_allclose(system.port_input, -np.eye(4))
+
+
+@given(st.floats(-0.5, 0.5), st.floats(5.0, 200.0), st.floats(0.002, 0.04))
+def test_creeping_friction_is_a_damper_at_first_and_never_exceeds_its_force(v, slip, creep):
+    """Odd, dissipative, of slope F/w at rest, and Coulomb's beyond a few w."""
+    force, memory = creeping_slip(0.0, v, 0.0, 0.0, 0.3, np.array([slip, creep]))
+    opposite = creeping_slip(0.0, -v, 0.0, 0.0, 0.3, np.array([slip, creep]))[0]
+    assert memory == 0.3 and opposite == -force and force * v >= 0.0 and abs(force) <= slip
+    slow = creeping_slip(0.0, 1e-3 * creep, 0.0, 0.0, 0.0, np.array([slip, creep]))[0]
+    assert slow == pytest.approx(1e-3 * slip, rel=1e-5)
+    if abs(v) > 4 * creep:
+        assert abs(force) > 0.999 * slip

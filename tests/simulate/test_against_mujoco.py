@@ -8,6 +8,7 @@ import pytest
 
 from tests import truth
 from tests.simulate.setup import ATV, TIME, campaign_of, model_of, relative, simulated
+from wheelhop.simulate import RunSimulator
 
 REACHED = 0.002
 """1e-4 for what is linear or smooth, 7e-4 with friction: a fifth of the faintest sensor noise."""
@@ -47,6 +48,12 @@ HALF_TRACK = ATV["geometry.track_width_m"] / 2
 # Our effect, its form and parameters; the same physics in the truth's terms.
 CASES = {
     "nothing": ("", "", {}, {}),
+    "dry-friction that creeps": (
+        "dry-friction",
+        "creeping",
+        {"front_N": 70.0, "rear_N": 40.0, "creep_m_s": 0.008},
+        {"tanh_front_N": 70.0, "tanh_rear_N": 40.0, "creep_m_s": 0.008},
+    ),
     "dry-friction": (
         "dry-friction",
         "",
@@ -138,6 +145,12 @@ CASES = {
         {"loose": 1.0, "freq_hz": 18.0, "zeta": 0.05},
         {"channel": "A2", "freq_hz": 18.0, "zeta": 0.05},
     ),
+    "sensor-mount that rings": (
+        "sensor-mount",
+        "B2",
+        {"loose": 1.0, "freq_hz": 24.5, "zeta": 0.05},
+        {"channel": "B2", "freq_hz": 24.5, "zeta": 0.05},
+    ),
     "sensor-gain": (
         "sensor-gain",
         "B2",
@@ -179,9 +192,13 @@ def test_the_runs_show_what_is_compared(case):
 
 
 def test_an_engine_shakes_the_body_whatever_the_road():
-    """Its phase is drawn per run: sin(2πft + φ) is cos·sin φ + sin·cos φ."""
+    """Its phase is drawn per run: sin(2πft + φ) is cos·sin φ + sin·cos φ, t counted from the middle
+    of what sensors' windows reach."""
     run_id, force, frequency = "twist", 80.0, 22.0
-    phase = np.random.default_rng(RUNS[run_id].seed).uniform(0.0, 2 * np.pi)
+    end = RunSimulator(campaign_of(RUNS), campaign_of(RUNS).runs[-1], 4.0).setting.end_s
+    phase = 2 * np.pi * frequency * (TIME[0] + end) / 2 + np.random.default_rng(
+        RUNS[run_id].seed
+    ).uniform(0.0, 2 * np.pi)
     place = {"x_m": ATV["engine.x_m"], "y_m": ATV["engine.y_m"]}
     measured = driven(
         run_id, {"engine-vibration": {"force_N": force, "freq_hz": frequency, **place}}

@@ -66,6 +66,20 @@ def test_starting_later_is_starting_further_on(speed, start, later):
     np.testing.assert_allclose(other[:-later], one[later:], atol=1e-4 * size)
 
 
+def test_a_loose_sensor_rings_from_before_the_record():
+    """A second after the record began its mount has not forgotten what came before; a record that
+    begins only then shows the same."""
+    early, later = TIME[:300], TIME[100:300]
+    theta = {"loose": 1.0, "freq_hz": 24.0, "zeta": 0.01}
+    found = []
+    for time in (early, later):
+        run = {"run": truth.Run(HERRINGBONE, 6.0, 30.0, time)}
+        model = model_of(ATV, run, "sensor-mount", theta, choice="B2")
+        found.append(simulated(campaign_of(run), model, run_up_s=6.0)["run"])
+    size = np.abs(found[1]).max()
+    np.testing.assert_allclose(found[1], found[0][100:], atol=2e-4 * size)
+
+
 def test_models_simulated_together_do_what_each_does_alone():
     """Vehicles, starts, a law, a history of force and a sensor's fault, in one go."""
     run = {"run": truth.Run(WASHBOARD, 4.0, 30.0, TIME)}

@@ -71,9 +71,11 @@ def write_campaign(
     seed: int,
     short: bool = False,
     noise_rms: float = 0.1,
+    rate_hz: float = SAMPLE_RATE_HZ,
     draft: bool = False,
 ) -> Path:
-    """`make_campaign` for a vehicle and for effects that need not be among the named ones.
+    """`make_campaign` for a vehicle and for effects that need not be among the named ones; the same
+    seconds at another sample rate, if one is given.
 
     A draft, to look at and not to keep, takes twice the step and says nothing of the baseline.
     """
@@ -81,15 +83,15 @@ def write_campaign(
     true, nominal = draw_vehicles(preset, rng)
     offset_mm = float(rng.choice([0.0, 100.0, 200.0]))
     planned = planned_runs(preset, short=short, lateral_offset_mm=offset_mm)
-    noise = _channel_noise(noise_rms, rng)
+    noise = _channel_noise(noise_rms, rate_hz, rng)
     offset = rng.normal(0.0, OFFSET_M_S2, len(CHANNELS))
 
     folder = Path(folder)
     (folder / "runs").mkdir(parents=True, exist_ok=True)
     runs: dict[str, Run] = {}
     for number, plan in enumerate(planned):
-        runs[plan.id] = _draw_run(plan, seed * 1000 + number, rng)
-    error = _Sums()
+        runs[plan.id] = _draw_run(plan, rate_hz, seed * 1000 + number, rng)
+    error = _Sums(rate_hz)
     step = min([STEP_S, *(effect.step_s for effect in physics)]) * (2.0 if draft else 1.0)
     for plan in planned:
         run = runs[plan.id]
@@ -101,7 +103,7 @@ def write_campaign(
             baseline = true_samples if draft else simulate_run(true, run)[1]
             error.add(samples, record(true_samples, physics), baseline)
 
-    (folder / "campaign.toml").write_text(_campaign_toml(preset.name, planned, noise_rms))
+    (folder / "campaign.toml").write_text(_campaign_toml(preset.name, planned, rate_hz, noise_rms))
     (folder / "vehicle.toml").write_text(_vehicle_toml(preset.name, nominal))
     truth = _truth_toml(true, physics, runs, noise, noise_rms, error)
     (folder / "truth.toml").write_text(truth)
@@ -135,46 +137,48 @@ def read_truth(folder: str | Path, truth_file: str | Path | None = None) -> Trut
 class _Sums:
     """Sums of squares in band over the validate runs."""
 
-    def __init__(self) -> None:
+    def __init__(self, rate_hz: float) -> None:
+        self._rate_hz = rate_hz
         self.measured = self.noise = self.hidden = 0.0
 
     def add(self, samples: Array, true_samples: Array, baseline: Array) -> None:
-        self.measured += float(np.sum(in_band(samples) ** 2))
-        self.noise += float(np.sum(in_band(samples - true_samples) ** 2))
-        self.hidden += float(np.sum(in_band(samples - baseline) ** 2))
+        rate = self._rate_hz
+        self.measured += float(np.sum(in_band(samples, rate) ** 2))
+        self.noise += float(np.sum(in_band(samples - true_samples, rate) ** 2))
+        self.hidden += float(np.sum(in_band(samples - baseline, rate) ** 2))
 
 
-def _channel_noise(noise_rms: float, rng: np.random.Generator) -> Array:
+def _channel_noise(noise_rms: float, rate_hz: float, rng: np.random.Generator) -> Array:
     """Standard deviations of white noise (8,), unequal, whose in-band mean power is noise_rms^2."""
-    share = (BAND_HZ[1] - BAND_HZ[0]) / (SAMPLE_RATE_HZ / 2.0)
+    share = (BAND_HZ[1] - BAND_HZ[0]) / (rate_hz / 2.0)
     relative = rng.uniform(0.7, 1.3, len(CHANNELS))
     mean_power = float(np.mean(relative**2))
     return noise_rms / np.sqrt(share * mean_power) * relative
 
 
-def _draw_run(plan: PlannedRun, seed: int, rng: np.random.Generator) -> Run:
+def _draw_run(plan: PlannedRun, rate_hz: float, seed: int, rng: np.random.Generator) -> Run:
     """Rounded as the truth file holds them: 0.1 mm and 1e-5 km/h, a hundredth of a degree or two
     of phase on the shortest pitch."""
     speed_kmph = round(plan.speed_kmph * (1.0 + rng.uniform(-0.05, 0.05)), 5)
     start = round(float(rng.uniform(33.0, 41.0)), 4)
-    time = np.arange(SAMPLES) / SAMPLE_RATE_HZ
+    time = np.arange(round(SAMPLES * rate_hz / SAMPLE_RATE_HZ)) / rate_hz
     return Run(plan.track, speed_kmph / 3.6, start, time, seed=seed)
 
 
 def _write_recording(file: Path, time: Array, samples: Array) -> None:
     rows = [
-        f"{t:.2f}," + ",".join(f"{a:.5g}" for a in row)
+        f"{t:.9g}," + ",".join(f"{a:.5g}" for a in row)
         for t, row in zip(time, samples, strict=True)
     ]
     file.write_text("\n".join(["time_s," + ",".join(CHANNELS), *rows]) + "\n")
 
 
-def _campaign_toml(name: str, planned: list[PlannedRun], noise_rms: float) -> str:
+def _campaign_toml(name: str, planned: list[PlannedRun], rate_hz: float, noise_rms: float) -> str:
     lines = [
         "format = 1",
         f'title = "Simulated: {name}"',
         'vehicle = "vehicle.toml"',
-        f"sample_rate_hz = {SAMPLE_RATE_HZ}",
+        f"sample_rate_hz = {rate_hz}",
         f"band_hz = [{BAND_HZ[0]}, {BAND_HZ[1]}]",
         "averaging_ms = 6.6",
         f"noise_rms_m_s2 = {noise_rms:.3g}",

@@ -20,7 +20,7 @@ class Effect:
     """
 
     id: ClassVar[str]
-    step_s: ClassVar[float] = STEP_S  # the longest integration step that resolves it
+    step_s = STEP_S  # the longest integration step that resolves it
 
     def build(self, car: Car) -> None:
         """Change the car before it is compiled: bodies, joints, springs."""

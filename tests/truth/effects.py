@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 
-from . import body_effects, road_effects, sensor_effects, suspension_effects
+from . import body_effects, other_laws, road_effects, sensor_effects, suspension_effects
 from .effect import Effect
 
 Parameters = Mapping[str, float | str]
@@ -39,6 +39,11 @@ KINDS: tuple[type[Effect], ...] = (
     sensor_effects.SensorClipping,
     sensor_effects.SensorSkew,
     sensor_effects.SensorMount,
+    other_laws.TanhFriction,
+    other_laws.BristleFriction,
+    other_laws.MeasuredDamper,
+    other_laws.FoamStop,
+    other_laws.WanderingEngine,
 )
 
 

@@ -152,15 +152,18 @@ class ProgressiveTyre(Effect):
 
 @dataclass
 class WheelImbalance(Effect):
-    """An eccentric mass on one wheel: vertical force m e W^2 cos(turned angle), W = v / radius."""
+    """An eccentric mass on one wheel: vertical force m e W^2 cos(turned angle), W = v / radius, the
+    latter what the wheel rolls on, less than its radius by a loaded tyre's give."""
 
     id = "wheel-imbalance"
     imbalance_kg_m: float  # mass times eccentricity
     corner: float = 1  # 1..4
+    rolling: float = 1.0  # the radius it rolls on, over the wheel's
 
     def start(self, drive: Drive) -> None:
         corner = int(self.corner) - 1
-        angle = drive.path[:, corner % 2] / drive.vehicle[f"wheel.{axle(corner)}.radius_m"]
+        radius = self.rolling * drive.vehicle[f"wheel.{axle(corner)}.radius_m"]
+        angle = drive.path[:, corner % 2] / radius
         spin = np.gradient(angle, drive.time)
         phase = drive.rng.uniform(0.0, 2.0 * pi)
         drive.push(f"A{corner + 1}", self.imbalance_kg_m * spin**2 * np.cos(angle + phase))

@@ -12,6 +12,8 @@ from .effect import Effect, channel_index
 from .model import CHANNELS
 from .tracks import Array
 
+KNOCK_S = 0.05  # before the record begins: whoever starts the logger touches the car
+
 
 @dataclass
 class SensorGain(Effect):
@@ -69,6 +71,7 @@ class SensorMount(Effect):
     channel: str
     freq_hz: float
     zeta: float
+    struck_m_s: float = 0.0  # so fast it moves off when knocked, KNOCK_S before
 
     def feel(self, time: Array, velocity: Array) -> Array:
         k, omega = channel_index(self.channel), 2.0 * pi * self.freq_hz
@@ -78,6 +81,12 @@ class SensorMount(Effect):
         step = mount.to_discrete(time[1] - time[0], method="foh")
         velocity = velocity.copy()
         velocity[:, k] = signal.dlsim(step, velocity[:, k])[1][:, 0]
+        # z'' + 2 zeta omega z' + omega^2 z = 0 from z = 0 with that velocity on
+        since = np.maximum(time + KNOCK_S, 0.0)
+        damped = omega * np.sqrt(1.0 - self.zeta**2)
+        still = np.cos(damped * since) - self.zeta * omega / damped * np.sin(damped * since)
+        free = np.exp(-self.zeta * omega * since) * still
+        velocity[:, k] += self.struck_m_s * np.where(time < -KNOCK_S, 0.0, free)
         return velocity
 
 

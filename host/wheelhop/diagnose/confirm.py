@@ -102,7 +102,7 @@ def _starts_of(workshop: Workshop, base: Rung, screened: Screened) -> Iterator[M
     variant = screened.variant
     shares = SHARES if any(not p.switch for p in variant.amplitudes) else SHARES[:1]
     absent = with_variant(base.model, variant, {})
-    begins = begun(workshop, base.model, absent, variant.effect)
+    begins = begun(workshop, base.model, absent, variant.effect, variant.shapes)
     for share in shares:
         amplitudes = {}
         for p in variant.amplitudes:

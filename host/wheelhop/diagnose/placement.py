@@ -31,13 +31,14 @@ def with_starts(model: Model, effect: Effect, run_id: str, start: Values) -> Mod
     )
 
 
-def begun(workshop: Workshop, base: Model, model: Model, effect: Effect) -> Model:
-    """`model`, which is `base` with the effect, every run where the effect may best begin."""
+def begun(workshop: Workshop, base: Model, model: Model, effect: Effect, shapes: Values) -> Model:
+    """`model`, which is `base` with the effect in these shapes, every run where it may best
+    begin."""
     probe = FitProbe(workshop, base, list(workshop.benches.values()))
     systems = workshop.systems(model)
 
     def best(bench: Bench) -> Values:
-        starts = effect.run_starts(probe, bench.simulator.setting)
+        starts = effect.run_starts(probe, bench.simulator.setting, shapes)
         if len(starts) == 1:
             return starts[0]
         trials = [with_starts(model, effect, bench.run.id, start) for start in starts]
@@ -83,6 +84,7 @@ def _starts(workshop: Workshop, model: Model, bench: Bench) -> Sequence[Model]:
     for effect in model.effects:
         if effect.per_run(bench.simulator.setting):
             probe = FitProbe(workshop, again.without_effect(effect.id), [bench])
-            starts = effect.run_starts(probe, bench.simulator.setting)
+            shapes = model.theta(effect)
+            starts = effect.run_starts(probe, bench.simulator.setting, shapes)
             found += [with_starts(again, effect, run_id, start) for start in starts if start]
     return found

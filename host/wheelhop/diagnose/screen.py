@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.screen_heights import screen_heights
 from wheelhop.diagnose.screen_table import Columns, Known, Table, beyond, run_table
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.fit import Fit, Move, RunFit, Trial, Workshop, effect_run_parameters, moves
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Drive, System
@@ -44,12 +44,13 @@ OWN_STRENGTH = 0.1
 
 @dataclass(frozen=True)
 class Variant:
-    """One effect in one form, its shape parameters at one start."""
+    """One effect in one form, its shape parameters at one start, those of single runs included."""
 
     effect: Effect
     choice: str
     shapes: Mapping[str, float]
     parameters: tuple[Parameter, ...]
+    runs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def amplitudes(self) -> tuple[Parameter, ...]:
@@ -99,15 +100,31 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
         first = {name: values[0] for name, values in starts.items()}
         grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
         for shapes in [{**first, **start} for start in form.shape_starts(probe)] or grid:
-            found.append(Variant(form, choice, shapes, parameters))
+            runs = {s.run_id: _run_shapes(form, probe, s, shapes) for s in settings}
+            found.append(Variant(form, choice, shapes, parameters, runs))
     return found
+
+
+def _run_shapes(
+    effect: Effect, probe: FitProbe, run: RunSetting, shapes: Mapping[str, float]
+) -> Mapping[str, float]:
+    """Where the shapes begin that an effect leaves free in a run: without them, amplitudes of the
+    run would mean nothing."""
+    names = {p.name for p in effect.per_run(run) if p.is_shape}
+    if not names:
+        return {}
+    start, *_ = effect.run_starts(probe, run, shapes)
+    return {k: v for k, v in start.items() if k in names}
 
 
 def with_variant(model: Model, variant: Variant, amplitudes: Mapping[str, float]) -> Model:
     """The model with the effect added in this variant at the given amplitudes."""
     effect = variant.effect
     values = {f"{effect.id}.{k}": v for k, v in {**variant.shapes, **amplitudes}.items()}
-    return model.with_effect(effect, variant.parameters).with_values(values)
+    model = model.with_effect(effect, variant.parameters).with_values(values)
+    for run_id, own in variant.runs.items():
+        model = model.with_run(run_id, {f"{effect.id}.{k}": v for k, v in own.items()})
+    return model
 
 
 @dataclass(frozen=True)
@@ -207,7 +224,8 @@ def _columns(
         own_moves.append([])
         if _acts(run, item.variant) and not _is_restored(item.variant):
             trials += zip(item.models, item.systems, strict=True)
-            own = effect_run_parameters(bench.simulator.setting, item.variant.effect)
+            free = effect_run_parameters(bench.simulator.setting, item.variant.effect)
+            own = [f for f in free if not f.is_shape]
             own_moves[-1] = moves(bench, item.absent, own, lambda f: OWN_STRENGTH * f.scale)
             trials += [(move.model, item.absent_systems) for move in own_moves[-1]]
     changes = iter(bench.changes((model, systems), trials))

@@ -154,7 +154,7 @@ class Effect:
     has_random_heights: ClassVar[bool] = False
     """Whether it adds heights nobody knows to the ground (`height_density`): they are estimated run
     by run, and its parameters, all shapes, are found by their evidence."""
-    longest_step_s: ClassVar[float] = 0.0025
+    longest_step_s: float = 0.0025
     """Integration step at which its force laws leave an error below the sensors' noise."""
 
     def acts_in(self, run: RunSetting) -> bool:
@@ -184,9 +184,10 @@ class Effect:
         """Shape parameters to screen, from the data; empty: every parameter's own starts."""
         return ()
 
-    def run_starts(self, probe: Probe, run: RunSetting) -> Sequence[Values]:
-        """Where the fit of what one run leaves free may begin, from the data: the best of them
-        counts; an empty one: absent. Speed and start of the run itself may be among the values."""
+    def run_starts(self, probe: Probe, run: RunSetting, shapes: Values) -> Sequence[Values]:
+        """Where the fit of what one run leaves free may begin, from the data and the effect's
+        ``shapes`` that are tried: the best of them counts; an empty one: absent. Speed and start of
+        the run itself may be among the values. Screening begins shapes of the run at the first."""
         return ({},)
 
     def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
@@ -226,8 +227,13 @@ class Effect:
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
     ) -> Array:
-        """What the instrument makes of the true accelerations (n, c), m/s²."""
+        """What the instrument makes of the true accelerations (n, c), m/s², at rest before."""
         return acceleration
+
+    def lingering(self, theta: Values, since_s: Array, channels: Sequence[Channel]) -> Array | None:
+        """What is left of motion before the record that no simulation knows, in the instrument
+        itself (T, c), m/s²; ``since_s`` (T,) counts from the record's first sample."""
+        return None
 
     def restore(
         self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float

@@ -6,60 +6,113 @@ from collections.abc import Sequence
 from math import pi
 
 import numpy as np
-from scipy import fft
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.history import History
+from wheelhop.effects.line import phase_along, shared, strength
 from wheelhop.vehicle import Assembly, Body
+
+SPREAD = 0.05
+"""An idling engine's speed differs so much from run to run: one standard deviation."""
+
+REACH = 3.0
+"""Lines of one engine lie within this many of these."""
+
+WANDER = 0.02
+"""And wanders by about so much within one, in some seconds."""
+
+KNOTS_S = 0.4
+"""Spacing of the knots of its history: a wander of 2.5 s period is followed to 0.3 %."""
+
+LOGARITHMS = np.arange(np.log(1.0), np.log(45.0), 0.002)
+"""Of the frequencies, Hz, at which a line is sought."""
+
+STARTS = 3
+"""So many lines are tried."""
 
 
 class EngineVibration(Effect):
-    """A harmonic vertical force at the engine; its phase and strength differ from run to run."""
+    """A harmonic vertical force at the engine. Its phase and strength differ from run to run, as
+    does the engine's speed, which also wanders within a run: the force turns with the engine."""
 
     id = "engine-vibration"
     place = "body"
     title = "a harmonic force at the engine, locked to time and not to the road"
-    equation = r"F = F_c \cos 2\pi f t + F_s \sin 2\pi f t"
+    equation = (
+        r"F = F_c \cos \varphi + F_s \sin \varphi,"
+        r"\quad \varphi = 2\pi f \left[(1 + \delta)(t - t_m) + \sum_j c_j B_j(t)\right],"
+        r"\quad B_j \text{ cubic B-splines, 0.4 s apart, } t_m \text{ mid-record}"
+    )
     source = (
-        "unbalance and firing order, e.g. H. Dresig, F. Holzweissig, Dynamics of Machinery, ch. 3"
+        "unbalance and firing order, e.g. H. Dresig, F. Holzweissig, Dynamics of Machinery, ch. 3;"
+        " idle speed not held exactly, e.g. L. Guzzella, C. Onder, Introduction to Modeling and"
+        " Control of Internal Combustion Engine Systems (Springer 2010), section 5.3"
     )
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
-        """The frequency; where the line is strongest in the residual comes from `shape_starts`."""
+        """The frequency about which all runs' own lie; `shape_starts` finds it."""
         return (
             Parameter("freq_hz", "Hz", "frequency of the force", 10.0, lower=1.0, starts=(20.0,)),
         )
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
-        """Cosine and sine part of the force."""
+        """Cosine and sine part of the force; by how much the engine runs faster, and its wander."""
+        history = self._history(run)
+        # A wander of period T and relative size w gains a time of w T / 2π; T about 5 s.
+        scale = WANDER * 5.0 / (2 * pi)
         return (
             Parameter("cos_N", "N", "cosine part of the force", 30.0),
             Parameter("sin_N", "N", "sine part of the force", 30.0),
-        )
+            Parameter("excess", "1", "frequency over that of all runs, less one", SPREAD,
+                      lower=-0.5, upper=0.5, starts=(0.0,)),
+            *history.parameters("s", "time gained by a faster engine", scale, is_shape=True),
+        )  # fmt: skip
 
     def shape_starts(self, probe: Probe) -> Sequence[Values]:
-        """The strongest lines of the residual's spectrum, added up over runs of any speed."""
+        """The strongest lines of the residual's spectrum, near one frequency in all runs, whatever
+        the vehicle's speed."""
+        grid = np.exp(LOGARITHMS)
+        runs = [strength(*_residual(probe, run), grid) for run in probe.settings]
+        total = shared(np.array(runs), LOGARITHMS[1] - LOGARITHMS[0], SPREAD, REACH)
         lines = []
-        grid = np.arange(1.0, 45.0, 0.02)
-        total = np.zeros_like(grid)
-        for setting in probe.settings:
-            time = probe.time_s(setting.run_id)
-            residual = probe.measured(setting.run_id) - probe.modelled(setting.run_id, {})
-            n = fft.next_fast_len(len(time) * 8)
-            rate = (len(time) - 1) / (time[-1] - time[0])
-            spectrum = np.abs(fft.rfft(residual * np.hanning(len(time))[:, None], n, axis=0)) ** 2
-            power = spectrum.sum(axis=1)
-            total += np.interp(grid, fft.rfftfreq(n, 1 / rate), power) / np.median(power)
-        for _ in range(3):
-            best = float(grid[np.argmax(total)])
-            lines.append({"freq_hz": best})
-            total[np.abs(grid - best) < 0.5] = 0.0
+        for _ in range(STARTS):
+            best = int(np.argmax(total))
+            lines.append({"freq_hz": float(grid[best])})
+            total[np.abs(LOGARITHMS - LOGARITHMS[best]) < 2 * REACH * SPREAD] = -np.inf
         return lines
 
+    def run_starts(self, probe: Probe, run: RunSetting, shapes: Values) -> Sequence[Values]:
+        """The run's line near the shared frequency, and its phase as far as noise lets see it."""
+        time, residual = _residual(probe, run)
+        middle, near = (run.record_start_s + run.end_s) / 2, shapes["freq_hz"]
+        excess = np.linspace(-REACH * SPREAD, REACH * SPREAD, 301)
+        worth = strength(time, residual, near * (1 + excess)) - 0.5 * (excess / SPREAD) ** 2
+        faster = float(excess[np.argmax(worth)])
+        centres, phase, uncertain = phase_along(time, residual, near * (1 + faster))
+        gained, uncertain = phase / (2 * pi * near), uncertain / (2 * pi * near)
+        slope, level = np.polyfit(centres - middle, gained, 1, w=1.0 / uncertain)
+        wander = gained - level - slope * (centres - middle)
+        scale = WANDER * 5.0 / (2 * pi)
+        start = {
+            "excess": float(np.clip(faster + slope, excess[0], excess[-1])),
+            **self._history(run).likely(centres, wander, uncertain, scale),
+        }
+        return (start,)
+
     def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
-        """Amplitude of the force, root mean square over the runs."""
-        power = [theta["cos_N"] ** 2 + theta["sin_N"] ** 2 for _, theta, _ in runs]
-        return {"force_N": float(np.sqrt(np.mean(power)))}
+        """Amplitude of the force and relative wander within a run, root mean squares over the runs;
+        the frequencies' standard deviation from run to run, relative."""
+        forces = [theta["cos_N"] ** 2 + theta["sin_N"] ** 2 for _, theta, _ in runs]
+        found = {"force_N": float(np.sqrt(np.mean(forces)))}
+        wanders = []
+        for run, theta, _ in runs:
+            time = np.linspace(run.record_start_s, run.end_s, 400)
+            gained = self._history(run).at(theta, time)
+            wanders.append(0.0 if gained is None else float(np.var(gained[1])))
+        found["spread_fraction"] = float(np.std([theta.get("excess", 0.0) for _, theta, _ in runs]))
+        found["wander_fraction"] = float(np.sqrt(np.mean(wanders)))
+        return found
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """A force at the engine's place."""
@@ -70,6 +123,21 @@ class EngineVibration(Effect):
         self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array
     ) -> Sequence[Array]:
         """The force's history."""
-        angle = 2 * pi * theta["freq_hz"] * time_s
+        turned_s = (1.0 + theta.get("excess", 0.0)) * (
+            time_s - (run.record_start_s + run.end_s) / 2
+        )
+        gained = self._history(run).at(theta, time_s)
+        if gained is not None:
+            turned_s = turned_s + gained[0]
+        angle = 2 * pi * theta["freq_hz"] * turned_s
         cosine, sine = theta.get("cos_N", 0.0), theta.get("sin_N", 0.0)
         return (cosine * np.cos(angle) + sine * np.sin(angle),)
+
+    def _history(self, run: RunSetting) -> History:
+        return History(run, KNOTS_S, "s")
+
+
+def _residual(probe: Probe, run: RunSetting) -> tuple[Array, Array]:
+    """Times (n,), and what the model leaves of the record (n, c)."""
+    left = probe.measured(run.run_id) - probe.modelled(run.run_id, {})
+    return probe.time_s(run.run_id), left

@@ -36,11 +36,14 @@ class History:
         self._knots = np.concatenate([[self.begin_s] * 3, inner, [self.end_s] * 3])
         self.names = tuple(f"coefficient_{j}_{unit}" for j in range(count + 3))
 
-    def parameters(self, unit: str, meaning: str, scale: float) -> tuple[Parameter, ...]:
-        """The coefficients as numbers that a run leaves free."""
+    def parameters(
+        self, unit: str, meaning: str, scale: float, *, is_shape: bool = False
+    ) -> tuple[Parameter, ...]:
+        """The coefficients as numbers that a run leaves free, amplitudes or shapes."""
+        starts = (0.0,) if is_shape else ()
         spans = zip(self._knots[:-4].tolist(), self._knots[4:].tolist(), strict=True)
         return tuple(
-            Parameter(name, unit, meaning, scale, span_s=span)
+            Parameter(name, unit, meaning, scale, span_s=span, starts=starts)
             for name, span in zip(self.names, spans, strict=True)
         )
 
@@ -62,3 +65,15 @@ class History:
         target = np.concatenate([values, np.zeros(len(bend))])
         fitted = np.linalg.lstsq(matrix, target, rcond=None)[0]
         return dict(zip(self.names, fitted.tolist(), strict=True))
+
+    def likely(
+        self, time_s: Array, values: Array, uncertainty: Array, scale: float
+    ) -> dict[str, float]:
+        """Likeliest coefficients, each believed to be 0 ± `scale`, given points along the history
+        with their standard deviations."""
+        count = len(self.names)
+        basis = interpolate.BSpline(self._knots, np.eye(count), 3)(time_s)
+        matrix = np.vstack([basis / uncertainty[:, None], np.eye(count) / scale])
+        target = np.concatenate([values / uncertainty, np.zeros(count)])
+        found = np.linalg.lstsq(matrix, target, rcond=None)[0]
+        return dict(zip(self.names, found.tolist(), strict=True))

@@ -77,7 +77,7 @@ class LeftRightDrift(Effect):
                 rates.append((lead[0][1] - lead[0][0]) / driven)
         return {"relative_rate": float(np.sqrt(np.mean(np.square(rates))))} if rates else {}
 
-    def run_starts(self, probe: Probe, run: RunSetting) -> Sequence[Values]:
+    def run_starts(self, probe: Probe, run: RunSetting, shapes: Values) -> Sequence[Values]:
         """Follow the phase of either side along the track; or place either side on it by itself,
         where the sides are so far apart that one speed is true of neither."""
         if not run.on_road or run.speed_m_s <= 0:

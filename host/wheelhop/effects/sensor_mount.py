@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Probe, Values
-from wheelhop.effects.transfer import transferred
+from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.transfer import on_a_mount, ringing, transferred
 
 FREQUENCIES_HZ = np.geomspace(8.0, 120.0, 80)
 DAMPING_RATIOS = (0.02, 0.05, 0.1, 0.2, 0.4)
@@ -18,16 +18,23 @@ DAMPING_RATIOS = (0.02, 0.05, 0.1, 0.2, 0.4)
 USUAL_DAMPING = 0.1
 """Start for a mount whose resonance lies beyond what the record can show."""
 
+STRUCK = 3.0
+"""A mount may still ring with so many m/s², one standard deviation, from what came before."""
+
 
 class SensorMount(Effect):
-    """The sensor's mass on the mount's spring and damper: the sensor reads its own motion."""
+    """The sensor's mass on the mount's spring and damper: the sensor reads its own motion. Of what
+    shook it before the record only the run-up is known, so how it rings then is free in each run.
+    """
 
     id = "sensor-mount"
     place = "sensor"
     title = "a channel's mount resonates"
     equation = (
         r"y = H a,\quad H = \frac{1 + 2\zeta i\omega/\omega_r}"
-        r"{1 + 2\zeta i\omega/\omega_r - \omega^2/\omega_r^2},\quad \omega_r = 2\pi f"
+        r"{1 + 2\zeta i\omega/\omega_r - \omega^2/\omega_r^2},\quad \omega_r = 2\pi f;\quad"
+        r"\text{and } e^{-\zeta\omega_r t}\,(r_c \cos\omega_d t + r_s \sin\omega_d t),"
+        r"\quad \omega_d = \omega_r\sqrt{1 - \zeta^2}"
     )
     source = (
         "mechanical mounting of accelerometers, ISO 5348:2021; transmissibility of a one-mass"
@@ -58,7 +65,16 @@ class SensorMount(Effect):
                 upper=300.0,
                 starts=(35.0,),
             ),
-            Parameter("zeta", "1", "its damping ratio", 0.1, lower=0.005, upper=1.0, starts=(0.1,)),
+            Parameter(
+                "zeta", "1", "its damping ratio", 0.1, lower=0.005, upper=0.98, starts=(0.1,)
+            ),
+        )
+
+    def per_run(self, run: RunSetting) -> Sequence[Parameter]:
+        """How the mount rings when the record begins, beyond what the run-up makes it do."""
+        return (
+            Parameter("ring_cos_m_s2", "m/s²", "ringing when the record begins", STRUCK),
+            Parameter("ring_sin_m_s2", "m/s²", "and a quarter of a turn later", STRUCK),
         )
 
     def shape_starts(self, probe: Probe) -> Sequence[Values]:
@@ -80,36 +96,55 @@ class SensorMount(Effect):
         damping = zeta[best] if frequency[best] < nyquist_hz else USUAL_DAMPING
         return [{"freq_hz": float(frequency[best]), "zeta": float(damping)}]
 
+    def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
+        """How much the mount still rings when records begin, root mean square over the runs."""
+        power = [_parts(theta)[0] ** 2 + _parts(theta)[1] ** 2 for _, theta, _ in runs]
+        return {"ring_m_s2": float(np.sqrt(np.mean(power)))} if runs else {}
+
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
     ) -> Array:
         """The motion of the sensor, by the share `loose`."""
-        return self._through(theta, acceleration, channels, rate_hz, 1.0)
+        i = self._column(channels)
+        foot, changed = acceleration[:, i], np.array(acceleration)
+        sensor = on_a_mount(foot, rate_hz, theta["freq_hz"], theta["zeta"])
+        changed[:, i] += theta["loose"] * (sensor - foot)
+        return changed
+
+    def lingering(self, theta: Values, since_s: Array, channels: Sequence[Channel]) -> Array | None:
+        """The free decay of what shook the mount before."""
+        cosine, sine = _parts(theta)
+        if cosine == sine == 0.0:
+            return None
+        ring = np.zeros((len(since_s), len(channels)))
+        amplitude = complex(cosine, -sine)
+        ring[:, self._column(channels)] = ringing(
+            amplitude, since_s, theta["freq_hz"], theta["zeta"]
+        )
+        return ring
 
     def restore(
         self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float
     ) -> Array:
-        """The motion of the point it sits on."""
-        return self._through(theta, measured, channels, rate_hz, -1.0)
-
-    def _through(
-        self,
-        theta: Values,
-        record: Array,
-        channels: Sequence[Channel],
-        rate_hz: float,
-        power: float,
-    ) -> Array:
-        i = [c.name for c in channels].index(self.channel)
+        """The motion of the point it sits on. A mount that rings by itself leaves no trace there:
+        its free motion is where the inverse of H is zero."""
+        i = self._column(channels)
         shape = np.array([theta["freq_hz"]]), np.array([theta["zeta"]])
 
         def factor(frequency_hz: Array) -> NDArray[np.complex128]:
-            mount = 1.0 + theta["loose"] * (_transmissibility(frequency_hz, *shape) - 1.0)
-            return np.asarray(mount**power)
+            return 1.0 / (1.0 + theta["loose"] * (_transmissibility(frequency_hz, *shape) - 1.0))
 
-        changed = np.array(record)
-        changed[:, i : i + 1] = transferred(record[:, i : i + 1], rate_hz, factor)
+        changed = np.array(measured)
+        changed[:, i : i + 1] = transferred(measured[:, i : i + 1], rate_hz, factor)
         return changed
+
+    def _column(self, channels: Sequence[Channel]) -> int:
+        return [c.name for c in channels].index(self.channel)
+
+
+def _parts(theta: Values) -> tuple[float, float]:
+    """Cosine and sine part of what rings by itself, m/s²."""
+    return theta.get("ring_cos_m_s2", 0.0), theta.get("ring_sin_m_s2", 0.0)
 
 
 def _transmissibility(

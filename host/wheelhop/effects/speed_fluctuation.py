@@ -73,7 +73,7 @@ class SpeedFluctuation(Effect):
         rms = float(np.sqrt(np.mean(shares)))
         return {"rms_fraction": rms, "peak_fraction": float(np.mean(peaks))}
 
-    def run_starts(self, probe: Probe, run: RunSetting) -> Sequence[Values]:
+    def run_starts(self, probe: Probe, run: RunSetting, shapes: Values) -> Sequence[Values]:
         """Follow the phase of all channels along the track."""
         if not run.on_road or run.speed_m_s <= 0:
             return ({},)

@@ -307,12 +307,15 @@ class _Problem:
             heights = run.heights.step(residual), run.heights.absorbed(cross)
             square = square - (cross.conj().T @ heights[1]).real * weight
             slope = slope - (cross.conj().T @ heights[0]).real * weight
+        pull = belief.pull(state.model.runs[run.bench.run.id])
+        # A shape means nothing while its amplitude vanishes: until then it stays where it began.
+        pull[~run.own_jacobian.any(axis=0)] = 0.0
         return _Normal(
             square[:g, :g],
             square[:g, g:],
             square[g:, g:] + belief.precision,
             slope[:g],
-            slope[g:] + belief.pull(state.model.runs[run.bench.run.id]),
+            slope[g:] + pull,
             heights,
         )
 

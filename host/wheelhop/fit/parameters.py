@@ -135,6 +135,15 @@ def run_parameters(run: Run, setting: RunSetting, effects: Sequence[Effect]) -> 
 def effect_run_parameters(setting: RunSetting, effect: Effect) -> list[Free]:
     """What an effect leaves free in a run."""
     return [
-        Free(f"{effect.id}.{p.name}", p.absent, p.scale, p.scale, p.lower, p.upper, p.span_s)
+        Free(
+            f"{effect.id}.{p.name}",
+            p.absent,
+            p.scale,
+            p.scale,
+            p.lower,
+            p.upper,
+            p.span_s,
+            p.is_shape,
+        )
         for p in effect.per_run(setting)
     ]

@@ -17,6 +17,7 @@ from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.simulate.job import Job, heights_of, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
+from wheelhop.simulate.sensors import sensed
 from wheelhop.simulate.unevenness import HeightSeries
 from wheelhop.track import Wheel, WheelPath, make_track
 from wheelhop.vehicle import CORNERS, Drive, System, axle_name, corner_position
@@ -41,8 +42,9 @@ PATH_KEYS = (
 )
 """The vehicle's numbers on which the wheels' path depends."""
 
-BEFORE_S, AFTER_S = 1.2, 0.2
-"""So much before and after the record is known to sensors, which may remember or read late."""
+LEAST_RUN_UP_S, AFTER_S = 1.2, 0.2
+"""Sensors, which may remember or read late, know the whole run-up, of at least this length, and so
+much after the record."""
 
 REMEMBERED_S, REMEMBERED_M = 0.7, 3.0
 """Unknown heights begin this long before the record, and this far behind the front wheels: what
@@ -95,8 +97,9 @@ class RunSimulator:
         self._margin = math.ceil(campaign.averaging_s / period) + 1
         self._lead, self._before, self._after = self._margin, 0, 0
         if self.drive == "road":
-            self._before, self._after = math.ceil(BEFORE_S / period), math.ceil(AFTER_S / period)
-            self._lead = max(self._margin + self._before, math.ceil(run_up_s / period))
+            self._before = math.ceil(max(run_up_s, LEAST_RUN_UP_S) / period)
+            self._after = math.ceil(AFTER_S / period)
+            self._lead = self._margin + self._before
         self.setting = RunSetting(
             run.id,
             run.speed_m_s,
@@ -215,13 +218,13 @@ class RunSimulator:
     def _sensed_by(self, job: Job, model: Model) -> Array:
         """What the instrument makes of the true accelerations, at the run's samples."""
         assert job.acceleration is not None
-        acceleration, per_sample = job.acceleration, job.per_sample
-        rate_hz = self.campaign.sample_rate_hz * per_sample
-        for effect in filter(self.acts, model.effects):
-            theta = model.theta(effect, self.run.id)
-            acceleration = effect.sense(theta, acceleration, self.campaign.channels, rate_hz)
-        first, last = self._before, self._before + len(self.run.time_s) - 1
-        return acceleration[first * per_sample : last * per_sample + 1 : per_sample]
+        per_sample, campaign = job.per_sample, self.campaign
+        faults = [(e, model.theta(e, self.run.id)) for e in model.effects if self.acts(e)]
+        first = self._before * per_sample
+        rate_hz = campaign.sample_rate_hz * per_sample
+        readings = sensed(job.acceleration, rate_hz, first, faults, campaign.channels)
+        last = first + (len(self.run.time_s) - 1) * per_sample
+        return readings[first : last + 1 : per_sample]
 
     def _job(self, model: Model, system: System, stride: int, known: Sequence[Job]) -> Job:
         """The job that a model asks for, or one of those `known` that does."""

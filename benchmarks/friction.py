@@ -1,0 +1,92 @@
+"""Friction of another form: python -m benchmarks.friction [--draws N] [--seed N] [--all]
+
+Every draw hides force tanh(v / creep) at one end of the ATV: 40 to 120 N, 2 to 20 mm/s, recorded at
+100 to 1000 Hz, 8 runs (`tests/truth/other_laws.py`, MuJoCo). The verdict is right if it calls that
+friction, or gives both names where it is hard to tell from another; a damper alone is wrong. The
+rivals are the suspension's effects, all of which act where a strut moves; `--all` asks the whole
+library.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tests.truth import PRESETS
+from tests.truth.campaign import write_campaign
+from tests.truth.other_laws import TanhFriction
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import diagnose
+from wheelhop.effects import Effect, load_effects
+from wheelhop.vehicle import read_vehicle
+
+NAME = "dry-friction"
+
+
+@dataclass(frozen=True)
+class Draw:
+    """What is hidden, and how it is recorded."""
+
+    force_N: float
+    creep_m_s: float
+    rate_hz: float
+    end: str
+    seed: int
+
+    @staticmethod
+    def of(seed: int) -> Draw:
+        """Sizes even in their logarithm."""
+        rng = np.random.default_rng(seed)
+        force, creep, rate = (
+            float(np.exp(rng.uniform(np.log(low), np.log(high))))
+            for low, high in ((40.0, 120.0), (0.002, 0.02), (100.0, 1000.0))
+        )
+        return Draw(force, creep, round(rate), str(rng.choice(["front", "rear"])), seed)
+
+    def write(self, folder: Path) -> Path:
+        """The campaign."""
+        sizes = [self.force_N * (self.end == end) for end in ("front", "rear")]
+        hidden = TanhFriction(*sizes, self.creep_m_s)
+        return write_campaign(
+            folder, PRESETS["atv"], [hidden], seed=self.seed, short=True, rate_hz=self.rate_hz
+        )
+
+
+def main() -> None:
+    """Print a line for each draw, and how many were right."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.friction")
+    parser.add_argument("--draws", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1, help="of the first draw")
+    parser.add_argument("--all", action="store_true", help="ask the whole library")
+    given = parser.parse_args()
+    library: dict[str, Effect] = load_effects()
+    if not given.all:
+        library = {k: e for k, e in library.items() if e.place == "suspension"}
+    right = 0
+    for seed in range(given.seed, given.seed + given.draws):
+        draw = Draw.of(seed)
+        with tempfile.TemporaryDirectory() as work:
+            campaign = read_campaign(draw.write(Path(work)))
+            vehicle, began = read_vehicle(campaign.vehicle_file), time.process_time()
+            found = diagnose(campaign, vehicle, library, jobs=1)
+        named = set(found.verdict) | {e for r in found.ranking[:1] for e in r.ambiguous_with}
+        right += NAME in named
+        last = found.ladder[-1]
+        print(
+            f"{seed:4d} {draw.end:5s} {draw.force_N:5.0f} N {1e3 * draw.creep_m_s:5.1f} mm/s"
+            f" {draw.rate_hz:5.0f} Hz  {'right' if NAME in named else 'WRONG'}"
+            f"  {', '.join(found.verdict)} ({100 * found.confidence:.0f} %),"
+            f" {last.over_floor:.2f} x floor,"
+            f" {time.process_time() - began:.0f} s",
+            flush=True,
+        )
+    print(f"friction among the names: {right} of {given.draws}")
+
+
+if __name__ == "__main__":
+    main()
