@@ -14,7 +14,7 @@ PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_si
 # A room may import itself and the rooms before it.
 ROOMS = (
     *("files", "logger", "exchange", "calibration", "campaign", "track", "vehicle", "effects"),
-    *("simulate", "compare", "fit", "diagnose", "hil_sim", "report", "cli"),
+    *("simulate", "gate", "compare", "fit", "diagnose", "hil_sim", "report", "cli"),
 )
 LONGEST_FILE = 400  # lines
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}

@@ -11,6 +11,8 @@ import numpy as np
 from wheelhop.compare import Comparison, where_to_json
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.diagnose.rung import Rung
+from wheelhop.gate import Finding
+from wheelhop.gate import to_json as findings_to_json
 
 FORMAT = 1
 
@@ -106,6 +108,7 @@ class Diagnosis:
     ladder: tuple[Step, ...]
     next_run: NextRun | None
     explanation: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()  #: of the gate before the fit and of the critic after it
 
 
 def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -140,6 +143,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "last": where_to_json(last.breakdown),
         },
         "next_run": _next_run(diagnosis.next_run),
+        "findings": findings_to_json(diagnosis.findings),
     }
 
 

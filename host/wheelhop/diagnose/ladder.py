@@ -8,6 +8,7 @@ from dataclasses import replace
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, fit_baseline
 from wheelhop.diagnose.confirm import confirm, refit, without
+from wheelhop.diagnose.critic import criticism
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.exchange import Stand, exchange
 from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds, noticeable
@@ -20,6 +21,7 @@ from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
+from wheelhop.gate import gate
 from wheelhop.vehicle import Vehicle
 
 HOPELESS = 2.0
@@ -59,8 +61,10 @@ def diagnose(
     CampaignError
         The campaign does not hold what a comparison needs.
     """
-    base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
-    return climb(base, effects, max_effects=max_effects, progress=progress)
+    gated = gate(campaign, vehicle)
+    base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
+    diagnosis = climb(base, effects, max_effects=max_effects, progress=progress)
+    return replace(diagnosis, findings=(*gated.findings, *criticism(diagnosis)))
 
 
 def climb(

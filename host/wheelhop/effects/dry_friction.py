@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -27,6 +27,14 @@ class DryFriction(Effect):
     id = "dry-friction"
     place = "suspension"
     on_rig = True
+    becomes = (
+        Becomes(
+            "presliding_N_m",
+            "lower",
+            "suspension stiffness",
+            "a joint no stiffer than the spring hardly slips, it only adds to the spring",
+        ),
+    )
     title = "Coulomb friction in the strut and its joints, elastic before it slips"
     equation = (
         r"\dot f = k_p \dot x \text{ while } |f| < F_c,\ 0 \text{ where the motion would exceed it}"

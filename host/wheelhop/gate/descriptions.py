@@ -85,6 +85,15 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
     if n > 2:  # of two it cannot be told which one is inverted
         for i in range(n):
             yield Description("polarity", "is", _inverted(n, [i]), (channels[i].name,))
+    for i, point in enumerate(points):
+        other = point.translate(str.maketrans("AB", "BA"))
+        if len(point) == 2 and other in points:
+            order = list(range(n))
+            order[i] = points.index(other)
+            where = "on the axle" if point[0] == "B" else "on the body"
+            yield Description(
+                "misplaced", where, Places(tuple(order), (1.0,) * n), (channels[i].name,)
+            )
     for i, j in combinations(range(n), 2):
         if "body" not in (points[i], points[j]):
             order = list(range(n))
@@ -93,9 +102,7 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
             yield Description("swapped", "", Places(tuple(order), (1.0,) * n), names)
 
 
-def all_matches(
-    drives: Sequence[Drive], descriptions: Sequence[Description]
-) -> list[list[Match]]:
+def all_matches(drives: Sequence[Drive], descriptions: Sequence[Description]) -> list[list[Match]]:
     """Every run (inner list) under every description (outer list)."""
     found: dict[int, list[Match]] = {i: [] for i in range(len(descriptions))}
     timing = [(d.speed, d.rate) for d in descriptions]
@@ -112,9 +119,11 @@ def all_matches(
 def log_likelihood(found: Sequence[Match]) -> float:
     """Of all runs, their gains alike within `UNLIKE`."""
     gains = np.array([np.log(m.gain) for m in found if m.has_gain])
-    spread = float(np.sum(np.minimum((gains - np.median(gains)) ** 2, 25.0 * UNLIKE**2))) if len(
-        gains
-    ) else 0.0
+    spread = (
+        float(np.sum(np.minimum((gains - np.median(gains)) ** 2, 25.0 * UNLIKE**2)))
+        if len(gains)
+        else 0.0
+    )
     return sum(m.log_likelihood for m in found) - spread / (2 * UNLIKE**2)
 
 

@@ -75,12 +75,9 @@ class Drive(Protocol):
     def run(self) -> Run:
         """The run."""
 
-    def match(
-        self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0
-    ) -> list[Match]:
+    def match(self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0) -> list[Match]:
         """How well the best of some speeds explains the run, for several ways in which its channels
         may be placed; ``rate`` is the true sample rate over the stated one."""
-
 
     def is_told(self, speed: float, gain: float) -> bool:
         """Whether the run should hold more than noise at the stated speed times `speed`, its record
@@ -108,7 +105,7 @@ class Nominal:
         """Response (…, c, 4) at the grid's points next to some frequencies."""
         step = self.grid_hz[1] - self.grid_hz[0]
         index = np.rint((frequency_hz - self.grid_hz[0]) / step).astype(int)
-        return self._response[np.clip(index, 0, len(self.grid_hz) - 1)]
+        return np.asarray(self._response[np.clip(index, 0, len(self.grid_hz) - 1)])
 
     def paths(self, spec: TrackSpec) -> ComplexArray:
         """Amplitudes (HARMONICS, 4), m, of what the wheels' centres do on a periodic track."""
@@ -146,9 +143,7 @@ class OnWaves:
         """The run."""
         return self.spectra.run
 
-    def match(
-        self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0
-    ) -> list[Match]:
+    def match(self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0) -> list[Match]:
         """By the pattern of the pitch's harmonics, their amplitudes in the proportion predicted."""
         predicted, measured = self._predicted(speeds_m_s, rate)
         frequency = speeds_m_s[:, None] * np.arange(1, HARMONICS + 1) / self.pitch_m
@@ -209,9 +204,7 @@ class Passing:
         """The run."""
         return self.spectra.run
 
-    def match(
-        self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0
-    ) -> list[Match]:
+    def match(self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0) -> list[Match]:
         """By the correlation of the rear axle with the front one, a wheelbase later, every
         frequency counting alike."""
         lag = self.wheelbase_m / speeds_m_s

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wheelhop.campaign import Campaign, ComponentCampaign
-from wheelhop.gate.drive import Nominal, OnWaves, drive_of
+from wheelhop.gate.drive import Nominal, drive_of
 from wheelhop.gate.finding import Finding
 from wheelhop.gate.numbers import number_findings
 from wheelhop.gate.places import likeliest
 from wheelhop.gate.records import (
     copy_findings,
+    find_copies,
     noise_findings,
     rigid_findings,
     same_signal_findings,
@@ -38,41 +39,43 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     the recordings alone are judged.
     """
     if isinstance(campaign, ComponentCampaign):
-        return Gated(tuple(copy_findings(campaign)), campaign)
+        return Gated(tuple(copy_findings(find_copies(campaign))), campaign)
     findings, sound = sensor_findings(campaign)
     findings += gravity_findings(sound)
-    findings += copy_findings(campaign)
+    copies = list(find_copies(campaign))
+    findings += copy_findings(copies)
     findings += same_signal_findings(sound)
     numbers = list(number_findings(vehicle))
-    spectra = [spectra_of(run, sound.sample_rate_hz, sound.band_hz) for run in sound.runs]
-    in_m_s2 = not any(finding.kind == "units" for finding in findings)
-    if in_m_s2 and not any(finding.kind == "no-vehicle" for finding in numbers):
-        findings += _driven(sound, vehicle, spectra)
-    if in_m_s2:
-        findings += noise_findings(sound, spectra)
     findings += numbers
-    if not any(finding.kind in ("polarity", "swapped", "exchanged") for finding in findings):
+    spectra = [spectra_of(run, sound.sample_rate_hz, sound.band_hz) for run in sound.runs]
+    if not numbers and not _of(findings, "units"):
+        findings += _driven(sound, vehicle, spectra, {run.id for c in copies for run in c.runs})
+    if not _of(findings, "units"):
+        findings += noise_findings(sound, spectra)
+    if not _of(findings, "polarity", "swapped", "exchanged", "misplaced"):
         findings += rigid_findings(sound, spectra)
     return Gated(tuple(_once(findings)), sound)
 
 
-def _driven(campaign: Campaign, vehicle: Vehicle, spectra: list[Spectra]) -> list[Finding]:
-    """What tracks, speeds and places say."""
+def _driven(
+    campaign: Campaign, vehicle: Vehicle, spectra: list[Spectra], copied: set[str]
+) -> list[Finding]:
+    """What tracks, speeds and places say; of runs that are copies it is known already."""
     nominal = Nominal(campaign, vehicle.values)
     drives = [drive for s in spectra if (drive := drive_of(campaign, s, nominal)) is not None]
     if not drives:
         return []
     runs, mistake = likeliest(campaign, drives)
     findings = [] if mistake is None else [mistake]
-    waves = [
-        (drive, found)
-        for drive, found in zip(runs.drives, runs.found, strict=True)
-        if isinstance(drive, OnWaves)
-    ]
     if runs.description.kind in ("", "speed"):
-        findings += unit_findings(campaign, vehicle, [d for d, _ in waves], [m for _, m in waves])
-    findings += run_findings(runs)
+        findings += unit_findings(campaign, vehicle, runs)
+    if not _of(findings, "units"):
+        findings += run_findings(runs, copied)
     return findings
+
+
+def _of(findings: list[Finding], *kinds: str) -> bool:
+    return any(finding.kind in kinds for finding in findings)
 
 
 def _once(findings: list[Finding]) -> list[Finding]:

@@ -31,14 +31,19 @@ UNSPRUNG = (0.005, 1.5)  # mass over a quarter of the body's
 
 
 def number_findings(vehicle: Vehicle) -> Iterator[Finding]:
-    """Of vehicle.toml."""
+    """Of vehicle.toml: what no vehicle has, and what nobody replaced."""
+    yield from impossible(vehicle)
+    yield from _left_over(vehicle)
+
+
+def impossible(vehicle: Vehicle) -> Iterator[Finding]:
+    """Numbers that no vehicle has, each under the key that is likeliest to be wrong."""
     for key, (low, high) in LENGTHS_M.items():
         if not low <= vehicle[key] <= high:
             yield _no_vehicle(
                 key, f"{key} = {vehicle[key]:g}", f"vehicles have {low:g} to {high:g} m"
             )
     yield from _dynamics(vehicle.values)
-    yield from _left_over(vehicle)
 
 
 def _dynamics(v: Mapping[str, float]) -> Iterator[Finding]:
@@ -49,7 +54,9 @@ def _dynamics(v: Mapping[str, float]) -> Iterator[Finding]:
         body_hz = sqrt(v[spring] / quarter) / (2 * pi)
         yield from _outside(spring, v, body_hz, BODY_HZ, "the body on its springs", "Hz")
         mass = v[wheel] / quarter
-        yield from _outside(wheel, v, mass, UNSPRUNG, "the share of a quarter of the body's mass", "")
+        yield from _outside(
+            wheel, v, mass, UNSPRUNG, "the share of a quarter of the body's mass", ""
+        )
         hop_hz = sqrt((v[spring] + v[tyre]) / v[wheel]) / (2 * pi)
         if UNSPRUNG[0] <= mass <= UNSPRUNG[1] and BODY_HZ[0] <= body_hz <= BODY_HZ[1]:
             yield from _outside(tyre, v, hop_hz, WHEEL_HZ, "the wheel on its tyre", "Hz")
@@ -66,7 +73,12 @@ def _dynamics(v: Mapping[str, float]) -> Iterator[Finding]:
 
 
 def _outside(
-    key: str, v: Mapping[str, float], value: float, bounds: tuple[float, float], what: str, unit: str
+    key: str,
+    v: Mapping[str, float],
+    value: float,
+    bounds: tuple[float, float],
+    what: str,
+    unit: str,
 ) -> Iterator[Finding]:
     if not bounds[0] <= value <= bounds[1]:
         if unit.startswith("geometry."):

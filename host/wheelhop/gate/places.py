@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import log
 
 from wheelhop.campaign import Campaign
@@ -39,9 +39,7 @@ def likeliest(campaign: Campaign, drives: Sequence[Drive]) -> tuple[Runs, Findin
     return Runs(drives, descriptions[best], found[best]), finding
 
 
-def _finding(
-    best: Description, rivals: Sequence[Description], rise: float, runs: int
-) -> Finding:
+def _finding(best: Description, rivals: Sequence[Description], rise: float, runs: int) -> Finding:
     evidence = f"{runs} runs together are explained 10^{rise / log(10):.0f} times better that way"
     about, text, remedy = _said(best)
     unlike = [d for d in rivals if (d.kind, d.channels) != (best.kind, best.channels)]
@@ -83,6 +81,12 @@ def _said(description: Description) -> tuple[str, str, str]:
             f"{description.words} for the others",
             "Bring the loggers into step (wheelhop sync-check), or cut the recordings anew.",
         )
+    if description.kind == "misplaced":
+        return (
+            f"channels {names}",
+            f"{names} seems to sit {description.words}",
+            f"Look where the sensor of {names} is screwed to, and which wire is whose.",
+        )
     if description.kind == "exchanged":
         return ("channels", f"{description.words} exchanged", "Exchange the columns' names.")
     if description.kind == "swapped":
@@ -103,9 +107,3 @@ def _unit_of(factor: float) -> str:
     near = {name: abs(log(factor / value)) for name, value in SPEEDS.items()}
     name = min(near, key=lambda unit: near[unit])
     return name if near[name] < log(1 + REACH) else ""
-
-
-def shared_findings(finding: Finding | None) -> Iterator[Finding]:
-    """The mistake, if there is one."""
-    if finding is not None:
-        yield finding

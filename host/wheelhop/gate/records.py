@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -17,6 +19,7 @@ Array = NDArray[np.float64]
 
 LEAST_S = 0.5
 """Two recordings that share so long a stretch, sample by sample, are cut from one."""
+WINDOW = 16  # samples in a row
 SAME_PHASES = 0.5
 """Half of all phases alike, over the whole spectrum: noise, which never repeats, is most of it."""
 ALIKE = 0.02  # sizes of two copies, whatever was rounded or taken out of the mean
@@ -28,43 +31,63 @@ FLAT_BODY = 1 / 8
 none; frames that twist stay far below half of the former."""
 
 
-def copy_findings(campaign: Campaign) -> Iterator[Finding]:
-    """Recordings that are the same, or overlap: linear in the number of runs."""
-    named: set[frozenset[str]] = set()
-    for a, b, seconds in (*_shared_rows(campaign), *_same_phases(campaign)):
-        pair = frozenset((a.id, b.id))
-        if pair in named:
-            continue
-        named.add(pair)
-        leak = " A held-out run that was fitted tests nothing." if a.role != b.role else ""
+@dataclass(frozen=True)
+class Copy:
+    """Two runs whose recordings are the same over so many seconds."""
+
+    runs: tuple[Run, Run]
+    seconds: float
+
+
+def find_copies(campaign: Campaign) -> Iterator[Copy]:
+    """Recordings that are the same, or overlap, each pair once: linear in the number of runs."""
+    named: set[tuple[str, str]] = set()
+    for copy in (*_shared_windows(campaign), *_same_phases(campaign)):
+        first, second = sorted(run.id for run in copy.runs)
+        if (first, second) not in named:
+            named.add((first, second))
+            yield copy
+
+
+def copy_findings(copies: Iterable[Copy]) -> Iterator[Finding]:
+    """What is to be said of them."""
+    for copy in copies:
+        a, b = copy.runs
+        leak = " a held-out run that was fitted tests nothing," if a.role != b.role else ""
         yield Finding(
             "before",
             "copy",
             f"runs {a.id} and {b.id}",
-            f"The recordings of {a.id} and {b.id} are the same over {seconds:.1f} s, noise"
-            f" included.{leak}",
+            f"The recordings of {a.id} and {b.id} are the same over {copy.seconds:.1f} s,{leak}"
+            " noise included.",
             "Leave one of them out, or cut them so that they do not overlap.",
             "certain",
         )
 
 
-def _shared_rows(campaign: Campaign) -> Iterator[tuple[Run, Run, float]]:
-    """Pairs that share rows of samples (rounded to 0.01 of their unit), which noise forbids."""
-    rows: dict[bytes, int] = {}
-    shared: dict[tuple[int, int], int] = {}
+def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
+    """Pairs that share windows of samples (rounded to 0.01 of their unit) one after the other,
+    which noise forbids."""
+    seen: dict[bytes, tuple[int, int]] = {}
+    shared: Counter[tuple[int, int, int]] = Counter()
     for k, run in enumerate(campaign.runs):
         rounded = np.round(run.record, 2) + 0.0
-        changing = np.append(True, np.any(np.diff(rounded, axis=0) != 0.0, axis=1))
-        own = {row.tobytes() for row in rounded[changing]}
-        for row in own:
-            if (other := rows.setdefault(row, k)) != k:
-                shared[other, k] = shared.get((other, k), 0) + 1
-    for (i, j), count in shared.items():
-        if count > LEAST_S * campaign.sample_rate_hz:
-            yield campaign.runs[i], campaign.runs[j], count / campaign.sample_rate_hz
+        moved = np.append(0, np.cumsum(np.any(np.diff(rounded, axis=0) != 0.0, axis=1)))
+        for i in range(len(rounded) - WINDOW):
+            if moved[i + WINDOW] - moved[i] > WINDOW / 2:  # not at rest
+                other, j = seen.setdefault(rounded[i : i + WINDOW].tobytes(), (k, i))
+                if other != k:
+                    shared[other, k, i - j] += 1
+    longest: dict[tuple[int, int], int] = {}
+    for (a, b, _), count in shared.items():
+        longest[a, b] = max(longest.get((a, b), 0), count + WINDOW)
+    for (a, b), count in longest.items():
+        seconds = count / campaign.sample_rate_hz
+        if seconds > LEAST_S:
+            yield Copy((campaign.runs[a], campaign.runs[b]), seconds)
 
 
-def _same_phases(campaign: Campaign) -> Iterator[tuple[Run, Run, float]]:
+def _same_phases(campaign: Campaign) -> Iterator[Copy]:
     """Neighbours in size whose phases agree at all frequencies but for one shift in time."""
     size = [float(run.record.std()) for run in campaign.runs]
     order = np.argsort(size)
@@ -77,7 +100,7 @@ def _same_phases(campaign: Campaign) -> Iterator[tuple[Run, Run, float]]:
             whole = np.vstack([np.zeros_like(cross[:1]), cross])
             alike = np.fft.irfft(whole, n, axis=0).mean(axis=1).max()
             if alike > SAME_PHASES:
-                yield a, b, n / campaign.sample_rate_hz
+                yield Copy((a, b), n / campaign.sample_rate_hz)
 
 
 def same_signal_findings(campaign: Campaign) -> Iterator[Finding]:
@@ -87,7 +110,7 @@ def same_signal_findings(campaign: Campaign) -> Iterator[Finding]:
     power = np.diag(products)
     for i, j in combinations(range(len(power)), 2):
         apart = power[i] + power[j] - 2 * products[i, j]
-        if 0 < power[i] and apart < SAME_SIGNAL * (power[i] + power[j]):
+        if power[i] > 0 and apart < SAME_SIGNAL * (power[i] + power[j]):
             a, b = campaign.channels[i].name, campaign.channels[j].name
             yield Finding(
                 "before",

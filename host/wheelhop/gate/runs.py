@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import log
@@ -12,10 +12,11 @@ import numpy as np
 from wheelhop.gate.descriptions import FACTORS, UNLIKE, Description
 from wheelhop.gate.drive import Drive, Match, OnWaves, speeds_about
 from wheelhop.gate.finding import Finding, needed
-from wheelhop.gate.units import HEIGHT
 
 AT_REST = 0.1
 """A run with less of the amplitude that its track causes, and none of its lines, is at rest."""
+HEIGHT = {"centimetres": 10.0, "metres": 1000.0, "inches": 25.4}
+"""What a number under amplitude_mm may have been in, and its millimetres."""
 ALIKE = 0.15  # speeds closer than this are the same as far as hands hold them
 
 
@@ -61,10 +62,10 @@ class Runs:
         )
 
 
-def run_findings(runs: Runs) -> Iterator[Finding]:
-    """The mistakes that single runs betray, at most one each."""
+def run_findings(runs: Runs, known: Collection[str] = ()) -> Iterator[Finding]:
+    """The mistakes that single runs betray, at most one each, but for the ids already `known`."""
     as_stated = {d.run.id: runs.likelihood(m) for d, m in zip(runs.drives, runs.found, strict=True)}
-    named: set[str] = set()
+    named = set(known)
     for finding, ids in (*_at_rest(runs), *_exchanged(runs, as_stated)):
         if not named & set(ids):
             named |= set(ids)

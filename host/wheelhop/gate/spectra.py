@@ -65,7 +65,7 @@ class Spectra:
         # The median of an exponentially distributed periodogram is ln 2 times its mean.
         level = min(float(np.mean(np.median(q, axis=0))) for q in quarters) / np.log(2.0)
         band_hz = float(self.frequency_hz[-1] - self.frequency_hz[0])
-        return level * band_hz / (2.0 * self.bandwidth_hz)
+        return float(level * band_hz / (2.0 * self.bandwidth_hz))
 
 
 def spectra_of(run: Run, rate_hz: float, band_hz: tuple[float, float]) -> Spectra:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Campaign
 from wheelhop.gate.drive import Match, OnWaves
 from wheelhop.gate.finding import FALSE_ALARM, Finding, needed
+from wheelhop.gate.runs import HEIGHT, Runs
 from wheelhop.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -23,8 +24,6 @@ SUSTAINED_M_S2 = 50.0
 OTHER = 0.2
 """Standard deviation, of the logarithm, by which effects the nominal vehicle lacks change how much
 all runs move together; what is believed of its numbers comes on top."""
-HEIGHT = {"centimetres": 10.0, "metres": 1000.0, "inches": 25.4}
-
 CONSTANT = {
     "g": 1 / GRAVITY,
     "mg": 1000 / GRAVITY,
@@ -65,11 +64,13 @@ def gravity_findings(campaign: Campaign) -> Iterator[Finding]:
         )
 
 
-def unit_findings(
-    campaign: Campaign, vehicle: Vehicle, drives: Sequence[OnWaves], found: Sequence[Match]
-) -> Iterator[Finding]:
+def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[Finding]:
     """By how much more, or less, the runs move than the nominal vehicle would on their tracks."""
-    told = [(d, m) for d, m in zip(drives, found, strict=True) if m.has_gain]
+    told = [
+        (d, m)
+        for d, m in zip(runs.drives, runs.found, strict=True)
+        if m.has_gain and isinstance(d, OnWaves)
+    ]
     if not told:
         return
     gains = np.log([m.gain for _, m in told])
@@ -80,26 +81,23 @@ def unit_findings(
     as_stated = float(np.mean(gains**2))
     left = {unit: float(np.mean((gains - log_gain) ** 2)) for unit, log_gain in candidates.items()}
     unit = min(left, key=lambda name: left[name])
-    names = ", ".join(c.name for c in campaign.channels)
+    common = float(np.median(gains))
     if (as_stated - left[unit]) / (2 * spread**2) > needed(len(left)):
-        what = "integrated once, m/s," if unit == "m/s" else f"{unit}, not m/s²,"
-        high = [h for h, f in HEIGHT.items() if abs(np.median(gains) - log(f)) < spread]
-        also = f", or track heights in {high[0]} under amplitude_mm" if high else ""
-        low = abs(np.median(gains) + log(10.0)) < spread
-        also = ", or track heights ten times too large" if low else also
+        what = "velocities, m/s" if unit == "m/s" else f"recordings in {unit}, not m/s²"
+        also = [
+            f" (or track heights {'in ' + name if common > 0 else 'too large by as much'})"
+            for name, factor in HEIGHT.items()
+            if abs(abs(common) - log(factor)) < spread
+        ]
         yield Finding(
             "before",
             "units",
-            f"units of {names}",
-            f"All runs together hold {_times(float(np.exp(np.median(gains))))} the motion that the"
-            f" nominal vehicle has on their tracks, as if the recordings were in {what} {also}".rstrip(
-                " ,"
-            )
-            + ".",
+            f"units of {', '.join(c.name for c in campaign.channels)}",
+            f"All runs together hold {_times(common)} the motion that the nominal vehicle has on"
+            f" their tracks: {what}{''.join(also[:1])}.",
             "Convert the recordings to m/s² (wheelhop convert), and look at the tracks' heights.",
         )
         return
-    common = float(np.median(gains))
     height = min(
         (s * log(f) for f in HEIGHT.values() for s in (-1, 1)), key=lambda x: abs(common - x)
     )
@@ -108,7 +106,7 @@ def unit_findings(
             "before",
             "heights",
             "track.amplitude_mm of all runs",
-            f"All runs together hold {_times(float(np.exp(common)))} the motion that tracks of the"
+            f"All runs together hold {_times(common)} the motion that tracks of the"
             " stated heights cause.",
             "Look at the tracks' heights: keys ending in _mm take millimetres, from the middle to"
             " the crest.",
@@ -130,7 +128,7 @@ def _channels(
                 "before",
                 "units",
                 f"units of {channel.name}",
-                f"{channel.name} holds {_times(float(np.exp(gain)))} the motion it should have"
+                f"{channel.name} holds {_times(gain)} the motion it should have"
                 f" beside the others, as if it alone were in {unit}.",
                 f"Look at the unit and the gain of {channel.name}.",
             )
@@ -142,5 +140,6 @@ def _believed(vehicle: Vehicle) -> float:
     return float(np.mean([vehicle.uncertainty[k] / max(vehicle[k], 1e-12) for k in keys]))
 
 
-def _times(gain: float) -> str:
-    return f"{gain:.3g} times" if gain >= 1 else f"1/{1 / gain:.3g} of"
+def _times(log_gain: float) -> str:
+    gain = float(np.exp(abs(log_gain)))
+    return f"{gain:.3g} times" if log_gain >= 0 else f"1/{gain:.3g} of"
