@@ -1,9 +1,10 @@
-"""Are the mistakes people make found and named? python -m benchmarks.mistakes [--good N] [--base N]
+"""Are the mistakes people make found and named? python -m benchmarks.mistakes [FOLDER …]
 
-Plants each kind of mistake into good campaigns of the independent simulator (`tests/truth`, all its
-vehicles, a third of them with an effect hidden in the suspension) and asks the gate alone; then asks it about as
-many good campaigns as wanted, and about FOLDER … if any are given. Prints a line for each kind, with what was said
-where it was missed, and the processor time of 18 runs.
+Plants each kind of mistake into `--base` good campaigns of the independent simulator
+(`tests/truth`, vehicles of all its presets, a third of the campaigns with an effect hidden in the
+physics) and asks the gate alone; then asks it about `--good` good campaigns, and about those in
+FOLDER … . Prints a line for each kind, with what was said where it was missed, each finding in a good
+campaign, and the processor time of 18 runs.
 """
 
 from __future__ import annotations
@@ -106,7 +107,8 @@ def main() -> int:
         print(f"good campaigns: {false} of {count} with a finding")
         if times:
             print(
-                f"18 runs: {statistics.median(times):.2f} s, at most {max(times):.2f} s of processor"
+                f"18 runs: {statistics.median(times):.2f} s, at most {max(times):.2f} s,"
+                " of processor time"
             )
     return 0
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.diagnose.cases import CASES
 from wheelhop.campaign import Campaign, Run, TrackSpec
 from wheelhop.vehicle import Vehicle
 
@@ -20,12 +19,6 @@ Asked = tuple[Campaign, Vehicle]
 Mistake = Callable[[Campaign, Vehicle, np.random.Generator], Asked]
 
 GRAVITY = 9.80665
-HIDDEN = [
-    name
-    for name, case in CASES.items()
-    if name != "clean" and not name.startswith("sensor-") and case.seed
-]
-SEEDS = 7000
 
 
 def recorded(campaign: Campaign, change: Callable[[Array], Array], ids: object = None) -> Campaign:

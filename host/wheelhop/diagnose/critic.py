@@ -251,8 +251,8 @@ def _floor(step: Step) -> Iterator[Finding]:
             "after",
             "floor",
             floor.noise_key,
-            f"The estimated floor, {floor.pooled_rms:.2g} {floor.unit}, is misfit rather than noise:"
-            f" from one sample to the next, in the quietest stretches, there is {second:.2g}.",
+            f"The estimated floor, {floor.pooled_rms:.2g} {floor.unit}, is misfit rather than"
+            f" noise: from one sample to the next, in the quietest stretches, there is {second:.2g}.",
             f"Record a run at rest and state {floor.noise_key}; the error over the floor is larger"
             " than it looks.",
         )

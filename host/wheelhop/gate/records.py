@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +91,7 @@ def _same_phases(campaign: Campaign) -> Iterator[Copy]:
     """Neighbours in size whose phases agree at all frequencies but for one shift in time."""
     size = [float(run.record.std()) for run in campaign.runs]
     order = np.argsort(size)
-    for i, j in zip(order[:-1], order[1:], strict=True):
+    for i, j in pairwise(order):
         if size[j] - size[i] < ALIKE * size[j]:
             a, b = campaign.runs[i], campaign.runs[j]
             n = min(len(a.record), len(b.record))
