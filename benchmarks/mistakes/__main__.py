@@ -3,8 +3,8 @@
 Plants each kind of mistake into `--base` good campaigns of the independent simulator
 (`tests/truth`, vehicles of all its presets, a third of the campaigns with an effect hidden in the
 physics) and asks the gate alone; then asks it about `--good` good campaigns, and about those in
-FOLDER … . Prints a line for each kind, with what was said where it was missed, each finding in a good
-campaign, and the processor time of 18 runs.
+FOLDER … . Prints a line for each kind, with what was said where it was missed, each finding in a
+good campaign, and the processor time of 18 runs.
 """
 
 from __future__ import annotations

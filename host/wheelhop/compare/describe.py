@@ -50,7 +50,7 @@ def describe(where: Breakdown) -> list[str]:
         share = _percent(where.total.residual / where.total.measured)
         return [
             f"The model leaves {share} of the power ({ratio}): it does not explain these records,"
-            " and nothing can be said of where it fails. Look at units, speeds, tracks and channels."
+            " and nothing can be said of where it fails. See to units, speeds, tracks, channels."
         ]
     spots = [s for s in (*where.band, *where.run) if is_excess(where, s)]
     if not failing and not spots and not where.locking.lines:

@@ -230,7 +230,7 @@ def _fair_band(step: Step) -> Iterator[Finding]:
         "fair-band",
         "band_hz",
         f"From {low} to {high} Hz the same model leaves {100 * np.sqrt(residual / measured):.0f} %,"
-        f" over the whole band {100 * total.error:.0f} %: there it is fair.",
+        f" over the whole band {100 * total.error:.0f} %: it is fairest there.",
         f"Set band_hz = [{low}, {high}] in campaign.toml to look only there.",
         "possible",
     )
@@ -252,7 +252,7 @@ def _floor(step: Step) -> Iterator[Finding]:
             "floor",
             floor.noise_key,
             f"The estimated floor, {floor.pooled_rms:.2g} {floor.unit}, is misfit rather than"
-            f" noise: from one sample to the next, in the quietest stretches, there is {second:.2g}.",
+            f" noise: from one sample to the next, where it is quietest, there is {second:.2g}.",
             f"Record a run at rest and state {floor.noise_key}; the error over the floor is larger"
             " than it looks.",
         )

@@ -67,8 +67,8 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Becomes:
-    """Where a law is no longer itself: with `parameter` at its bound, `at` "lower" or "upper", it is
-    told no more from `into`, an effect's id or a number of the vehicle; `why`, in few words."""
+    """Where a law is no longer itself: with `parameter` at its bound, `at` "lower" or "upper", it
+    is not told from `into`, an effect's id or a number of the vehicle; `why`, in a few words."""
 
     parameter: str
     at: Literal["lower", "upper"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,16 @@ FACTORS = np.geomspace(0.2, 5.0, 33)
 RATES = (0.25, 0.5, 2.0, 4.0)
 DELAYS_S = tuple(sign * 0.02 * k for k in range(1, 11) for sign in (1, -1))
 """Two loggers out of step; what lies between neighbours still shows."""
+GRAVITY = 9.80665
+CONSTANT = {
+    "g": 1 / GRAVITY,
+    "mg": 1000 / GRAVITY,
+    "cm/s²": 100.0,
+    "mm/s²": 1000.0,
+    "ft/s²": 1 / 0.3048,
+}
+"""A record's number over the same in m/s²."""
+ALONE = ("g", "mm/s²")  # what a single channel may be in
 UNLIKE = 0.3
 """Standard deviation of a run's gain about the campaign's, of its logarithm: what effects that the
 nominal vehicle lacks do to one run more than to another."""
@@ -79,9 +89,12 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
                 yield Description(
                     "out-of-step",
                     f"the {words} are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}",
-                    Places(same.order, same.sign, lags),
+                    Places(same.order, same.gain, lags),
                     names,
                 )
+    for i, unit in product(range(n), ALONE if n > 2 else ()):
+        gain = tuple(CONSTANT[unit] if k == i else 1.0 for k in range(n))
+        yield Description("units", unit, Places(same.order, gain), (channels[i].name,))
     if n > 2:  # of two it cannot be told which one is inverted
         for i in range(n):
             yield Description("polarity", "is", _inverted(n, [i]), (channels[i].name,))

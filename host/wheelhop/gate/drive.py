@@ -43,11 +43,11 @@ BROAD = 1 / 3
 
 @dataclass(frozen=True)
 class Places:
-    """Which predicted column each recorded one holds, (c,), with which sign, (c,), and how much
+    """Which predicted column each recorded one holds, (c,), with which gain, (c,), and how much
     too late, s, (c,); empty if all are in step."""
 
     order: tuple[int, ...]
-    sign: tuple[float, ...]
+    gain: tuple[float, ...]
     late_s: tuple[float, ...] = ()
 
 
@@ -150,7 +150,7 @@ class OnWaves:
         total = max(float(self.spectra.power.sum()), 1e-300)
         found = []
         for place in places:
-            r = predicted[:, :, list(place.order)] * np.array(place.sign)
+            r = predicted[:, :, list(place.order)] * np.array(place.gain)
             if place.late_s:
                 r = r * np.exp(-2j * np.pi * frequency[..., None] * np.array(place.late_s))
             along = np.einsum("vkc,vkcd,vkd->vk", r.conj(), measured, r).real  # |r|² |q|²
@@ -173,12 +173,6 @@ class OnWaves:
         """Whether the track should cause more than the noise that the record at least holds."""
         expected = np.exp(2 * gain) * self.predicted_power(speed)
         return bool(expected > len(self.spectra.power) * self.spectra.quietest())
-
-    def channel_gains(self, speed_m_s: float) -> Array:
-        """Of each channel (c,), the amplitude of its lines over the predicted one."""
-        predicted, measured = self._predicted(np.array([speed_m_s]), 1.0)
-        power = np.einsum("vkcc->c", measured[..., :, :]).real
-        return np.asarray(np.sqrt(power / np.maximum((np.abs(predicted) ** 2).sum((0, 1)), 1e-300)))
 
     def _predicted(self, speeds_m_s: Array, rate: float) -> tuple[ComplexArray, ComplexArray]:
         """Lines as predicted (v, k, c) and the spectral matrix there (v, k, c, c)."""
@@ -215,7 +209,7 @@ class Passing:
             correlation = np.zeros(len(lag))
             for front, rear in self.pairs:
                 f, r = place.order[front], place.order[rear]
-                correlation += place.sign[f] * place.sign[r] * cross[:, r, f] / len(self.pairs)
+                correlation += place.gain[f] * place.gain[r] * cross[:, r, f] / len(self.pairs)
             best = int(np.argmax(correlation))
             share = min(max(float(correlation[best]), 0.0) ** 2, MOST)
             likely = -self.spectra.resolved * float(np.log1p(-share))

@@ -81,6 +81,12 @@ def _said(description: Description) -> tuple[str, str, str]:
             f"{description.words} for the others",
             "Bring the loggers into step (wheelhop sync-check), or cut the recordings anew.",
         )
+    if description.kind == "units":
+        return (
+            f"units of {names}",
+            f"{names} alone seems to be in {description.words}",
+            f"Look at the unit and the gain of {names}.",
+        )
     if description.kind == "misplaced":
         return (
             f"channels {names}",

@@ -74,7 +74,7 @@ def without_silent(
     left_out = {}
     channels, runs = set[str](), set[str]()
     for name, ids in silent.items():
-        if len(ids) / len(campaign.runs) < 1 / len(campaign.channels):
+        if len(ids) * len(campaign.channels) <= len(campaign.runs):
             runs |= ids
             left_out[name] = f"the runs {', '.join(sorted(ids))}"
         else:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import log, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign
-from wheelhop.gate.drive import Match, OnWaves
+from wheelhop.gate.descriptions import CONSTANT, GRAVITY
+from wheelhop.gate.drive import OnWaves
 from wheelhop.gate.finding import FALSE_ALARM, Finding, needed
 from wheelhop.gate.runs import HEIGHT, Runs
 from wheelhop.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.80665
 KEPT = 0.03  # of 1 g: gains are that good, and sensors that upright
 OFFSET = 0.3  # units, standard deviation of a channel's offset, any sensor's
 SUSTAINED_M_S2 = 50.0
@@ -24,14 +24,6 @@ SUSTAINED_M_S2 = 50.0
 OTHER = 0.2
 """Standard deviation, of the logarithm, by which effects the nominal vehicle lacks change how much
 all runs move together; what is believed of its numbers comes on top."""
-CONSTANT = {
-    "g": 1 / GRAVITY,
-    "mg": 1000 / GRAVITY,
-    "cm/s²": 100.0,
-    "mm/s²": 1000.0,
-    "ft/s²": 1 / 0.3048,
-}
-"""A record's number over the same in m/s²."""
 
 
 def gravity_findings(campaign: Campaign) -> Iterator[Finding]:
@@ -112,26 +104,6 @@ def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[
             " the crest.",
         )
         return
-    yield from _channels(campaign, spread, told, common)
-
-
-def _channels(
-    campaign: Campaign, spread: float, told: Sequence[tuple[OnWaves, Match]], common: float
-) -> Iterator[Finding]:
-    """A channel in a unit of its own."""
-    gains = np.log([np.maximum(d.channel_gains(m.speed_m_s), 1e-12) for d, m in told])
-    for channel, gain in zip(campaign.channels, np.median(gains, axis=0) - common, strict=True):
-        unit = min(CONSTANT, key=lambda name: abs(gain - log(CONSTANT[name])))
-        rise = (gain**2 - (gain - log(CONSTANT[unit])) ** 2) / (2 * spread**2)
-        if rise > needed(len(CONSTANT) * len(campaign.channels)):
-            yield Finding(
-                "before",
-                "units",
-                f"units of {channel.name}",
-                f"{channel.name} holds {_times(gain)} the motion it should have"
-                f" beside the others, as if it alone were in {unit}.",
-                f"Look at the unit and the gain of {channel.name}.",
-            )
 
 
 def _believed(vehicle: Vehicle) -> float:
