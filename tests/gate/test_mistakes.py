@@ -108,7 +108,7 @@ def test_the_rear_axle_follows_the_front_one_on_any_road(clean, factor):
         )
     found = gate(replace(campaign, runs=tuple(runs), noise_rms=None), vehicle).findings
     said = [f.text for f in found if f.kind == "speed"]
-    assert bool(said) == (factor == 3.6)
+    assert bool(said) == (factor == 3.6), [f.text for f in found]
     assert all("metres per second" in text for text in said)
 
 

@@ -80,18 +80,14 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
         if 1 < len(of_kind) < n:
             names = tuple(channels[i].name for i in of_kind)
             yield Description("polarity", "are", _inverted(n, of_kind), names)
-    for words, digits in (("axles", "A"), ("left channels", "13")):
-        late = [point[0] in digits or point[-1] in digits for point in points]
-        if any(late) and not all(late):
-            names = tuple(c.name for c, is_late in zip(channels, late, strict=True) if is_late)
-            for delay in DELAYS_S:
-                lags = tuple(delay * is_late for is_late in late)
-                yield Description(
-                    "out-of-step",
-                    f"the {words} are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}",
-                    Places(same.order, same.gain, lags),
-                    names,
-                )
+    late = [point[0] == "A" for point in points]
+    if any(late) and not all(late):
+        # A left side that is late is no sign of a clock: sides may meet a track at other times.
+        names = tuple(c.name for c, is_late in zip(channels, late, strict=True) if is_late)
+        for delay in DELAYS_S:
+            lags = tuple(delay * is_late for is_late in late)
+            words = f"the axles are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}"
+            yield Description("out-of-step", words, Places(same.order, same.gain, lags), names)
     for i, unit in product(range(n), ALONE if n > 2 else ()):
         gain = tuple(CONSTANT[unit] if k == i else 1.0 for k in range(n))
         yield Description("units", unit, Places(same.order, gain), (channels[i].name,))

@@ -30,11 +30,12 @@ def likeliest(campaign: Campaign, drives: Sequence[Drive]) -> tuple[Runs, Findin
     best = max(range(len(likely)), key=lambda i: likely[i])
     if likely[best] - likely[0] <= needed(len(descriptions)):
         return Runs(drives, descriptions[0], found[0]), None
-    rivals = [
-        d
-        for d, value in zip(descriptions, likely, strict=True)
-        if value > likely[best] - needed(1) and d.kind
+    near = [
+        i for i, d in enumerate(descriptions) if d.kind and likely[i] > likely[best] - needed(1)
     ]
+    rivals = [descriptions[i] for i in near]
+    # Of kinds that explain the runs alike, the commoner comes first.
+    best = max((i for i in near if descriptions[i].kind == rivals[0].kind), key=likely.__getitem__)
     finding = _finding(descriptions[best], rivals, likely[best] - likely[0], len(drives))
     return Runs(drives, descriptions[best], found[best]), finding
 

@@ -89,16 +89,17 @@ def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
 
 def _same_phases(campaign: Campaign) -> Iterator[Copy]:
     """Neighbours in size whose phases agree at all frequencies but for one shift in time."""
-    size = [float(run.record.std()) for run in campaign.runs]
-    order = np.argsort(size)
-    for i, j in pairwise(order):
-        if size[j] - size[i] < ALIKE * size[j]:
+    size = np.array([run.record.std(axis=0) for run in campaign.runs])
+    for i, j in pairwise(np.argsort(size.sum(axis=1))):
+        if np.all(np.abs(size[i] - size[j]) <= ALIKE * size[j]):
             a, b = campaign.runs[i], campaign.runs[j]
             n = min(len(a.record), len(b.record))
-            cross = np.fft.rfft(a.record[:n], axis=0) * np.fft.rfft(b.record[:n], axis=0).conj()
-            cross = cross[1:] / np.maximum(np.abs(cross[1:]), 1e-300)
-            whole = np.vstack([np.zeros_like(cross[:1]), cross])
-            alike = np.fft.irfft(whole, n, axis=0).mean(axis=1).max()
+            # Without a window, what leaks from one strong line has one phase everywhere.
+            window = np.hanning(n)[:, None]
+            cross = np.fft.rfft(window * a.record[:n], axis=0)
+            cross *= np.fft.rfft(window * b.record[:n], axis=0).conj()
+            cross /= np.maximum(np.abs(cross), 1e-300)
+            alike = np.fft.irfft(cross, n, axis=0).mean(axis=1).max()
             if alike > SAME_PHASES:
                 yield Copy((a, b), n / campaign.sample_rate_hz)
 

@@ -86,6 +86,8 @@ def without_silent(
         return campaign, dict.fromkeys(silent, "nothing, for too little would be left")
     if len(columns) == len(campaign.channels) and len(kept) == len(campaign.runs):
         return campaign, left_out
+    if len(columns) == len(campaign.channels):
+        return replace(campaign, runs=kept), left_out
     cut = tuple(replace(run, record=_frozen(run.record[:, columns])) for run in kept)
     names = tuple(campaign.channels[i] for i in columns)
     return replace(campaign, channels=names, runs=cut), left_out
