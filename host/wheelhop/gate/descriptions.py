@@ -21,8 +21,9 @@ Array = NDArray[np.float64]
 FACTORS = np.geomspace(0.2, 5.0, 33)
 """By which a stated speed may be wrong: neighbours are a tenth apart, less than their reach."""
 RATES = (0.25, 0.5, 2.0, 4.0)
-DELAYS_S = tuple(sign * 0.02 * k for k in range(1, 11) for sign in (1, -1))
-"""Two loggers out of step; what lies between neighbours still shows."""
+DELAYS_S = tuple(sign * 0.02 * k for k in range(2, 11) for sign in (1, -1))
+"""Two loggers out of step; what lies between neighbours still shows. Less than a quarter of a
+wheel's period is a phase that laws the nominal vehicle lacks can make."""
 GRAVITY = 9.80665
 CONSTANT = {
     "g": 1 / GRAVITY,

@@ -209,7 +209,9 @@ class Passing:
             correlation = np.zeros(len(lag))
             for front, rear in self.pairs:
                 f, r = place.order[front], place.order[rear]
-                correlation += place.gain[f] * place.gain[r] * cross[:, r, f] / len(self.pairs)
+                correlation += (
+                    np.sign(place.gain[f] * place.gain[r]) * cross[:, r, f] / len(self.pairs)
+                )
             best = int(np.argmax(correlation))
             share = min(max(float(correlation[best]), 0.0) ** 2, MOST)
             likely = -self.spectra.resolved * float(np.log1p(-share))
