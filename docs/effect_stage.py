@@ -15,7 +15,7 @@ from wheelhop.compare import InBand
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.effects.acceleration_moment import KNOT_S, AccelerationMoment
 from wheelhop.simulate import Model, RunSimulator
-from wheelhop.simulate.run import slow_part
+from wheelhop.simulate.prescribed import slow_part
 from wheelhop.track import make_track, wheel_envelope
 from wheelhop.vehicle import Vehicle, corner_position, read_vehicle
 

@@ -14,7 +14,7 @@ PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_si
 # A room may import itself and the rooms before it.
 ROOMS = (
     *("files", "logger", "exchange", "calibration", "campaign", "track"),
-    *("material", "vehicle", "effects", "simulate", "compare", "fit", "identify"),
+    *("material", "vehicle", "effects", "simulate", "gate", "compare", "fit", "identify"),
     *("diagnose", "hil_sim", "report", "cli"),
 )
 LONGEST_FILE = 400  # lines

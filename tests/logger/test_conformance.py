@@ -1,7 +1,4 @@
-"""Double and firmware speak alike: what SPEC.md says of the serial line, asked of both.
-
-The firmware runs on the simulated board, in virtual time; without its tools that half skips.
-"""
+"""Double and firmware speak alike: what SPEC.md says of the line, asked of both (if built)."""
 
 import random
 import re
@@ -396,9 +393,8 @@ def test_a_session_that_a_reset_has_ended_is_closed_and_gone_on_with(bench):
     after = link.start()  # runs already
     assert link.status()["state"] == "recording" and after != name
     link.stop()
-    assert name in link.files()
-    assert read_log(bench.read(after)).header["continues"] == before
-    assert not link.info().get("continues")
-    log = read_log(bench.read(name))
-    assert log.summary["end"] == "recovered" and log.summary["lost"] == "0"
+    assert name in link.files() and not link.info().get("continues")
+    log, next_log = (read_log(bench.read(n)) for n in (name, after))
+    assert next_log.header["continues"] == before
+    assert (log.summary["end"], log.summary["lost"]) == ("recovered", "0")
     assert int(log.summary["written"]) == len(log.scans) == int(log.summary["due"]) >= 111

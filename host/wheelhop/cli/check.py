@@ -19,6 +19,8 @@ from wheelhop.campaign import (
 )
 from wheelhop.cli.console import open_console
 from wheelhop.cli.sensors import print_sensors
+from wheelhop.cli.show import print_findings
+from wheelhop.gate import gate
 from wheelhop.report.words import significant
 from wheelhop.vehicle import Vehicle, read_nominal
 
@@ -34,6 +36,7 @@ def run(arguments: Namespace) -> int:
     console.print(Text(f"samples   {_samples(campaign)}"))
     console.print(Text(f"noise     {_noise(campaign)}"))
     print_sensors(campaign, console)
+    print_findings(gate(campaign, nominal).findings, console)
     if isinstance(campaign, ComponentCampaign):
         console.print(_rig_runs(campaign))
     else:

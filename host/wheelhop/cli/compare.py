@@ -11,11 +11,13 @@ from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import pick, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.sensors import print_sensors
-from wheelhop.cli.show import print_ladder, print_parameters
+from wheelhop.cli.show import print_findings, print_ladder, print_parameters
 from wheelhop.compare import print_comparison, to_json
 from wheelhop.diagnose import Progress, Step, axle_driven
 from wheelhop.diagnose.added import steps_with
 from wheelhop.effects import Effect, load_effects
+from wheelhop.gate import Finding, gate
+from wheelhop.gate import to_json as findings_to_json
 from wheelhop.report import write_comparison_report
 from wheelhop.report.words import chain_words
 from wheelhop.vehicle import Vehicle, read_nominal
@@ -26,10 +28,13 @@ def run(arguments: Namespace) -> int:
     effects = pick(arguments.add, load_effects(arguments.effects))
     campaign = read_campaign(arguments.campaign)
     vehicle = read_nominal(campaign)
+    gated = gate(campaign, vehicle)
+    findings, campaign = gated.findings, gated.campaign
     with stages() as progress:
         steps = steps_with(campaign, vehicle, effects, progress)
         axles = _driven_by_axles(campaign, vehicle, effects, progress)
     console = open_console()
+    print_findings(findings, console)
     print_comparison(steps[-1].comparison, console)
     print_sensors(campaign, console)
     if effects:
@@ -39,9 +44,9 @@ def run(arguments: Namespace) -> int:
     if axles is not None:
         console.print(chain_words(steps[-1], axles), markup=False)
     if arguments.json:
-        write_json(arguments.json, comparison_json(steps, axles))
+        write_json(arguments.json, comparison_json(steps, axles, findings))
     if arguments.report:
-        write_comparison_report(arguments.report, campaign, steps, axles)
+        write_comparison_report(arguments.report, campaign, steps, axles, findings)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
 
@@ -58,9 +63,11 @@ def _driven_by_axles(
     return steps_with(driven, vehicle, acting, lambda text: progress(f"measured axles: {text}"))[-1]
 
 
-def comparison_json(steps: Sequence[Step], axles: Step | None) -> dict[str, Any]:
-    """The last model's comparison, the errors on the way to it, and the comparison of the same
-    model driven by the measured axles."""
+def comparison_json(
+    steps: Sequence[Step], axles: Step | None, findings: Sequence[Finding] = ()
+) -> dict[str, Any]:
+    """The last model's comparison, the errors on the way to it, the comparison of the same model
+    driven by the measured axles, and what the gate found."""
     ladder = [
         {
             "added": list(step.added),
@@ -73,5 +80,6 @@ def comparison_json(steps: Sequence[Step], axles: Step | None) -> dict[str, Any]
         "format": 1,
         "ladder": ladder,
         **to_json(steps[-1].comparison),
+        "findings": findings_to_json(findings),
         "axle_driven": None if axles is None else to_json(axles.comparison),
     }

@@ -10,7 +10,13 @@ from wheelhop.campaign import read_campaign
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.progress import stages
-from wheelhop.cli.show import print_ladder, print_parameters, print_ranking, print_verdict
+from wheelhop.cli.show import (
+    print_findings,
+    print_ladder,
+    print_parameters,
+    print_ranking,
+    print_verdict,
+)
 from wheelhop.diagnose import Diagnosis, diagnose, to_json
 from wheelhop.effects import load_effects
 from wheelhop.report import write_diagnosis_report
@@ -44,7 +50,9 @@ def run(arguments: Namespace) -> int:
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     """One screen: verdict, ranking, ladder, the accepted effects' numbers, what to record next."""
+    print_findings([f for f in diagnosis.findings if f.when == "before"], console)
     print_verdict(diagnosis, console)
+    print_findings([f for f in diagnosis.findings if f.when == "after"], console)
     print_ranking(diagnosis.ranking, console)
     print_ladder(diagnosis.ladder, console)
     print_parameters(diagnosis.ladder[-1], console)

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from wheelhop.diagnose import Diagnosis, Ranked, Step
+from wheelhop.gate import Finding
 from wheelhop.report.words import (
     chance,
     headline,
@@ -80,6 +81,12 @@ def print_parameters(step: Step, console: Console) -> None:
             spread = " (2 sd)" if isfinite(deviation) else ""
             words = f"{interval(value, deviation)} {unit_of(name)}".rstrip()
             console.print(Text(f"  {name} = {words}{spread}"))
+
+
+def print_findings(findings: Sequence[Finding], console: Console) -> None:
+    """One finding a paragraph: how sure it is, what it is, what to do."""
+    for finding in findings:
+        console.print(Text(f"{finding.severity:9s} {finding.text} {finding.remedy}"))
 
 
 def print_verdict(diagnosis: Diagnosis, console: Console, *, explain: bool = True) -> None:

@@ -2,9 +2,14 @@
 
 from wheelhop.compare.band import InBand
 from wheelhop.compare.comparison import Comparison, compare, to_json, where_to_json
-from wheelhop.compare.describe import describe
+from wheelhop.compare.describe import describe, explains_nothing
 from wheelhop.compare.figures import ChannelFigures, Peak
-from wheelhop.compare.floor import Floor, estimate_noise, noise_floor
+from wheelhop.compare.floor import (
+    Floor,
+    estimate_noise,
+    estimate_noise_between_samples,
+    noise_floor,
+)
 from wheelhop.compare.locking import Line, Locking
 from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
@@ -29,6 +34,8 @@ __all__ = [
     "compare",
     "describe",
     "estimate_noise",
+    "estimate_noise_between_samples",
+    "explains_nothing",
     "in_band",
     "iso18571",
     "noise_floor",

@@ -30,12 +30,28 @@ PLACES = (  # named sets of points, small ones first
 )
 
 
+EXPLAINS = 0.5
+"""Share of the power a model must explain before its failures are placed: of what explains less,
+the residual is the record itself, and lies where the vehicle moves."""
+
+
+def explains_nothing(where: Breakdown) -> bool:
+    """Whether more is left than explained, so that nothing can be said of where."""
+    return where.total.residual > (1.0 - EXPLAINS) * where.total.measured
+
+
 def describe(where: Breakdown) -> list[str]:
     """One sentence per finding, the most telling first."""
     if not where.total.noise > 0.0:
         return ["Without a noise floor it cannot be said what part of the residual is excess."]
     ratio = f"E = {where.total.ratio:.2f} times the floor"
     failing = is_excess(where, where.total)
+    if failing and explains_nothing(where):
+        share = _percent(where.total.residual / where.total.measured)
+        return [
+            f"The model leaves {share} of the power ({ratio}): it does not explain these records,"
+            " and nothing can be said of where it fails. See to units, speeds, tracks, channels."
+        ]
     spots = [s for s in (*where.band, *where.run) if is_excess(where, s)]
     if not failing and not spots and not where.locking.lines:
         return [

@@ -16,6 +16,7 @@ from wheelhop.compare.records import Record
 Array = NDArray[np.float64]
 
 BLOCKS = 4  # equal parts of the band whose quietness is judged separately
+PIECE = 50  # samples
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
 
 
@@ -102,6 +103,27 @@ def estimate_noise(records: Sequence[Record]) -> Array:
         for part in (_measured, _residual)
     ]
     return np.sqrt(np.fmin(*estimates))
+
+
+def estimate_noise_between_samples(records: Sequence[Array], share: float) -> float:
+    """A second estimate of the noise in band, from one sample to the next.
+
+    ``records`` are (n, c) each; ``share`` is the part of white noise that lies in band. Motion is
+    smooth on the scale of a few samples, noise is not: the fourth difference of white noise has
+    70 times its variance (J. von Neumann et al., Ann. Math. Stat. 12 (1941) 153, for the first
+    one), that of a wave of a tenth of the sample rate a fiftieth of its own. The quietest tenth of
+    all pieces counts.
+    """
+    pieces = np.concatenate(
+        [
+            np.array_split(np.diff(record, 4, axis=0) ** 2, max(1, len(record) // PIECE))[k].mean(
+                axis=0, keepdims=True
+            )
+            for record in records
+            for k in range(max(1, len(record) // PIECE))
+        ]
+    )
+    return float(np.sqrt(np.mean(np.quantile(pieces, QUIET_SHARE, axis=0)) / 70.0 * share))
 
 
 def _measured(record: Record) -> Array:

@@ -11,6 +11,8 @@ import numpy as np
 from wheelhop.compare import Comparison, where_to_json
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.diagnose.rung import Rung
+from wheelhop.gate import Finding
+from wheelhop.gate import to_json as findings_to_json
 from wheelhop.identify import Linearity
 
 FORMAT = 1
@@ -116,6 +118,7 @@ class Diagnosis:
     next_run: NextRun | None
     explanation: tuple[str, ...]
     axle_to_body: Linearity | None = None
+    findings: tuple[Finding, ...] = ()  #: of the gate before the fit and of the critic after it
 
 
 def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -151,6 +154,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "next_run": _next_run(diagnosis.next_run),
         "axle_to_body": _linearity(diagnosis.axle_to_body),
+        "findings": findings_to_json(diagnosis.findings),
     }
 
 

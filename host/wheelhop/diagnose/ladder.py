@@ -8,6 +8,7 @@ from dataclasses import replace
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
 from wheelhop.diagnose.confirm import confirm, refit, without
+from wheelhop.diagnose.critic import criticism
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.exchange import Stand, exchange
 from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds, noticeable
@@ -20,6 +21,7 @@ from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
+from wheelhop.gate import gate
 from wheelhop.identify import linearity
 from wheelhop.vehicle import Vehicle
 
@@ -60,12 +62,14 @@ def diagnose(
     CampaignError
         The campaign does not hold what a comparison needs.
     """
-    base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
+    gated = gate(campaign, vehicle)
+    base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
     diagnosis = climb(base, effects, max_effects=max_effects, progress=progress)
-    if diagnosis.verdict == ("none",) or axle_driven(campaign) is None:
+    diagnosis = replace(diagnosis, findings=(*gated.findings, *criticism(diagnosis)))
+    if diagnosis.verdict == ("none",) or axle_driven(gated.campaign) is None:
         return diagnosis
     progress("asking whether what lies between axle and body is linear")
-    return replace(diagnosis, axle_to_body=linearity(campaign, vehicle))
+    return replace(diagnosis, axle_to_body=linearity(gated.campaign, vehicle))
 
 
 def climb(

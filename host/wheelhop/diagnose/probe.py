@@ -12,7 +12,7 @@ from wheelhop.campaign import Channel, RigRun
 from wheelhop.effects import RunSetting
 from wheelhop.fit import Bench, Workshop, find_start
 from wheelhop.simulate import Model
-from wheelhop.simulate.run import slow_part
+from wheelhop.simulate.prescribed import slow_part
 from wheelhop.vehicle import COMPONENT, CORNERS, axle_name
 
 Array = NDArray[np.float64]

@@ -65,6 +65,17 @@ class Parameter:
         return bool(self.starts)
 
 
+@dataclass(frozen=True)
+class Becomes:
+    """Where a law is no longer itself: with `parameter` at its bound, `at` "lower" or "upper", it
+    is not told from `into`, an effect's id or a number of the vehicle; `why`, in a few words."""
+
+    parameter: str
+    at: Literal["lower", "upper"]
+    into: str
+    why: str
+
+
 class Probe(Protocol):
     """How an effect looks at the data to find where its fit may begin. Signals are in band,
     (n, channels), m/s²."""
@@ -151,6 +162,8 @@ class Effect:
     on_rig: ClassVar[bool] = False
     """Whether it acts on a component on a rig, too: springs and force laws along the rows of
     `wheelhop.vehicle.struts`, and nothing that has a motion of its own."""
+    becomes: ClassVar[Sequence[Becomes]] = ()
+    """What its law degenerates into at bounds of its parameters, for the critic."""
     has_random_heights: ClassVar[bool] = False
     """Whether it adds heights nobody knows to the ground (`height_density`): they are estimated run
     by run, and its parameters, all shapes, are found by their evidence."""

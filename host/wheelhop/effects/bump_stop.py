@@ -8,7 +8,7 @@ import numpy as np
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.balance import balance, share
-from wheelhop.effects.base import Array, Effect, Parameter, Probe, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Probe, Values, law
 from wheelhop.vehicle import Assembly, ends, struts
 
 SHARES = (0.2, 0.4, 0.6, 0.8)
@@ -30,6 +30,14 @@ class BumpStop(Effect):
     id = "bump-stop"
     place = "suspension"
     on_rig = True
+    becomes = (
+        Becomes(
+            "clearance_m",
+            "lower",
+            "progressive-spring",
+            "a stop without clearance is a spring that is stiffer one way",
+        ),
+    )
     title = "an elastic stop engages beyond a clearance"
     equation = r"f = k_s \min(x + d_c, 0) + k_s \max(x - d_r, 0)"
     source = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -22,6 +22,9 @@ class DigressiveDamper(Effect):
     id = "digressive-damper"
     place = "suspension"
     on_rig = True
+    becomes = (
+        Becomes("knee_m_s", "lower", "dry-friction", "beyond a knee at rest the force is constant"),
+    )
     title = "the damper's slope falls beyond a knee velocity"
     equation = (
         r"f = -\lambda c\,(|\dot x| - v_k)\,\mathrm{sgn}\,\dot x \text{ for } |\dot x| > v_k,"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import pi
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Becomes, Effect, Parameter, Values
 from wheelhop.vehicle import Assembly, between
 from wheelhop.vehicle.assembly import Coordinate
 
@@ -19,6 +19,11 @@ class DriverRocking(Effect):
 
     id = "driver-rocking"
     place = "body"
+    becomes = (
+        Becomes(
+            "freq_hz", "upper", "body.roll_inertia_kg_m2", "held stiffly he rolls with the body"
+        ),
+    )
     title = "the driver sways laterally on a torsional restraint (roll)"
     equation = (
         r"I_d \ddot\phi_d = -k (\phi_d - \phi) - c (\dot\phi_d - \dot\phi),"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import pi
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Becomes, Effect, Parameter, Values
 from wheelhop.vehicle import Assembly, Body, between
 
 
@@ -15,6 +15,7 @@ class DriverSeat(Effect):
 
     id = "driver-seat"
     place = "body"
+    becomes = (Becomes("freq_hz", "upper", "body.mass_kg", "a hard seat bolts him to the body"),)
     title = "the driver is a mass on a compliant seat (vertical)"
     equation = (
         r"m_d \ddot z_d = -k_s (z_d - z_s) - c_s (\dot z_d - \dot z_s),"

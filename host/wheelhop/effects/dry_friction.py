@@ -8,7 +8,7 @@ from math import tanh
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
 from wheelhop.vehicle import Assembly, ends, struts
 
 LONGEST_STEP_S = {"elastic": 0.00125, "creeping": 0.000625}
@@ -43,6 +43,14 @@ class DryFriction(Effect):
     place = "suspension"
     on_rig = True
     title = "Coulomb friction in the strut and its joints, elastic or creeping before it slips"
+    becomes = (
+        Becomes(
+            "presliding_N_m",
+            "lower",
+            "suspension stiffness",
+            "a joint no stiffer than the spring hardly slips, it only adds to the spring",
+        ),
+    )
     equation = (
         r"\text{elastic: } \dot f = k_p \dot x \text{ while } |f| < F_c,\ 0 \text{ where the motion"
         r" would exceed it};\quad \text{creeping: } f = F_c \tanh(\dot x / w)"

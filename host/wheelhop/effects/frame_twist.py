@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import pi
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Becomes, Effect, Parameter, Values
 from wheelhop.vehicle import Assembly
 
 
@@ -15,6 +15,7 @@ class FrameTwist(Effect):
 
     id = "frame-twist"
     place = "body"
+    becomes = (Becomes("freq_hz", "upper", "a rigid body", "a mode beyond the band hardly moves"),)
     title = "the frame's first torsional mode"
     equation = (
         r"z(x, y) = z - x\theta + y\phi + \tau\,\frac{(x - x_m)\,y}{(L/2)(t/2)},"

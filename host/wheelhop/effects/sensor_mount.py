@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import (
+    Array,
+    Becomes,
+    Effect,
+    OwnValues,
+    Parameter,
+    Probe,
+    RunSetting,
+    Values,
+)
 from wheelhop.effects.transfer import on_a_mount, ringing, transferred
 
 FREQUENCIES_HZ = np.geomspace(8.0, 120.0, 80)
@@ -29,6 +38,7 @@ class SensorMount(Effect):
 
     id = "sensor-mount"
     place = "sensor"
+    becomes = (Becomes("freq_hz", "upper", "a sensor that sits tight", "it rings beyond the band"),)
     title = "a channel's mount resonates"
     equation = (
         r"y = H a,\quad H = \frac{1 + 2\zeta i\omega/\omega_r}"

@@ -8,6 +8,7 @@ from pathlib import Path
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Diagnosis, Step
 from wheelhop.effects import Effect
+from wheelhop.gate import Finding
 from wheelhop.report import sections
 from wheelhop.report.page import facts, paragraph, title, write_page
 from wheelhop.report.words import (
@@ -33,6 +34,7 @@ def write_diagnosis_report(
         paragraph(f"wheelhop diagnosis · {campaign.title}", "kicker"),
         title(headline(diagnosis)),
         facts([("confidence", confidence), *_key_numbers(campaign, steps)], "key"),
+        sections.findings(diagnosis.findings),
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),
@@ -46,17 +48,22 @@ def write_diagnosis_report(
 
 
 def write_comparison_report(
-    path: Path, campaign: Campaign, steps: Sequence[Step], axles: Step | None = None
+    path: Path,
+    campaign: Campaign,
+    steps: Sequence[Step],
+    axles: Step | None = None,
+    findings: Sequence[Finding] = (),
 ) -> None:
     """Write how a model compares with the records, as one self-contained HTML page.
 
     ``steps`` are the baseline and, if effects were added to it, one step for each of them;
-    ``axles`` is the last model driven by the measured axle motion.
+    ``axles`` is the last model driven by the measured axle motion, ``findings`` what the gate said.
     """
     body = [
         paragraph(f"wheelhop comparison · {campaign.title}", "kicker"),
         title(comparison_headline(steps)),
         facts(_key_numbers(campaign, steps), "key"),
+        sections.findings(findings),
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),

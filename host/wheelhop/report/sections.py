@@ -10,6 +10,7 @@ from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
 from wheelhop.diagnose import Diagnosis, Step, caveats
 from wheelhop.effects import Effect
+from wheelhop.gate import Finding
 from wheelhop.report import figures, tables
 from wheelhop.report.cases import WINDOW_S, Case, cases
 from wheelhop.report.page import bullets, facts, figure, paragraph, section
@@ -22,6 +23,24 @@ from wheelhop.report.words import (
     percent,
     track_words,
 )
+
+WHEN = {"before": "Of the campaign, before anything was fitted:", "after": "Of the fit:"}
+
+
+def findings(found: Sequence[Finding]) -> str:
+    """What to know before the verdict is believed, if anything."""
+    if not found:
+        return ""
+    said = {when: [f"{f.text} {f.remedy}" for f in found if f.when == when] for when in WHEN}
+    return section(
+        "Before you believe it",
+        *(
+            part
+            for when, heading in WHEN.items()
+            if said[when]
+            for part in (paragraph(heading, "soft"), bullets(said[when]))
+        ),
+    )
 
 
 def ladder(steps: Sequence[Step]) -> str:

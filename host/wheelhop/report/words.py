@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import exp, floor, isfinite, log, log10, nan
 
 from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.compare import explains_nothing
 from wheelhop.diagnose import Diagnosis, NextRun, Step
 from wheelhop.effects import Effect
 
@@ -70,6 +71,12 @@ def chain_words(road: Step, axles: Step) -> str:
     if not fails(road):
         side = "; with the road driving the wheels nothing fails either"
         return f"{start}{side if not fails(axles) else ''}."
+    if explains_nothing(road.comparison.breakdown):
+        return (
+            f"{start}; driven by the road it explains nothing, so no side of the axle is to blame."
+        )
+    if explains_nothing(axles.comparison.breakdown):
+        return f"{start}; neither explains the records, so no side of the axle is to blame."
     if not fails(axles):
         return f"{start}: what fails lies upstream of the axle, in tyre, track or speed."
     return f"{start}: something fails above the axle, in suspension, body or sensors."

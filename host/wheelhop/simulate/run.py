@@ -17,9 +17,10 @@ from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.simulate.job import Job, heights_of, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
+from wheelhop.simulate.prescribed import slow_part, span, wheel_path
 from wheelhop.simulate.sensors import sensed
 from wheelhop.simulate.unevenness import HeightSeries
-from wheelhop.track import Wheel, WheelPath, make_track
+from wheelhop.track import Wheel, make_track
 from wheelhop.vehicle import CORNERS, Drive, System, axle_name, corner_position
 
 Array = NDArray[np.float64]
@@ -344,7 +345,7 @@ class RunSimulator:
         assert self._track is not None
         radius = model.values[f"wheel.{axle_name(corner)}.radius_m"]
         y = corner_position(model.values, corner)[1]
-        return Wheel(self._track, y, radius, *_span(way_m))
+        return Wheel(self._track, y, radius, *span(way_m))
 
     def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         x, speed = self._path(model, time_s)
@@ -353,7 +354,7 @@ class RunSimulator:
         height, rate = np.empty_like(x), np.empty_like(x)
         for i in CORNERS:
             wheel = self._wheel(model, i, x[:, i])
-            height[:, i], slope = _wheel_path(model, i, wheel).height_and_slope(x[:, i])
+            height[:, i], slope = wheel_path(model, i, wheel).height_and_slope(x[:, i])
             rate[:, i] = slope * speed[:, i]
         if self.series is not None and self.run.id in model.heights:
             # From the run's own start on: heights under the wheels stay where the start moves.
@@ -396,27 +397,3 @@ class RunSimulator:
         if self._track is None:
             return None
         return np.asarray(self.way(model)[:, :2].mean(axis=1))
-
-
-def slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSpline:
-    """Least-squares cubic spline with knots one period of the band's lower edge apart: it follows
-    what drifts, constants of integration included, and leaves what lies in band. Unlike a filter
-    it has no transient at the ends."""
-    count = max(int((time_s[-1] - time_s[0]) / spacing_s), 1)
-    inner = np.linspace(time_s[0], time_s[-1], count + 1)
-    knots = np.concatenate([[inner[0]] * 3, inner, [inner[-1]] * 3])
-    return interpolate.make_lsq_spline(time_s, height, knots, k=3)
-
-
-def _span(x: Array) -> tuple[float, float]:
-    """A stretch of track around x whose ends stay put when x moves a little."""
-    return math.floor(x.min() / 5.0 - 0.2) * 5.0, math.ceil(x.max() / 5.0 + 0.2) * 5.0
-
-
-def _wheel_path(model: Model, corner: int, wheel: Wheel) -> WheelPath:
-    """What an effect makes of the wheel's path, else that of a rigid wheel."""
-    for effect in model.effects:
-        path = effect.wheel_path(model.theta(effect), corner, wheel)
-        if path is not None:
-            return path
-    return wheel.rigid()

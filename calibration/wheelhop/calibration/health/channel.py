@@ -37,7 +37,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     present = recording.values[~recording.missing]
     if len(present) < FEWEST_ROWS:
         return
-    rms = present.std(axis=0)
+    rms, levels = present.std(axis=0), np.median(present, axis=0)
     for c, channel in enumerate(recording.channels):
         column = present[:, c]
         others = float(np.median(np.delete(rms, c))) if len(rms) > 1 else 0.0
@@ -46,7 +46,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
             yield still
             continue
         yield from _clipping(recording, c, column)
-        yield from _level(recording, c, column)
+        yield from _level(recording, c, levels)
         if channel.unit in DRIFT:
             yield from _drift(recording, c)
 
@@ -135,8 +135,8 @@ def _clipping(recording: Recording, c: int, column: Array) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def _level(recording: Recording, c: int, column: Array) -> Iterator[Finding]:
-    channel, level = recording.channels[c], float(np.median(column))
+def _level(recording: Recording, c: int, levels: Array) -> Iterator[Finding]:
+    channel, level = recording.channels[c], float(levels[c])
     whole = _when(recording, 0, len(recording.values))
     if channel.unit == CODE and not LEVEL_CODES[0] < level < LEVEL_CODES[1]:
         yield Finding(
@@ -145,7 +145,6 @@ def _level(recording: Recording, c: int, column: Array) -> Iterator[Finding]:
             "the input floats or a wire is broken: check plug, supply and ground",
         )  # fmt: skip
     if channel.unit == ACCELERATION:
-        levels = np.nanmedian(recording.values, axis=0)
         up = np.abs(levels - GRAVITY) < GRAVITY_TOLERANCE
         down = np.abs(levels + GRAVITY) < GRAVITY_TOLERANCE
         # Only a recording that holds gravity tells; the few are wrong, not the many.

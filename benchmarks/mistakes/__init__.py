@@ -1,0 +1,1 @@
+"""Are the mistakes people make found and named?"""

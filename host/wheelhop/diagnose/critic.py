@@ -1,0 +1,270 @@
+"""The critic: what a fit's own numbers betray, said before the verdict is believed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.compare import Slice, estimate_noise_between_samples
+from wheelhop.diagnose.diagnosis import Diagnosis, Step
+from wheelhop.effects import Effect
+from wheelhop.gate import Finding
+from wheelhop.gate.numbers import impossible
+from wheelhop.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+MOVED = 3.0
+"""Standard deviations of its prior that a number may move before that is said."""
+AT_BOUND = 0.01  # of a number's scale
+NEAR = 2.0
+"""Standard deviations within which a law is not told from what it becomes at a bound."""
+UNTOLD = 0.9
+"""Share of the prior's variance from which the data have said next to nothing of a direction."""
+FAIR = 0.5
+"""A band is fair if the error in it is at most this much of that over all, and it holds at least
+this much of the band, counted in octaves."""
+MISFIT = 1.5  # an estimated floor over a second estimate
+SCALED = ("body.mass", "inertia", "stiffness", "damping", "unsprung_mass")
+ALONG_SCALE = 0.9
+NAMED = 3  # numbers, in one sentence
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number that runs share, as fitted: its value and standard deviation, what was believed of
+    it (infinite `sigma`: nothing), its bounds, and the scale on which it is varied."""
+
+    name: str
+    value: float
+    sd: float
+    mean: float
+    sigma: float
+    lower: float
+    upper: float
+    scale: float
+    is_shape: bool
+
+
+def numbers_of(step: Step) -> tuple[list[Number], Array]:
+    """All that the critic wants to know of a fit: its shared numbers and their covariance."""
+    fitted = step.rung.fit
+    values, covariance = fitted.model.values, np.asarray(fitted.covariance)
+    return [
+        Number(f.name, values[f.name], sd, f.mean, f.sigma, f.lower, f.upper, f.scale, f.is_shape)
+        for f, sd in zip(fitted.shared, np.sqrt(np.diag(covariance)).tolist(), strict=True)
+    ], covariance
+
+
+def criticism(diagnosis: Diagnosis) -> list[Finding]:
+    """What is to be said of the last rung of a finished diagnosis."""
+    step = diagnosis.ladder[-1]
+    numbers, covariance = numbers_of(step)
+    effects = step.rung.model.effects
+    return [
+        *_laws(numbers, effects),
+        *_bounds(numbers, effects),
+        *_moved(numbers, effects),
+        *_no_vehicle(step, numbers),
+        *_untold(numbers, covariance),
+        *_fair_band(step),
+        *_floor(step),
+    ]
+
+
+def _laws(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
+    """Laws that have become another: at a bound their effect declares for it, or at no strength."""
+    for effect in effects:
+        own = {n.name.removeprefix(f"{effect.id}."): n for n in numbers if _of(n, effect)}
+        for limit in effect.becomes:
+            number = own.get(limit.parameter)
+            if number is None:
+                continue
+            bound = number.lower if limit.at == "lower" else number.upper
+            if abs(number.value - bound) <= max(AT_BOUND * number.scale, NEAR * _finite(number.sd)):
+                yield Finding(
+                    "after",
+                    "degenerate",
+                    number.name,
+                    f"{effect.id} with {limit.parameter} = {number.value:.3g} (its bound is"
+                    f" {bound:.3g}) is no longer told from {limit.into}: {limit.why}.",
+                    f"Read the verdict as {effect.id} or {limit.into}"
+                    " (wheelhop compare --add tries one), and record slower and faster runs.",
+                )
+        strengths = [n for n in own.values() if not n.is_shape]
+        if strengths and all(abs(n.value - n.mean) < NEAR * n.sd for n in strengths):
+            yield Finding(
+                "after",
+                "degenerate",
+                effect.id,
+                f"{effect.id} is there at no strength that is told from none"
+                f" ({_listed(strengths)}).",
+                "Leave it out, or record runs that excite it more.",
+            )
+
+
+def _bounds(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
+    said = {f"{e.id}.{limit.parameter}" for e in effects for limit in e.becomes}
+    for n in numbers:
+        for bound in (n.lower, n.upper):
+            absent = not n.is_shape and bound == n.mean and any(_of(n, e) for e in effects)
+            if n.name in said or absent or not isfinite(bound):
+                continue
+            if abs(n.value - bound) <= AT_BOUND * n.scale:
+                yield Finding(
+                    "after",
+                    "at-bound",
+                    n.name,
+                    f"{n.name} = {n.value:.4g} sits on its bound: the fit wanted to go further.",
+                    "Do not use this number, nor its interval; something else is missing, or these"
+                    " runs cannot show it.",
+                )
+
+
+def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
+    vehicle = [n for n in numbers if not any(_of(n, e) for e in effects) and isfinite(n.sigma)]
+    far = [n for n in vehicle if abs(n.value - n.mean) > MOVED * n.sigma]
+    if far:
+        far.sort(key=lambda n: -abs(n.value - n.mean) / n.sigma)
+        most = ", ".join(
+            f"{n.name} from {n.mean:.4g} to {n.value:.4g}"
+            f" ({abs(n.value - n.mean) / n.sigma:.0f} sd)"
+            for n in far[:NAMED]
+        )
+        yield Finding(
+            "after",
+            "moved",
+            ", ".join(n.name for n in far),
+            f"The fit moved {most} away from what was stated"
+            + (f", and {len(far) - NAMED} more." if len(far) > NAMED else "."),
+            "Measure it again, or state it with more doubt; if it is right, the model makes it up"
+            " for something that is missing.",
+        )
+
+
+def _no_vehicle(step: Step, numbers: Sequence[Number]) -> Iterator[Finding]:
+    values = step.rung.fit.model.values
+    if "body.mass_kg" not in values:
+        return
+    free = {n.name for n in numbers}
+    for finding in impossible(Vehicle("", values, dict.fromkeys(values, 0.0))):
+        if finding.about in free:
+            remedy = "Do not use the fitted numbers: they make up for something that is missing."
+            yield replace(finding, when="after", remedy=remedy, severity="likely")
+
+
+def _untold(numbers: Sequence[Number], covariance: Array) -> Iterator[Finding]:
+    """Directions of which the data say nothing: eigenvectors of the covariance in units of the
+    prior, their eigenvalue, at most 1, being what is left of the prior's variance."""
+    believed = [i for i, n in enumerate(numbers) if isfinite(n.sigma)]
+    if not believed:
+        return
+    sigma = np.array([numbers[i].sigma for i in believed])
+    left, directions = np.linalg.eigh(
+        covariance[np.ix_(believed, believed)] / np.outer(sigma, sigma)
+    )
+    names = [numbers[i].name for i in believed]
+    scale = np.array(
+        [
+            numbers[i].value / numbers[i].sigma if any(s in name for s in SCALED) else 0.0
+            for i, name in zip(believed, names, strict=True)
+        ]
+    )
+    if scale.any():
+        scale /= np.linalg.norm(scale)
+    alone = []
+    for share, direction in zip(left[::-1], directions.T[::-1], strict=True):
+        if share < UNTOLD:
+            break
+        if abs(direction @ scale) > ALONG_SCALE:
+            yield Finding(
+                "after",
+                "unobservable",
+                "common scale of masses, stiffnesses, dampings and forces",
+                "Accelerations fix ratios: the common scale of all masses, stiffnesses, dampings"
+                " and forces is what vehicle.toml says.",
+                "Weigh the vehicle; every fitted force is as good as that number.",
+                "certain",
+            )
+            continue
+        order = np.argsort(-np.abs(direction))
+        weights = np.cumsum(direction[order] ** 2)
+        alone.append(
+            " with ".join(names[k] for k in order[: int(np.sum(weights < 0.8)) + 1][:NAMED])
+        )
+    if alone:
+        yield Finding(
+            "after",
+            "unobservable",
+            ", ".join(alone),
+            f"These runs say next to nothing of {'; of '.join(alone)}: the values are what was"
+            " believed beforehand.",
+            "Do not read them as found.",
+            "possible",
+        )
+
+
+def _fair_band(step: Step) -> Iterator[Finding]:
+    """The widest stretch of the band in which the error is half of that over all."""
+    bands, total = step.comparison.breakdown.band, step.comparison.breakdown.total
+    if not step.above_floor or len(bands) < 4 or not total.measured > 0.0:
+        return
+    allowed = (FAIR * total.error) ** 2
+    best: Sequence[Slice] = ()
+    for first in range(len(bands)):
+        for last in range(first + 1, len(bands) + 1):
+            part = bands[first:last]
+            residual, measured = sum(b.residual for b in part), sum(b.measured for b in part)
+            if residual <= allowed * measured and len(part) > len(best):
+                best = part
+    if len(best) < FAIR * len(bands) or len(best) == len(bands):
+        return
+    residual, measured = sum(b.residual for b in best), sum(b.measured for b in best)
+    low, high = best[0].name, best[-1].name
+    yield Finding(
+        "after",
+        "fair-band",
+        "band_hz",
+        f"From {low} to {high} Hz the same model leaves {100 * np.sqrt(residual / measured):.0f} %,"
+        f" over the whole band {100 * total.error:.0f} %: it is fairest there.",
+        f"Set band_hz = [{low}, {high}] in campaign.toml to look only there.",
+        "possible",
+    )
+
+
+def _floor(step: Step) -> Iterator[Finding]:
+    floor = step.comparison.floor
+    rung = step.rung
+    runs = rung.fit.runs + (() if rung.validation is None else rung.validation.runs)
+    if floor.is_stated or not floor.pooled_rms > 0.0:
+        return
+    second = estimate_noise_between_samples(
+        [run.bench.run.record[:, run.bench.predicted] for run in runs],
+        runs[0].bench.band.count / runs[0].bench.band.n,
+    )
+    if floor.pooled_rms > MISFIT * second:
+        yield Finding(
+            "after",
+            "floor",
+            floor.noise_key,
+            f"The estimated floor, {floor.pooled_rms:.2g} {floor.unit}, is misfit rather than"
+            f" noise: from one sample to the next, where it is quietest, there is {second:.2g}.",
+            f"Record a run at rest and state {floor.noise_key}; the error over the floor is larger"
+            " than it looks.",
+        )
+
+
+def _of(number: Number, effect: Effect) -> bool:
+    return number.name.startswith(f"{effect.id}.")
+
+
+def _finite(value: float) -> float:
+    return value if isfinite(value) else 0.0
+
+
+def _listed(numbers: Sequence[Number]) -> str:
+    return ", ".join(f"{n.name} = {n.value:.3g} ± {2 * n.sd:.2g}" for n in numbers)

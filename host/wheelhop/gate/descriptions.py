@@ -1,0 +1,163 @@
+"""The campaign as its files describe it, and as a mistake would have made it: likelihoods of both.
+
+A mistake that concerns all runs alike (speeds in m/s, left and right exchanged, the sample rate) is
+another `Description`; each is matched to every run, and runs add up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign, Channel
+from wheelhop.gate.drive import Drive, Match, Places, speeds_about
+
+Array = NDArray[np.float64]
+
+FACTORS = np.geomspace(0.2, 5.0, 33)
+"""By which a stated speed may be wrong: neighbours are a tenth apart, less than their reach."""
+RATES = (0.25, 0.5, 2.0, 4.0)
+DELAYS_S = tuple(sign * 0.02 * k for k in range(2, 11) for sign in (1, -1))
+"""Two loggers out of step; what lies between neighbours still shows. Less than a quarter of a
+wheel's period is a phase that laws the nominal vehicle lacks can make."""
+GRAVITY = 9.80665
+CONSTANT = {
+    "g": 1 / GRAVITY,
+    "mg": 1000 / GRAVITY,
+    "cm/s²": 100.0,
+    "mm/s²": 1000.0,
+    "ft/s²": 1 / 0.3048,
+}
+"""A record's number over the same in m/s²."""
+ALONE = ("g", "mm/s²")  # what a single channel may be in
+UNLIKE = 0.3
+"""Standard deviation of a run's gain about the campaign's, of its logarithm: what effects that the
+nominal vehicle lacks do to one run more than to another."""
+
+
+@dataclass(frozen=True)
+class Description:
+    """`kind` "" is the campaign as its files say; `channels` are those concerned; the true speed is
+    the stated one times `speed`, the true sample rate the stated one times `rate`."""
+
+    kind: str
+    words: str
+    places: Places
+    channels: tuple[str, ...] = ()
+    speed: float = 1.0
+    rate: float = 1.0
+
+
+def stated(channels: Sequence[Channel]) -> Description:
+    """The campaign as its files describe it."""
+    return Description("", "as described", _as_is(len(channels)))
+
+
+def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
+    """Mistakes that all runs share."""
+    n = len(channels)
+    same = _as_is(n)
+    for factor in FACTORS:
+        if abs(np.log(factor)) > np.log(1.2):  # within a hand-held speed there is no mistake
+            yield Description("speed", "", same, speed=float(factor))
+    for rate in RATES:
+        yield Description("sample-rate", "", same, rate=rate)
+    points = [c.point for c in channels]
+    for words, renamed in (
+        ("body and axle channels are", {"A": "B", "B": "A"}),
+        ("left and right are", {"1": "2", "2": "1", "3": "4", "4": "3"}),
+        ("front and rear are", {"1": "3", "3": "1", "2": "4", "4": "2"}),
+        ("front and rear, left and right are", {"1": "4", "4": "1", "2": "3", "3": "2"}),
+    ):
+        places = _renamed(points, renamed)
+        if places is not None:
+            yield Description("exchanged", words, places, tuple(c.name for c in channels))
+    for letter in "AB":
+        of_kind = [i for i, point in enumerate(points) if point[0] == letter]
+        if 1 < len(of_kind) < n:
+            names = tuple(channels[i].name for i in of_kind)
+            yield Description("polarity", "are", _inverted(n, of_kind), names)
+    late = [point[0] == "A" for point in points]
+    if any(late) and not all(late):
+        # A left side that is late is no sign of a clock: sides may meet a track at other times.
+        names = tuple(c.name for c, is_late in zip(channels, late, strict=True) if is_late)
+        for delay in DELAYS_S:
+            lags = tuple(delay * is_late for is_late in late)
+            words = f"the axles are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}"
+            yield Description("out-of-step", words, Places(same.order, same.gain, lags), names)
+    for i, unit in product(range(n), ALONE if n > 2 else ()):
+        gain = tuple(CONSTANT[unit] if k == i else 1.0 for k in range(n))
+        yield Description("units", unit, Places(same.order, gain), (channels[i].name,))
+    if n > 2:  # of two it cannot be told which one is inverted
+        for i in range(n):
+            yield Description("polarity", "is", _inverted(n, [i]), (channels[i].name,))
+    for i, point in enumerate(points):
+        other = point.translate(str.maketrans("AB", "BA"))
+        if len(point) == 2 and other in points:
+            order = list(range(n))
+            order[i] = points.index(other)
+            where = "on the axle" if point[0] == "B" else "on the body"
+            yield Description(
+                "misplaced", where, Places(tuple(order), (1.0,) * n), (channels[i].name,)
+            )
+    for i, j in combinations(range(n), 2):
+        if "body" not in (points[i], points[j]):
+            order = list(range(n))
+            order[i], order[j] = j, i
+            names = (channels[i].name, channels[j].name)
+            yield Description("swapped", "", Places(tuple(order), (1.0,) * n), names)
+
+
+def all_matches(drives: Sequence[Drive], descriptions: Sequence[Description]) -> list[list[Match]]:
+    """Every run (inner list) under every description (outer list)."""
+    found: dict[int, list[Match]] = {i: [] for i in range(len(descriptions))}
+    timing = [(d.speed, d.rate) for d in descriptions]
+    for speed, rate in dict.fromkeys(timing):
+        of_it = [i for i, each in enumerate(timing) if each == (speed, rate)]
+        places = [descriptions[i].places for i in of_it]
+        for drive in drives:
+            matched = drive.match(speeds_about(speed * drive.run.speed_m_s), places, rate)
+            for i, match in zip(of_it, matched, strict=True):
+                found[i].append(match)
+    return [found[i] for i in range(len(descriptions))]
+
+
+def log_likelihood(found: Sequence[Match]) -> float:
+    """Of all runs, their gains alike within `UNLIKE`."""
+    gains = np.array([np.log(m.gain) for m in found if m.has_gain])
+    spread = (
+        float(np.sum(np.minimum((gains - np.median(gains)) ** 2, 25.0 * UNLIKE**2)))
+        if len(gains)
+        else 0.0
+    )
+    return sum(m.log_likelihood for m in found) - spread / (2 * UNLIKE**2)
+
+
+def drivable(campaign: Campaign) -> bool:
+    """Whether any run says something of speed and places."""
+    return any(run.speed_m_s > 0 for run in campaign.runs)
+
+
+def _as_is(n: int) -> Places:
+    return Places(tuple(range(n)), (1.0,) * n)
+
+
+def _inverted(n: int, which: Sequence[int]) -> Places:
+    return Places(tuple(range(n)), tuple(-1.0 if i in which else 1.0 for i in range(n)))
+
+
+def _renamed(points: Sequence[str], renamed: dict[str, str]) -> Places | None:
+    """The places if every named point sat at the one whose name it becomes; None if one is
+    missing, or none changes."""
+    order = list(range(len(points)))
+    for i, point in enumerate(points):
+        if point[0] in "AB" and len(point) == 2:
+            other = "".join(renamed.get(letter, letter) for letter in point)
+            if other not in points:
+                return None
+            order[i] = points.index(other)
+    return None if order == list(range(len(points))) else Places(tuple(order), (1.0,) * len(order))

@@ -1,0 +1,266 @@
+"""How well a run's description explains its record: the likelihood of track, speed and places.
+
+Nothing is fitted. On a track that repeats, the nominal linear vehicle says which pattern of
+amplitudes and phases each harmonic of the pitch leaves on the channels, and the run's own spectral
+matrix says how much of its power has that pattern. Any other description (the speed in m/s, left
+and right exchanged, another run's track) gives another pattern at other frequencies; the one that
+explains most is the likeliest. On a track that does not repeat, or that nobody surveyed, the rear
+axle follows the front one after a wheelbase.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign, Run, TrackSpec
+from wheelhop.gate.spectra import Spectra
+from wheelhop.simulate import Model, frequency_response
+from wheelhop.track import make_track, wheel_envelope
+from wheelhop.vehicle import CORNERS, axle_name, corner_position
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+REACH = 0.12
+"""A speed held by hand stays within this fraction of the nominal one (`fit/start.py`)."""
+HARMONICS = 4
+STEP_HZ = 0.05  # of the nominal vehicle's response
+SAMPLES = 128  # of a wheel's path within one pitch
+MOST = 0.99
+"""Share beyond which no nominal model explains: its numbers are uncertain by 10 %."""
+TOLD = 0.3
+"""Share from which the gain of a record over its prediction says something."""
+
+BROAD = 1 / 3
+"""A delay is told from a record that fills so much of its band: what repeats would fit many."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Which predicted column each recorded one holds, (c,), with which gain, (c,), and how much
+    too late, s, (c,); empty if all are in step."""
+
+    order: tuple[int, ...]
+    gain: tuple[float, ...]
+    late_s: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Match:
+    """How well a description explains a run: the share of its power, the gain of the record over
+    the prediction (NaN: not told), the speed at which that is so, m/s, and the logarithm of the
+    likelihood."""
+
+    share: float
+    gain: float
+    speed_m_s: float
+    log_likelihood: float
+
+    @property
+    def has_gain(self) -> bool:
+        """Whether the gain means anything."""
+        return bool(np.isfinite(self.gain) and self.share > TOLD)
+
+
+class Drive(Protocol):
+    """A run that says something of its speed."""
+
+    @property
+    def run(self) -> Run:
+        """The run."""
+
+    def match(self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0) -> list[Match]:
+        """How well the best of some speeds explains the run, for several ways in which its channels
+        may be placed; ``rate`` is the true sample rate over the stated one."""
+
+    def is_told(self, speed: float, gain: float) -> bool:
+        """Whether the run should hold more than noise at the stated speed times `speed`, its record
+        being exp(`gain`) times what is predicted."""
+
+
+class Nominal:
+    """What the nominal linear vehicle makes of any periodic track at any speed."""
+
+    def __init__(self, campaign: Campaign, values: Mapping[str, float]) -> None:
+        self.values = values
+        self.grid_hz = np.arange(STEP_HZ, 2 * campaign.band_hz[1], STEP_HZ)
+        unknown = {
+            f"channel.{c.name}.{axis}": 0.0
+            for c in campaign.channels
+            if c.point == "body"
+            for axis in ("x_m", "y_m")
+        }
+        system = Model(values={**values, **unknown}).system(campaign.channels, "road")
+        response = frequency_response(system, self.grid_hz)
+        self._response = response * np.sinc(self.grid_hz * campaign.averaging_s)[:, None, None]
+        self._paths: dict[tuple[object, ...], ComplexArray] = {}
+
+    def at(self, frequency_hz: Array) -> ComplexArray:
+        """Response (…, c, 4) at the grid's points next to some frequencies."""
+        step = self.grid_hz[1] - self.grid_hz[0]
+        index = np.rint((frequency_hz - self.grid_hz[0]) / step).astype(int)
+        return np.asarray(self._response[np.clip(index, 0, len(self.grid_hz) - 1)])
+
+    def paths(self, spec: TrackSpec) -> ComplexArray:
+        """Amplitudes (HARMONICS, 4), m, of what the wheels' centres do on a periodic track."""
+        key = (spec.kind, *sorted(spec.values.items()))
+        if key not in self._paths:
+            self._paths[key] = self._follow(spec)
+        return self._paths[key]
+
+    def _follow(self, spec: TrackSpec) -> ComplexArray:
+        track = make_track(spec)
+        pitch = track.period_m or 1.0
+        x = np.arange(SAMPLES) * pitch / SAMPLES
+        height = np.empty((SAMPLES, 4))
+        for i in CORNERS:
+            radius = self.values[f"wheel.{axle_name(i)}.radius_m"]
+            path = wheel_envelope(track, corner_position(self.values, i)[1], radius, 0.0, pitch)
+            height[:, i] = path.height(x)
+        shape = np.fft.rfft(height, axis=0)[1 : HARMONICS + 1] * 2 / SAMPLES
+        behind = np.array([0.0, 0.0, 1.0, 1.0]) * self.values["geometry.wheelbase_m"]
+        order = np.arange(1, HARMONICS + 1)[:, None]
+        return np.asarray(shape * np.exp(-2j * np.pi * order * behind / pitch))
+
+
+@dataclass(frozen=True, eq=False)
+class OnWaves:
+    """A run over a track that repeats."""
+
+    spectra: Spectra
+    nominal: Nominal
+    pitch_m: float
+    paths: ComplexArray
+
+    @property
+    def run(self) -> Run:
+        """The run."""
+        return self.spectra.run
+
+    def match(self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0) -> list[Match]:
+        """By the pattern of the pitch's harmonics, their amplitudes in the proportion predicted."""
+        predicted, measured = self._predicted(speeds_m_s, rate)
+        frequency = speeds_m_s[:, None] * np.arange(1, HARMONICS + 1) / self.pitch_m
+        total = max(float(self.spectra.power.sum()), 1e-300)
+        found = []
+        for place in places:
+            r = predicted[:, :, list(place.order)] * np.array(place.gain)
+            if place.late_s:
+                r = r * np.exp(-2j * np.pi * frequency[..., None] * np.array(place.late_s))
+            along = np.einsum("vkc,vkcd,vkd->vk", r.conj(), measured, r).real  # |r|² |q|²
+            reach = np.sqrt(np.maximum(along, 0.0)).sum(axis=1)  # Σ |r| |q|
+            size = np.maximum((np.abs(r) ** 2).sum(axis=(1, 2)), 1e-300)
+            share = np.minimum(reach**2 / size / 2 / total, MOST)
+            best = int(np.argmax(share))
+            likely = _log_likelihood(self.spectra, float(share[best]))
+            gain, speed = float(reach[best] / size[best]), float(speeds_m_s[best])
+            found.append(Match(float(share[best]), gain, speed, likely))
+        return found
+
+    def predicted_power(self, speed: float = 1.0) -> float:
+        """Mean square, m²/s⁴, summed over channels, that the track should cause in band at the
+        stated speed times `speed`."""
+        predicted = self._predicted(np.array([speed * self.run.speed_m_s]), 1.0)[0]
+        return float(np.sum(np.abs(predicted) ** 2) / 2)
+
+    def is_told(self, speed: float, gain: float) -> bool:
+        """Whether the track should cause more than the noise that the record at least holds."""
+        expected = np.exp(2 * gain) * self.predicted_power(speed)
+        return bool(expected > len(self.spectra.power) * self.spectra.quietest())
+
+    def _predicted(self, speeds_m_s: Array, rate: float) -> tuple[ComplexArray, ComplexArray]:
+        """Lines as predicted (v, k, c) and the spectral matrix there (v, k, c, c)."""
+        frequency = speeds_m_s[:, None] * np.arange(1, HARMONICS + 1) / self.pitch_m  # true
+        seen, grid = frequency / rate, self.spectra.frequency_hz
+        inside = (seen >= grid[0]) & (seen <= grid[-1]) & (frequency <= self.nominal.grid_hz[-1])
+        index = np.rint((seen - grid[0]) / self.spectra.step_hz).astype(int)
+        measured = self.spectra.lines[np.clip(index, 0, len(grid) - 1)] * inside[..., None, None]
+        response = self.nominal.at(frequency) * inside[..., None, None]
+        return np.einsum("vkcw,kw->vkc", response, self.paths), measured
+
+
+@dataclass(frozen=True, eq=False)
+class Passing:
+    """A run over anything else: the rear axle's channels follow the front's."""
+
+    spectra: Spectra
+    wheelbase_m: float
+    pairs: tuple[tuple[int, int], ...]
+
+    @property
+    def run(self) -> Run:
+        """The run."""
+        return self.spectra.run
+
+    def match(self, speeds_m_s: Array, places: Sequence[Places], rate: float = 1.0) -> list[Match]:
+        """By the correlation of the rear axle with the front one, a wheelbase later, every
+        frequency counting alike."""
+        lag = self.wheelbase_m / speeds_m_s
+        turn = np.exp(2j * np.pi * np.outer(lag, self.spectra.frequency_hz * rate))
+        cross = (turn @ self._coherency).real.reshape(len(lag), *self._shape)  # (v, c, c)
+        found = []
+        for place in places:
+            correlation = np.zeros(len(lag))
+            for front, rear in self.pairs:
+                f, r = place.order[front], place.order[rear]
+                correlation += (
+                    np.sign(place.gain[f] * place.gain[r]) * cross[:, r, f] / len(self.pairs)
+                )
+            best = int(np.argmax(correlation))
+            share = min(max(float(correlation[best]), 0.0) ** 2, MOST)
+            likely = -self.spectra.resolved * float(np.log1p(-share))
+            found.append(Match(share, float("nan"), float(speeds_m_s[best]), likely))
+        return found
+
+    def is_told(self, speed: float, gain: float) -> bool:
+        """A record that fills its band is."""
+        return True
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        return self.spectra.lines.shape[1], self.spectra.lines.shape[2]
+
+    @cached_property
+    def _coherency(self) -> ComplexArray:
+        """Spectral matrix over the geometric mean of the two spectra (f, c · c), per frequency."""
+        power = np.einsum("fcc->fc", self.spectra.lines).real
+        size = np.sqrt(np.maximum(power[:, :, None] * power[:, None, :], 1e-300))
+        scaled = self.spectra.lines / size / len(self.spectra.frequency_hz)
+        return np.asarray(scaled.reshape(len(scaled), -1))
+
+
+def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | None:
+    """What a run says of its speed; None if it stands, or has no two axles to compare."""
+    run = spectra.run
+    if run.speed_m_s <= 0:
+        return None
+    if run.track.kind not in ("unknown", "flat"):
+        period = make_track(run.track).period_m
+        way = run.speed_m_s * float(run.time_s[-1] - run.time_s[0])
+        if period is not None and 2 * period < way:
+            return OnWaves(spectra, nominal, period, nominal.paths(run.track))
+    points = [channel.point for channel in campaign.channels]
+    pairs = tuple(
+        (points.index(front), points.index(rear))
+        for front, rear in (("A1", "A3"), ("A2", "A4"))
+        if front in points and rear in points
+    )
+    told = pairs and spectra.spread([column for pair in pairs for column in pair]) > BROAD
+    return Passing(spectra, nominal.values["geometry.wheelbase_m"], pairs) if told else None
+
+
+def speeds_about(speed_m_s: float, reach: float = REACH, count: int = 17) -> Array:
+    """Speeds within a fraction of one, m/s."""
+    return np.asarray(speed_m_s * np.linspace(1 - reach, 1 + reach, count))
+
+
+def _log_likelihood(spectra: Spectra, share: float) -> float:
+    """Of a description that explains a share of the power, over one that explains nothing: normal
+    residuals, half a second of which count as one number."""
+    return -0.5 * spectra.blocks * float(np.log1p(-share))

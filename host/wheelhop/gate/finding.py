@@ -1,0 +1,44 @@
+"""What the gate and the critic say: one sentence with its evidence, and what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from math import log
+from typing import Literal
+
+FALSE_ALARM = 1e-3
+"""The chance that a test of the gate speaks up although nothing is wrong. Chosen once, for all."""
+
+When = Literal["before", "after"]
+Severity = Literal["certain", "likely", "possible"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing to know before a verdict is believed.
+
+    `when` is "before" a fit (the gate: the campaign is not what its files say) or "after" it (the
+    critic: what the fit's own numbers betray). `kind` is the same word for the same mistake;
+    `about` says where: a key, a run, channels, a parameter. `text` is one sentence with the
+    evidence, `remedy` what to do.
+    """
+
+    when: When
+    kind: str
+    about: str
+    text: str
+    remedy: str
+    severity: Severity = "likely"
+
+
+def needed(tried: int) -> float:
+    """By how much the logarithm of a likelihood must rise before one of `tried` other descriptions
+    is preferred: a ratio of ``tried / FALSE_ALARM`` comes by chance with at most `FALSE_ALARM`
+    (Wasserman, Ramdas, Balakrishnan, PNAS 117 (2020) 16880, theorem 1; Bonferroni)."""
+    return log(max(tried, 1) / FALSE_ALARM)
+
+
+def to_json(findings: Iterable[Finding]) -> list[dict[str, str]]:
+    """As `diagnose --json` and `compare --json` write them."""
+    return [asdict(finding) for finding in findings]

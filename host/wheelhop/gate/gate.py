@@ -1,0 +1,92 @@
+"""The gate: before anything is fitted, is the campaign what its files say it is?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wheelhop.campaign import Campaign, ComponentCampaign
+from wheelhop.gate.drive import Nominal, drive_of
+from wheelhop.gate.finding import Finding
+from wheelhop.gate.numbers import number_findings
+from wheelhop.gate.places import likeliest
+from wheelhop.gate.records import (
+    copy_findings,
+    find_copies,
+    noise_findings,
+    rigid_findings,
+    same_signal_findings,
+)
+from wheelhop.gate.runs import run_findings
+from wheelhop.gate.sensors import sensor_findings
+from wheelhop.gate.spectra import Spectra, spectra_of
+from wheelhop.gate.units import gravity_findings, unit_findings
+from wheelhop.vehicle import Vehicle
+
+
+@dataclass(frozen=True, eq=False)
+class Gated:
+    """What was found, and the campaign without what gives no signal."""
+
+    findings: tuple[Finding, ...]
+    campaign: Campaign
+
+
+def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
+    """Look for the mistakes people make, in the order in which one hides the next.
+
+    Sensors first; then the vehicle's numbers and what recordings say by themselves; then, as far as
+    these are in order, whether tracks, speeds and places explain the runs. Of a component on a rig
+    the recordings alone are judged.
+    """
+    if isinstance(campaign, ComponentCampaign):
+        return Gated(tuple(copy_findings(find_copies(campaign))), campaign)
+    findings, sound = sensor_findings(campaign)
+    findings += gravity_findings(sound)
+    copies = list(find_copies(campaign))
+    findings += copy_findings(copies)
+    findings += same_signal_findings(sound)
+    numbers = list(number_findings(vehicle))
+    findings += numbers
+    spectra = [spectra_of(run, sound.sample_rate_hz, sound.band_hz) for run in sound.runs]
+    if not numbers and not _of(findings, "units"):
+        findings += _driven(sound, vehicle, spectra, {run.id for c in copies for run in c.runs})
+    if not _of(findings, "units"):
+        findings += noise_findings(sound, spectra)
+    if not _of(findings, "polarity", "swapped", "exchanged", "misplaced"):
+        findings += rigid_findings(sound, spectra)
+    return Gated(tuple(_once(findings)), sound)
+
+
+def _driven(
+    campaign: Campaign, vehicle: Vehicle, spectra: list[Spectra], copied: set[str]
+) -> list[Finding]:
+    """What tracks, speeds and places say; of runs that are copies it is known already."""
+    nominal = Nominal(campaign, vehicle.values)
+    drives = [drive for s in spectra if (drive := drive_of(campaign, s, nominal)) is not None]
+    if not drives:
+        return []
+    runs, mistake = likeliest(campaign, drives)
+    findings = [] if mistake is None else [mistake]
+    if runs.description.kind in ("", "speed"):
+        findings += unit_findings(campaign, vehicle, runs)
+    if not _of(findings, "units"):
+        findings += run_findings(runs, copied)
+    return findings
+
+
+def _of(findings: list[Finding], *kinds: str) -> bool:
+    return any(finding.kind in kinds for finding in findings)
+
+
+def _once(findings: list[Finding]) -> list[Finding]:
+    """Each kind of mistake about the same things once, the surer first."""
+    order = ("certain", "likely", "possible")
+    kept: dict[tuple[str, str], Finding] = {}
+    for finding in sorted(findings, key=lambda f: order.index(f.severity)):
+        kept.setdefault((finding.kind, _named(finding.about)), finding)
+    return list(kept.values())
+
+
+def _named(about: str) -> str:
+    words = about.replace(",", " ").replace(" and ", " ").split()
+    return " ".join(sorted(w for w in words if w not in ("channel", "channels")))

@@ -1,0 +1,168 @@
+"""Recordings against each other: copies, one signal twice, noise stated that is not there."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign, Run
+from wheelhop.campaign.types import BODY_POINTS
+from wheelhop.gate.finding import Finding
+from wheelhop.gate.spectra import Spectra
+
+Array = NDArray[np.float64]
+
+LEAST_S = 0.5
+"""Two recordings that share so long a stretch, sample by sample, are cut from one."""
+WINDOW = 16  # samples in a row
+SAME_PHASES = 0.5
+"""Half of all phases alike, over the whole spectrum: noise, which never repeats, is most of it."""
+ALIKE = 0.02  # sizes of two copies, whatever was rounded or taken out of the mean
+SAME_SIGNAL = 1e-4  # of the power, left of the difference of two columns
+NOISE = 1.5  # by which an estimate of the noise from a record may be off
+UNIT = 5.0  # and by which stated noise is in another unit
+FLAT_BODY = 1 / 8
+"""Share of warp in what the body points do: of four unrelated signals a quarter, of a rigid body
+none; frames that twist stay far below half of the former."""
+
+
+@dataclass(frozen=True)
+class Copy:
+    """Two runs whose recordings are the same over so many seconds."""
+
+    runs: tuple[Run, Run]
+    seconds: float
+
+
+def find_copies(campaign: Campaign) -> Iterator[Copy]:
+    """Recordings that are the same, or overlap, each pair once: linear in the number of runs."""
+    named: set[tuple[str, str]] = set()
+    for copy in (*_shared_windows(campaign), *_same_phases(campaign)):
+        first, second = sorted(run.id for run in copy.runs)
+        if (first, second) not in named:
+            named.add((first, second))
+            yield copy
+
+
+def copy_findings(copies: Iterable[Copy]) -> Iterator[Finding]:
+    """What is to be said of them."""
+    for copy in copies:
+        a, b = copy.runs
+        leak = " a held-out run that was fitted tests nothing," if a.role != b.role else ""
+        yield Finding(
+            "before",
+            "copy",
+            f"runs {a.id} and {b.id}",
+            f"The recordings of {a.id} and {b.id} are the same over {copy.seconds:.1f} s,{leak}"
+            " noise included.",
+            "Leave one of them out, or cut them so that they do not overlap.",
+            "certain",
+        )
+
+
+def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
+    """Pairs that share windows of samples (rounded to 0.01 of their unit) one after the other,
+    which noise forbids."""
+    seen: dict[bytes, tuple[int, int]] = {}
+    shared: Counter[tuple[int, int, int]] = Counter()
+    for k, run in enumerate(campaign.runs):
+        rounded = np.round(run.record, 2) + 0.0
+        moved = np.append(0, np.cumsum(np.any(np.diff(rounded, axis=0) != 0.0, axis=1)))
+        for i in range(len(rounded) - WINDOW):
+            if moved[i + WINDOW] - moved[i] > WINDOW / 2:  # not at rest
+                other, j = seen.setdefault(rounded[i : i + WINDOW].tobytes(), (k, i))
+                if other != k:
+                    shared[other, k, i - j] += 1
+    longest: dict[tuple[int, int], int] = {}
+    for (a, b, _), count in shared.items():
+        longest[a, b] = max(longest.get((a, b), 0), count + WINDOW)
+    for (a, b), count in longest.items():
+        seconds = count / campaign.sample_rate_hz
+        if seconds > LEAST_S:
+            yield Copy((campaign.runs[a], campaign.runs[b]), seconds)
+
+
+def _same_phases(campaign: Campaign) -> Iterator[Copy]:
+    """Neighbours in size whose phases agree at all frequencies but for one shift in time."""
+    size = np.array([run.record.std(axis=0) for run in campaign.runs])
+    for i, j in pairwise(np.argsort(size.sum(axis=1))):
+        if np.all(np.abs(size[i] - size[j]) <= ALIKE * size[j]):
+            a, b = campaign.runs[i], campaign.runs[j]
+            n = min(len(a.record), len(b.record))
+            # Without a window, what leaks from one strong line has one phase everywhere.
+            window = np.hanning(n)[:, None]
+            cross = np.fft.rfft(window * a.record[:n], axis=0)
+            cross *= np.fft.rfft(window * b.record[:n], axis=0).conj()
+            cross /= np.maximum(np.abs(cross), 1e-300)
+            alike = np.fft.irfft(cross, n, axis=0).mean(axis=1).max()
+            if alike > SAME_PHASES:
+                yield Copy((a, b), n / campaign.sample_rate_hz)
+
+
+def same_signal_findings(campaign: Campaign) -> Iterator[Finding]:
+    """Two channels that hold one signal: a wire on two inputs, a column copied."""
+    records = [run.record - run.record.mean(axis=0) for run in campaign.runs]
+    products = sum(r.T @ r for r in records)
+    power = np.diag(products)
+    for i, j in combinations(range(len(power)), 2):
+        apart = power[i] + power[j] - 2 * products[i, j]
+        if power[i] > 0 and apart < SAME_SIGNAL * (power[i] + power[j]):
+            a, b = campaign.channels[i].name, campaign.channels[j].name
+            yield Finding(
+                "before",
+                "same-signal",
+                f"channels {a} and {b}",
+                f"{a} and {b} hold the same signal: {100 * apart / (power[i] + power[j]):.1g} % of"
+                " their power differs, less than two sensors' noise.",
+                f"Look at the wiring and at the export of {a} and {b}.",
+                "certain",
+            )
+
+
+def noise_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[Finding]:
+    """The stated noise against the quietest quarter of band and runs."""
+    if campaign.noise_rms is None or not spectra:
+        return
+    quietest = min(spectra, key=lambda s: s.quietest())
+    rms = float(np.sqrt(quietest.quietest()))
+    ratio = campaign.noise_rms / max(rms, 1e-300)
+    if 1 / UNIT < ratio < NOISE:
+        return
+    key = campaign.noise_key
+    what = "more" if ratio > 1 else "less"
+    yield Finding(
+        "before",
+        "noise",
+        key,
+        f"{key} = {campaign.noise_rms:.3g} is {what} than the recordings hold where they are"
+        f" quietest: {rms:.2g} {campaign.unit} in run {quietest.run.id}.",
+        f"State the noise in band in {campaign.unit}, as a recording at rest shows it, or leave"
+        " the key out.",
+        "certain" if ratio > 1 else "likely",
+    )
+
+
+def rigid_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[Finding]:
+    """Whether B1 … B4 can belong to one rigid body: B1 − B2 − B3 + B4 = 0, whatever moves it."""
+    points = [channel.point for channel in campaign.channels]
+    if not spectra or any(points.count(point) != 1 for point in BODY_POINTS):
+        return
+    body = [points.index(point) for point in BODY_POINTS]
+    of_body = sum(s.lines[:, body][:, :, body].sum(axis=0) for s in spectra)
+    warp = np.array([1.0, -1.0, -1.0, 1.0]) / 2
+    share = float((warp @ of_body @ warp).real / max(np.trace(of_body).real, 1e-300))
+    if share > FLAT_BODY:
+        names = ", ".join(campaign.channels[i].name for i in body)
+        yield Finding(
+            "before",
+            "not-rigid",
+            f"channels {names}",
+            f"{names} cannot sit on one rigid body: B1 − B2 − B3 + B4, which is zero on it, holds"
+            f" {100 * share:.0f} % of their motion (four unrelated signals: 25 %).",
+            "Look at the four sensors' places, signs and gains before a spring is blamed.",
+        )

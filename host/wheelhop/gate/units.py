@@ -1,0 +1,117 @@
+"""Are the records in m/s²? By the gravity they kept, and by what track and vehicle should cause."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign
+from wheelhop.gate.descriptions import CONSTANT, GRAVITY
+from wheelhop.gate.drive import OnWaves
+from wheelhop.gate.finding import FALSE_ALARM, Finding, needed
+from wheelhop.gate.runs import HEIGHT, Runs
+from wheelhop.vehicle import Vehicle
+
+Array = NDArray[np.float64]
+
+KEPT = 0.03  # of 1 g: gains are that good, and sensors that upright
+OFFSET = 0.3  # units, standard deviation of a channel's offset, any sensor's
+SUSTAINED_M_S2 = 50.0
+"""No vehicle holds a mean of 5 g: such a mean is no acceleration."""
+OTHER = 0.2
+"""Standard deviation, of the logarithm, by which effects the nominal vehicle lacks change how much
+all runs move together; what is believed of its numbers comes on top."""
+
+
+def gravity_findings(campaign: Campaign) -> Iterator[Finding]:
+    """By the channels' means over all runs: of g, of codes."""
+    mean = np.mean([run.record.mean(axis=0) for run in campaign.runs], axis=0)
+    names = ", ".join(c.name for c in campaign.channels)
+    if np.all(np.abs(mean) > SUSTAINED_M_S2):
+        low, high = np.abs(mean).min(), np.abs(mean).max()
+        yield Finding(
+            "before",
+            "units",
+            f"units of {names}",
+            f"The channels' means lie between {low:.0f} and {high:.0f}, as a converter's codes or"
+            " mg do, and no vehicle holds 5 g.",
+            "Give calibration.toml beside campaign.toml, or convert to m/s².",
+            "certain",
+        )
+        return
+    near = np.abs(np.abs(mean) - 1.0) < KEPT
+    chance = 2 * KEPT * np.exp(-0.5 / OFFSET**2) / (OFFSET * np.sqrt(2 * pi)) * 2
+    if near.all() and len(mean) * log(1 / chance) > log(1 / FALSE_ALARM):
+        yield Finding(
+            "before",
+            "units",
+            f"units of {names}",
+            f"The channels' means are {mean.min():.2f} to {mean.max():.2f}: gravity in g, not in"
+            " m/s².",
+            f"Multiply the recordings by {GRAVITY}.",
+            "certain",
+        )
+
+
+def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[Finding]:
+    """By how much more, or less, the runs move than the nominal vehicle would on their tracks."""
+    told = [
+        (d, m)
+        for d, m in zip(runs.drives, runs.found, strict=True)
+        if m.has_gain and isinstance(d, OnWaves)
+    ]
+    if not told:
+        return
+    gains = np.log([m.gain for _, m in told])
+    hertz = np.array([m.speed_m_s / d.pitch_m for d, m in told])
+    spread = float(np.hypot(OTHER, _believed(vehicle)))
+    candidates = {unit: np.full(len(gains), log(value)) for unit, value in CONSTANT.items()}
+    candidates["m/s"] = -np.log(2 * pi * hertz)
+    as_stated = float(np.mean(gains**2))
+    left = {unit: float(np.mean((gains - log_gain) ** 2)) for unit, log_gain in candidates.items()}
+    unit = min(left, key=lambda name: left[name])
+    common = float(np.median(gains))
+    if (as_stated - left[unit]) / (2 * spread**2) > needed(len(left)):
+        what = "velocities, m/s" if unit == "m/s" else f"recordings in {unit}, not m/s²"
+        also = [
+            f" (or track heights {'in ' + name if common > 0 else 'too large by as much'})"
+            for name, factor in HEIGHT.items()
+            if abs(abs(common) - log(factor)) < spread
+        ]
+        yield Finding(
+            "before",
+            "units",
+            f"units of {', '.join(c.name for c in campaign.channels)}",
+            f"All runs together hold {_times(common)} the motion that the nominal vehicle has on"
+            f" their tracks: {what}{''.join(also[:1])}.",
+            "Convert the recordings to m/s² (wheelhop convert), and look at the tracks' heights.",
+        )
+        return
+    height = min(
+        (s * log(f) for f in HEIGHT.values() for s in (-1, 1)), key=lambda x: abs(common - x)
+    )
+    if (common**2 - (common - height) ** 2) / (2 * spread**2) > needed(2 * len(HEIGHT)):
+        yield Finding(
+            "before",
+            "heights",
+            "track.amplitude_mm of all runs",
+            f"All runs together hold {_times(common)} the motion that tracks of the"
+            " stated heights cause.",
+            "Look at the tracks' heights: keys ending in _mm take millimetres, from the middle to"
+            " the crest.",
+        )
+        return
+
+
+def _believed(vehicle: Vehicle) -> float:
+    """Mean relative uncertainty of what decides how much a vehicle moves."""
+    keys = [k for k in vehicle.values if k.startswith(("body", "suspension", "wheel"))]
+    return float(np.mean([vehicle.uncertainty[k] / max(vehicle[k], 1e-12) for k in keys]))
+
+
+def _times(log_gain: float) -> str:
+    gain = float(np.exp(abs(log_gain)))
+    return f"{gain:.3g} times" if log_gain >= 0 else f"1/{gain:.3g} of"

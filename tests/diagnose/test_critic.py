@@ -1,0 +1,101 @@
+"""What a fit's own numbers betray, told from the numbers alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from wheelhop.compare import estimate_noise_between_samples
+from wheelhop.diagnose.critic import Number, _bounds, _laws, _moved, _untold
+from wheelhop.effects import load_effects
+
+LIBRARY = load_effects()
+INF = float("inf")
+
+
+def number(name, value, sd=0.01, mean=0.0, sigma=INF, lower=-INF, upper=INF, shape=False):
+    return Number(name, value, sd, mean, sigma, lower, upper, max(abs(value), 1e-3), shape)
+
+
+LOSS = number("digressive-damper.front_loss", 0.6, 0.02, lower=0.0, upper=1.0)
+KNEE = number("digressive-damper.knee_m_s", 0.01, 0.001, 0.2, 0.2, 0.01, shape=True)
+DAMPER = [LIBRARY["digressive-damper"]]
+
+
+def test_a_knee_at_rest_is_friction():
+    (finding,) = _laws([LOSS, KNEE], DAMPER)
+    assert "dry-friction" in finding.text and "dry-friction" in finding.remedy
+    assert finding.when == "after" and finding.about == KNEE.name
+
+
+def test_a_knee_that_is_told_from_rest_is_a_knee():
+    assert list(_laws([LOSS, replace(KNEE, value=0.15)], DAMPER)) == []
+
+
+def test_a_law_without_strength_is_none():
+    faint = replace(LOSS, value=0.03, sd=0.02)
+    (finding,) = _laws([faint, replace(KNEE, value=0.15)], DAMPER)
+    assert "no strength" in finding.text
+
+
+def test_a_number_on_its_bound_is_said_and_an_absent_amplitude_is_not():
+    mass = number("body.mass_kg", 4.0, 0.1, 200.0, 20.0, lower=4.0)
+    absent = replace(LOSS, value=0.0)
+    (finding,) = _bounds([mass, absent], DAMPER)
+    assert finding.about == "body.mass_kg" and finding.kind == "at-bound"
+
+
+@pytest.mark.parametrize(("value", "said"), [(229.0, False), (231.0, True), (160.0, True)])
+def test_three_standard_deviations(value, said):
+    found = list(_moved([number("body.mass_kg", value, 1.0, 200.0, 10.0)], []))
+    assert bool(found) == said
+
+
+def masses(sd):
+    names = ("body.mass_kg", "suspension.front.stiffness_N_m", "suspension.rear.stiffness_N_m")
+    return [number(name, 100.0, sd, 100.0, 10.0) for name in names]
+
+
+def test_the_common_scale_is_named_once():
+    """Ratios known to 0.1 %, the scale as well as it was believed."""
+    ones = np.ones((3, 3)) / 3
+    covariance = 10.0**2 * ones + 0.1**2 * (np.eye(3) - ones)
+    (finding,) = _untold(masses(1.0), covariance)
+    assert "common scale" in finding.about
+
+
+def test_what_only_belief_holds_is_named():
+    """The first number is as uncertain as before; the others the data have told."""
+    (finding,) = _untold(masses(1.0), np.diag([100.0, 0.01, 0.01]))
+    assert finding.about == "body.mass_kg"
+
+
+def test_what_the_data_have_told_is_not():
+    assert list(_untold(masses(1.0), np.diag([1.0, 1.0, 1.0]))) == []
+
+
+def test_every_declared_limit_is_a_parameter_with_that_bound(nominal):
+    declared = [(e, limit) for e in LIBRARY.values() for limit in e.becomes]
+    assert declared
+    for effect, limit in declared:
+        found = {p.name: p for p in effect.parameters_for(nominal.values, ())}
+        bound = getattr(found[limit.parameter], limit.at)
+        assert np.isfinite(bound), (effect.id, limit)
+
+
+@pytest.fixture
+def nominal():
+    from pathlib import Path
+
+    from wheelhop.vehicle import read_vehicle
+
+    return read_vehicle(Path(__file__).parents[2] / "examples/clean/vehicle.toml")
+
+
+def test_noise_from_one_sample_to_the_next():
+    """White noise of 0.1 under a wave of a twentieth of the sample rate, thirty times as large."""
+    rng, time = np.random.default_rng(0), np.arange(2000)
+    wave = 3.0 * np.sin(2 * np.pi * 0.02 * time)[:, None]
+    records = [wave + 0.1 * rng.normal(size=(2000, 4)) for _ in range(3)]
+    found = estimate_noise_between_samples(records, 0.59)
+    assert 0.6 < found / (0.1 * np.sqrt(0.59)) < 1.2
