@@ -103,7 +103,7 @@ def _no_vehicle(key: str, what: str, usual: str) -> Finding:
 
 
 def _left_over(vehicle: Vehicle) -> Iterator[Finding]:
-    sample = dict(_flat(tomllib.loads(VEHICLE.format(title=""))))
+    sample = dict(_flat(tomllib.loads(VEHICLE.format(title='""'))))
     relative = float(sample.pop("relative_uncertainty"))
     keys = [key for key in sample if key in vehicle.values and vehicle[key] != 0.0]
     alike = [
