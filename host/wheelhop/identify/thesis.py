@@ -78,8 +78,8 @@ def _table_2_1(body: StateSpace) -> Iterator[Row]:
     for count, pairs in published.TABLE_A_2.items():
         sigma, omega = incremental_model(STEP_TIME_S, responses, count)
         reason = (
-            "a first guess: it hangs on which eigenvalues are kept, which is not printed, and on"
-            " the integrator's noise in the printed case"
+            "a first guess: it hangs on which eigenvalues are kept, which is not printed, and"
+            " perhaps on the noise of the printed case's integrator"
         )
         yield from _pairs("A.2", count, pairs, sigma, omega, reason)
 
@@ -111,7 +111,7 @@ def _table_2_4(body: StateSpace) -> Iterator[Row]:
         yield _row("2.4", f"wheel hop by (2.27), {mass:g} kg, Hz", simple, ours, "")
         hop = _frequencies(balanced_reduction(ground_to_body(body, mass).part(0, 0), 6)[0])[-1]
         reason = (
-            "the printed frame gives way locally where the strut pushes it, which lowers the hop;"
+            "not known; a frame that gives way where the strut pushes it would lower the hop, and"
             " ours is stiff there"
         )
         yield _row("2.4", f"wheel hop of G_red, {mass:g} kg, Hz", model, hop, reason)
