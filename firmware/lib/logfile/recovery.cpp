@@ -18,9 +18,10 @@ bool is_good(FIL& file, uint32_t session, uint32_t position, Block& block) {
     return read_block(file, position, block) && block.good(session, position);
 }
 
-// The last good block, found by halving. Behind `end` there are always kPatience blocks that are not
-// good, or the end of the file: no reader gets past them.
-inline __attribute__((always_inline)) uint32_t last_good(FIL& file, uint32_t session, uint32_t blocks, Block& block) {
+// The last good block, found by halving. Behind `end` there are always kPatience blocks that are
+// not good, or the end of the file: no reader gets past them.
+inline __attribute__((always_inline)) uint32_t last_good(FIL& file, uint32_t session,
+                                                         uint32_t blocks, Block& block) {
     uint32_t good = 0;
     uint32_t end = blocks;
     while (end - good > 1) {

@@ -15,8 +15,8 @@ void Ring::begin(uint8_t scan_bytes) {
 bool Ring::add(uint32_t number, const uint8_t* scan, uint16_t late) {
     lost_ += number - next_;
     next_ = number + 1;
-    // The scans of a block are consecutive. Its own numbers tell, not the scan before this one: that
-    // one may have found no room.
+    // The scans of a block are consecutive. Its own numbers tell, not the scan before this one:
+    // that one may have found no room.
     const bool follows = filling().first_scan + filling().count == number;
     if (filling().count == capacity_ || (filling().count && !follows)) {
         if (waiting_) {

@@ -29,11 +29,11 @@ struct Card {
     int refuse = 0;          // so many of the next writes
     int fail_later = 0;      // accept them, and fail afterwards
     int writes = 0;
-    int commands[64] = {};       // how often each came
-    int bad_replies = 0;         // so many of the next answers to `bad_command` are `bad_reply`,
-    uint8_t bad_command = 0;     // and the command is not carried out
-    uint8_t bad_reply = 0xFF;    // 0xFF: no answer
-    uint32_t sheet_late_us = 0;  // before CSD and CID
+    int commands[64] = {};          // how often each came
+    int bad_replies = 0;            // so many of the next answers to `bad_command` are `bad_reply`,
+    uint8_t bad_command = 0;        // and the command is not carried out
+    uint8_t bad_reply = 0xFF;       // 0xFF: no answer
+    uint32_t sheet_late_us = 0;     // before CSD and CID
     bool sheet_says_bytes = false;  // whatever the card does
     bool knows_checks = true;       // CMD59
     int disturb = 0;                // so many of the next blocks arrive with a wrong bit,
