@@ -175,4 +175,4 @@ def test_the_example_of_an_own_effect_is_found_where_it_is_missing(own_effects, 
     base = fit_baseline(campaign, vehicle, progress=lambda text: None)
     first, *others = screen(base.workshop, base.rung.fit, list(own_effects.values()))
     assert first.variant.effect.id == effect.id
-    assert first.gain > 1.2 * max(other.gain for other in others)
+    assert first.score > 1.2 * max(other.score for other in others)

@@ -195,7 +195,7 @@ def sample_file(c: Campaign, v: Vehicle, rng: np.random.Generator) -> Asked:
 
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "vehicle.toml"
-        file.write_text(VEHICLE.format(title="mine"), encoding="utf-8")
+        file.write_text(VEHICLE.format(title='"mine"'), encoding="utf-8")
         sample = read_vehicle(file)
     mass = {"body.mass_kg": v["body.mass_kg"]}
     return c, sample.with_values(mass)

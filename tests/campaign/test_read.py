@@ -174,7 +174,7 @@ def test_rounded_time_stamps_are_uniform_enough(folder, rate_hz, decimals):
     assert len(read_campaign(folder).runs[0].time_s) == 4 * ROWS
 
 
-@pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.iterdir()))
+@pytest.mark.parametrize("name", sorted(p.parent.name for p in EXAMPLES.glob("*/campaign.toml")))
 def test_the_examples_are_valid(name):
     campaign = read_campaign(EXAMPLES / name)
     assert len(campaign.runs) == 18
@@ -204,7 +204,8 @@ def recordings(draw):
     channels = draw(st.lists(names, min_size=1, max_size=5, unique=True))
     places = st.sampled_from(["A1", "A4", "B2", "B3", "body"]) | st.tuples(finite, finite)
     where = {name: draw(places) for name in channels}
-    seeds = draw(st.tuples(st.integers(0, 2**32), st.integers(0, 2**32)))
+    # Two different ones: the same samples cannot be fitted and judge the fit.
+    seeds = draw(st.lists(st.integers(0, 2**32), min_size=2, max_size=2, unique=True))
     values = [np.random.default_rng(s).normal(size=(220, len(channels))) * 10.0 for s in seeds]
     return where, values
 

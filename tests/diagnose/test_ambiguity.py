@@ -15,6 +15,9 @@ class Twin(DryFriction):
 
     id = "twin"
 
+    def with_choice(self, choice):
+        return Twin(choice)
+
 
 @pytest.fixture(scope="module")
 def screened(tmp_path_factory):

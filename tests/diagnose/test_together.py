@@ -75,7 +75,7 @@ def test_a_loose_sensor_that_magnifies_friction(loose):
 
 def test_four_of_which_none_is_seen_alone(tmp_path):
     """Hand-held speed, friction and a driver on his seat, and wheels that leave the ground: until
-    the three are in the model it lands them at the wrong moments, and foresees less than before."""
+    the three are in the model it lands them at the wrong moments."""
     folder = truth.write_campaign(
         tmp_path,
         truth.PRESETS["formula-student"],
@@ -86,7 +86,7 @@ def test_four_of_which_none_is_seen_alone(tmp_path):
     library = {name: LIBRARY[name] for name in (*FIELD, "progressive-tyre")}
     workshop, look = look_at(folder, library)
     lifting = next(c for c in look.candidates if c.id == "tyre-lift-off")
-    assert lifting.rung.error_validate > look.rung.error_validate
+    assert not lifting.holds
     found = look_for_several(workshop, look, library, 4, quiet)
     assert found.chosen is not None
     assert {found.chosen.id, *found.chosen.beside.split(", ")} == set(FIELD)

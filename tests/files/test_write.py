@@ -163,6 +163,8 @@ def test_an_interruption_anywhere_is_one_line(after_s):
     """From the moment the program's own first line runs; before that Python is on its own."""
     code = (
         "import os, signal, sys, threading\n"
+        # A test run in a shell's background ignores interruptions, and so would what it starts.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"threading.Timer({after_s}, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
         "from wheelhop.cli.main import main\n"
         "sys.exit(main(['diagnose', 'examples/clean', '--jobs', '1']))"

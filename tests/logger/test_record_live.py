@@ -3,6 +3,7 @@
 import json
 import os
 import urllib.error
+import urllib.parse
 import urllib.request
 
 import numpy as np
@@ -83,4 +84,4 @@ def test_the_plot_comes_from_this_computer_alone():
         with pytest.raises(urllib.error.HTTPError):
             urllib.request.urlopen(plot.url + "etc", timeout=5)
         with pytest.raises(LoggerError, match="take another"):
-            LivePlot(live, int(plot.url.rsplit(":", 1)[1].strip("/")))
+            LivePlot(live, urllib.parse.urlsplit(plot.url).port)

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from wheelhop.files import InputError
 from wheelhop.report.model_file import _lines, write_model
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
@@ -48,8 +49,8 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(friction, tmp_path, mo
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pathlib.Path.replace", full)
-    with pytest.raises(OSError, match="No space"):
+    monkeypatch.setattr("os.replace", full)
+    with pytest.raises(InputError, match="No space"):
         write_model(file, friction.campaign, friction.vehicle, friction.diagnosis.ladder)
     assert [path.name for path in tmp_path.iterdir()] == ["model.toml"]
     assert file.read_text() == "an older one"

@@ -227,9 +227,9 @@ bool SdCard::take_sheet() {
         step_ = Identification;
         return true;
     }
-    const uint16_t id = crc16(sheet, sizeof sheet);
-    if (known_traits_ && id == id_ && traits_ != (known_traits_ & ~kKnown)) return false;
-    id_ = id;
+    const uint16_t told = crc16(sheet, sizeof sheet);
+    if (known_traits_ && told == id_ && traits_ != (known_traits_ & ~kKnown)) return false;
+    id_ = told;
     known_traits_ = traits_ | kKnown;
     state_ = Ready;
     return true;

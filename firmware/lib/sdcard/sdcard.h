@@ -52,7 +52,7 @@ class SdCard {
     bool take_sheet();
     void check_write();
     void deselect();
-    uint32_t address(uint32_t sector) const { return traits_ & kBySector ? sector : sector << 9; }
+    uint32_t address(uint32_t sector) const { return (traits_ & kBySector) ? sector : sector << 9; }
     uint16_t elapsed() const;
     void fall() { state_ = Down; }
 

@@ -163,10 +163,13 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
 
 
 def _best_of(variants: Sequence[Screened]) -> Screened:
-    """The best variant of an effect with the next few behind it."""
+    """The best variant of an effect with the next few behind it, and the next few starts of the
+    same form: to first order the wrong end of a grid may explain twice as much."""
     best, *others = sorted(variants, key=lambda s: -s.score)
-    near = [s for s in others if s.score > 0 and s.gain > NEAR * best.gain]
-    return replace(best, others=tuple(near[:FEW]))
+    others = [s for s in others if s.score > 0]
+    near = [s for s in others if s.gain > NEAR * best.gain][:FEW]
+    same = [s for s in others if s.variant.choice == best.variant.choice and s not in near]
+    return replace(best, others=(*near, *same[:FEW]))
 
 
 def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:
@@ -176,14 +179,13 @@ def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened
     if heights is None:
         return None
     parameters = effect.parameters_for(base.model.values, workshop.campaign.channels)
-    rss = max(base.rss - heights.gain * base.sigma**2, 0.0)
     return Screened(
         Variant(effect, "", heights.theta, tuple(parameters)),
         {},
         heights.gain,
         max(heights.freedom, 1.0),
         price=heights.gain - heights.worth,
-        error=float(np.sqrt(rss / sum(run.bench.energy for run in base.runs))),
+        error=float(np.sqrt(heights.rss / sum(run.bench.energy for run in base.runs))),
         signatures={run.bench.run.id: np.zeros((len(run.residual), 0)) for run in base.runs},
     )
 

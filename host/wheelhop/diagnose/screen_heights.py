@@ -8,7 +8,7 @@ not. And heights must be random: a residual of lines, which follow from the know
 
 from __future__ import annotations
 
-from math import exp, log
+from math import log
 from typing import NamedTuple
 
 from wheelhop.effects import Effect
@@ -20,14 +20,15 @@ they stand for friction, a stop or a wandering speed on tracks that repeat."""
 
 
 class Heights(NamedTuple):
-    """What heights of the best density would explain: its parameters, the drop of the sum of
-    squares in units of the base's noise, how much of that they are worth after their price, and the
-    degrees of freedom they spend."""
+    """What heights of the best density would explain: its parameters, the drop of the cost, how
+    much of that they are worth after their price, the degrees of freedom they spend, and the sum of
+    squares they leave."""
 
     theta: dict[str, float]
     gain: float
     worth: float
     freedom: float
+    rss: float
 
 
 def screen_heights(workshop: Workshop, base: Fit, effect: Effect) -> Heights | None:
@@ -36,16 +37,14 @@ def screen_heights(workshop: Workshop, base: Fit, effect: Effect) -> Heights | N
         return None
     theta, noise, found = _best(workshop, base, effect, coherent=True)
     _, other_noise, control = _best(workshop, base, effect, coherent=False)
-    gain = (base.rss - noise.rss) / base.sigma**2
     evidence = found.evidence(base.size, noise.sigma)
     is_ground = evidence > control.evidence(base.size, other_noise.sigma)
+    cost = sum(run.bench.cost(run.residual, base.sigma) for run in base.runs)
+    worth = 2.0 * (evidence + base.size * log(base.sigma)) + cost
+    gain = worth - found.log_volume
     if not is_ground or found.dispersion > RANDOM:
-        return Heights(theta, gain, -gain, found.freedom)
-    before = -0.5 * base.rss / base.sigma**2 - base.size * log(base.sigma)
-    # The evidence is that of the noise left. Other effects are screened at the base's noise: as
-    # much as a drop of the sum of squares would be worth there.
-    share = 1.0 - exp(-2.0 * (evidence - before) / base.size)
-    return Heights(theta, gain, base.size * share, found.freedom)
+        worth = -abs(gain)
+    return Heights(theta, gain, worth, found.freedom, noise.rss)
 
 
 def _best(

@@ -151,9 +151,18 @@ class Link:
         self.command("stream on" if on else "stream off")
 
     def files(self) -> dict[str, int]:
-        """The log files on the card and their sizes in bytes."""
-        lines = self.command("list", whole=_is_list, timeout_s=SLOW_REPLY_S).lines
+        """The log files on the card and their sizes in bytes.
+
+        A reply does not say how many lines it has, and a bad line may have lost one: what is told
+        twice in a row is believed.
+        """
+        before, lines = None, self._list()
+        while lines != before:
+            before, lines = lines, self._list()
         return {name: int(size) for name, size in (line.split() for line in lines)}
+
+    def _list(self) -> tuple[str, ...]:
+        return self.command("list", whole=_is_list, timeout_s=SLOW_REPLY_S).lines
 
     def get(self, name: str, block: int, count: int) -> tuple[dict[int, bytes], int]:
         """Pieces of a file by their offset, as many as came, and the file's size in bytes.
