@@ -10,6 +10,7 @@ from tests.truth import PRESETS, make_effect
 from tests.truth.campaign import write_campaign
 
 MACHINES = {
+    "dry-friction": {"tanh_front_N": 0.0, "tanh_rear_N": 70.0, "creep_m_s": 0.005},
     "sensor-mount": {"channel": "B2", "freq_hz": 24.5, "zeta": 0.05, "struck_m_s": 0.1},
     "engine-vibration": {
         "force_N": 120.0,

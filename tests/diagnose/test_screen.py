@@ -1,13 +1,15 @@
 """Screening: its score is the evidence that the full fit then finds, and what shows only in the
 runs held out is not passed over."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose.confirm import confirm
 from wheelhop.diagnose.judge import all_noise, at_noise
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.screen import screen, variants
 
 PERIOD = {"period_min_s": 1.8, "period_max_s": 6.4}
 UNSTEADY = {"speed-fluctuation": {"fraction": 3e-4, **PERIOD}}
@@ -54,3 +56,17 @@ def test_a_driver_unsteady_in_the_runs_held_out_alone(tmp_path, fraction, nearly
     few = ("speed-fluctuation", "engine-vibration", "dry-friction", "sensor-gain")
     diagnosis = diagnosed(folder, {name: LIBRARY[name] for name in few})
     assert diagnosis.verdict == ("speed-fluctuation",)
+
+
+def test_bounds_come_from_the_nominal_vehicle(tmp_path):
+    """A model that lacks friction may be fitted with a sixth of the spring; the stiffness of the
+    joint is bounded by what the spring really is."""
+    base = baseline_of(campaign(tmp_path, 51, {}))
+    fitted = base.rung.fit
+    spring = "suspension.front.stiffness_N_m"
+    soft = fitted.model.with_values({spring: fitted.model.values[spring] / 6.0})
+    friction = LIBRARY["dry-friction"]
+    before = variants(base.workshop, fitted, friction)
+    after = variants(base.workshop, replace(fitted, model=soft), friction)
+    assert [v.parameters for v in before] == [v.parameters for v in after]
+    assert [v.shapes for v in before] == [v.shapes for v in after]

@@ -32,7 +32,8 @@ def confirm(
     settled = any(nearly_all(base, rung, workshop.noise) for rung in beside)
     best: Fit | None = None
     for model in _starts(workshop, base, screened)[: len(SHARES)]:
-        free = effect_parameters(workshop.campaign, model, model.effects[-1])
+        effect = model.effects[-1]
+        free = effect_parameters(workshop.parameters_of(effect), model, effect)
         # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
         amplitudes = [f for f in free if not f.is_shape]
         if 0 < len(amplitudes) < len(free):

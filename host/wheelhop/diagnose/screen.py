@@ -92,7 +92,7 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
     found: list[Variant] = []
     for choice in effect.choices(channels):
         form = effect.with_choice(choice) if choice else effect
-        parameters = tuple(form.parameters_for(base.model.values, channels))
+        parameters = tuple(workshop.parameters_of(form))
         amplitudes = any(not p.is_shape for p in parameters)
         if not amplitudes and not any(form.per_run(setting) for setting in settings):
             continue
@@ -178,7 +178,7 @@ def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened
     heights = screen_heights(workshop, base, effect)
     if heights is None:
         return None
-    parameters = effect.parameters_for(base.model.values, workshop.campaign.channels)
+    parameters = workshop.parameters_of(effect)
     return Screened(
         Variant(effect, "", heights.theta, tuple(parameters)),
         {},

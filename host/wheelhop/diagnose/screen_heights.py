@@ -57,7 +57,7 @@ def _best(
         if run.bench.simulator.series is not None
     ]
     spectra = [Spectrum.of(ground, run.residual, run.residual) for run, ground in grounds]
-    parameters = effect.parameters_for(base.model.values, workshop.campaign.channels)
+    parameters = workshop.parameters_of(effect)
     given = sum(len(run.own) for run in base.runs) + len(base.shared)
     start = {p.name: p.starts[0] for p in parameters}
     noise = Noise(base.rss, base.size - given, workshop.noise)

@@ -67,9 +67,8 @@ class DryFriction(Effect):
         self.longest_step_s = LONGEST_STEP_S[form]
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
-        """Elastic before it slips. The creeping form is for models made by hand: beside the
-        elastic one it was chosen where it fits worse."""
-        return ("elastic",)
+        """What the joint does before it slips."""
+        return tuple(LONGEST_STEP_S)
 
     def with_choice(self, choice: str) -> DryFriction:
         """This effect with the law `choice`."""

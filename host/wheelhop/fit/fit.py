@@ -227,9 +227,7 @@ class _Problem:
                 replace(run, spread=run.bench.spread(run.residual, sigma)) for run in state.runs
             )
             return self._costed(replace(state, runs=runs, sigma=sigma))
-        channels = self.workshop.campaign.channels
-        free = self.density_free
-        parameters = effect.parameters_for(state.model.values, channels) if free else ()
+        parameters = self.workshop.parameters_of(effect) if self.density_free else ()
         rough = [(run, run.heights) for run in state.runs if run.heights is not None]
         spectra = [Spectrum.of(h.ground, run.data, run.residual) for run, h in rough]
         theta, noise = find_density(effect, parameters, state.model.theta(effect), spectra, noise)

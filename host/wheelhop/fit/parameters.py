@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
-from wheelhop.effects import Effect, RunSetting
+from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
 from wheelhop.simulate.run import INITIAL, PATH_KEYS
@@ -97,13 +97,13 @@ def _rig_start(run: RigRun) -> Iterator[Free]:
             yield Free(name, mean, sigma, sigma)
 
 
-def effect_parameters(campaign: Campaign, model: Model, effect: Effect) -> list[Free]:
-    """An effect's free parameters; nothing is believed of an amplitude beforehand. Those of a
-    density of heights are not among them: no derivative shows them."""
+def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Effect) -> list[Free]:
+    """Which of an effect's parameters are free; nothing is believed of an amplitude beforehand.
+    Those of a density of heights are not among them: no derivative shows them."""
     if effect.has_random_heights:
         return []
     free = []
-    for p in effect.parameters_for(model.values, campaign.channels):
+    for p in parameters:
         if p.switch:
             continue
         name = f"{effect.id}.{p.name}"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
+from wheelhop.effects import Effect, Parameter
 from wheelhop.fit.spread import cost, spread
 from wheelhop.simulate import Model, Response, Simulator, drive_of, make_simulator
 from wheelhop.vehicle import Drive, System
@@ -101,7 +102,8 @@ class Bench:
 
 
 class Workshop:
-    """All runs of a campaign on their benches, worked on by a few threads."""
+    """All runs of a campaign on their benches, worked on by a few threads; `model` is the nominal
+    vehicle."""
 
     def __init__(
         self,
@@ -112,6 +114,7 @@ class Workshop:
         jobs: int | None = None,
     ) -> None:
         self.campaign = campaign
+        self.nominal = model.values
         self._pool = ThreadPoolExecutor(jobs or min(os.cpu_count() or 1, 8))
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
         self._run_up_s = 0.0 if "rig" in self.drives else _run_up(self.systems(model))
@@ -126,6 +129,11 @@ class Workshop:
         """
         band = next(iter(self.benches.values())).band
         self.noise = 0.0 if rms is None else float(rms * np.sqrt(band.n / band.count))
+
+    def parameters_of(self, effect: Effect) -> Sequence[Parameter]:
+        """An effect's parameters on this vehicle. Their scales and bounds follow from its nominal
+        numbers: a model that lacks an effect may be fitted with a sixth of the spring."""
+        return effect.parameters_for(self.nominal, self.campaign.channels)
 
     def systems(self, model: Model) -> dict[Drive, System]:
         """Equations of motion of a model for every drive that occurs in the campaign."""
