@@ -23,7 +23,8 @@ NOMINAL_CODES_PER_G = 57e-3 / 3.0 * 1024
 NOMINAL_GAIN_LIMIT = 0.10  # 51 … 63 mV/g
 NOMINAL_ZERO_G_CODE = 511.5  # half the supply; the converter rounds down
 NOMINAL_ZERO_G_LIMIT_CODE = 0.3 / 3.0 * 1024  # 1.2 … 1.8 V on the z axis
-NOMINAL_CORNER_HZ = 50.0  # 32 kΩ ± 15 % with 0.1 µF
+NOMINAL_CORNER_HZ = 50.0  # 32 kΩ ± 15 % with 0.1 µF ± 10 %
+NOMINAL_CORNER_LIMITS = (0.15, 0.10)
 
 
 @dataclass(frozen=True)

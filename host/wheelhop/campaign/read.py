@@ -174,13 +174,10 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
 
 def _with_uncertainty(channels: tuple[Channel, ...], file: Path) -> tuple[Channel, ...]:
     from wheelhop.calibration import read_constants  # a campaign without constants does without
-    from wheelhop.campaign.recorded import scale_uncertainty
+    from wheelhop.campaign.recorded import with_uncertainty
 
     constants = read_constants(file)
-    return tuple(
-        replace(channel, scale_uncertainty=scale_uncertainty(constants, channel.name))
-        for channel in channels
-    )
+    return tuple(with_uncertainty(channel, constants) for channel in channels)
 
 
 def _in_order_of(

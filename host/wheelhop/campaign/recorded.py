@@ -1,16 +1,19 @@
 """From any recording on disk to what a campaign holds: m/s², at true time."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from wheelhop.calibration import Constants, nominal_constants, read_constants
-from wheelhop.calibration.constants import NOMINAL_CORNER_HZ
+from wheelhop.calibration.constants import NOMINAL_CORNER_HZ, NOMINAL_CORNER_LIMITS
+from wheelhop.campaign.types import Channel
 from wheelhop.exchange import read
 from wheelhop.logger import correct_clock, correct_sensor
 from wheelhop.logger.recording import CODE, Recording
 
 CROSS_AXIS = 0.01  # ADXL326, Analog Devices, data sheet rev. 0, table 1
+UNMEASURED_CORNER = float(np.hypot(*NOMINAL_CORNER_LIMITS) / np.sqrt(3))
 
 
 def read_recording(
@@ -34,16 +37,25 @@ def read_recording(
     return recording
 
 
-def scale_uncertainty(constants: Constants, channel: str) -> float:
-    """Standard uncertainty of what a channel shows, in proportion to the motion; 0 if unknown.
+def with_uncertainty(channel: Channel, constants: Constants) -> Channel:
+    """The channel with what its constants say of its gain and of the corner of its low-pass.
 
-    That of its gain, and what it shows of motion across its axis: ±1 % by the data sheet, taken as
-    rectangular (GUM 4.3.7), of motion about as large as that along it.
+    What it shows of motion across its axis, ±1 % by the data sheet, is taken as rectangular (GUM
+    4.3.7), of motion about as large as that along it. So are the tolerances of a corner that was
+    not measured. A channel without constants stays as it is.
     """
-    if channel not in {sensor.channel for sensor in constants.sensors}:
-        return 0.0
-    gain = constants.of(channel).gain
-    return float(np.hypot(gain.relative / 2, CROSS_AXIS / np.sqrt(3)))
+    if channel.name not in {sensor.channel for sensor in constants.sensors}:
+        return channel
+    known = constants.of(channel.name)
+    gain, across = known.gain.relative / 2, CROSS_AXIS / np.sqrt(3)
+    corner = known.corner_hz
+    return replace(
+        channel,
+        scale_uncertainty=float(np.hypot(gain, across)),
+        gain_uncertainty=gain,
+        corner_hz=corner.value if corner else NOMINAL_CORNER_HZ,
+        corner_uncertainty=corner.relative / 2 if corner else UNMEASURED_CORNER,
+    )
 
 
 def _calibrated(recording: Recording, constants: Constants) -> Recording:

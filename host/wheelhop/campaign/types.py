@@ -28,8 +28,10 @@ class Channel:
     `point` is "A1".."A4" (wheel axles), "B1".."B4" (suspension-to-body points), "body-xy" (on the
     sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
     sprung body, position unknown), or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
-    right. `scale_uncertainty` is the standard uncertainty of the channel's gain, relative, as its
-    calibration states it; 0 if nothing is stated.
+    right. `scale_uncertainty` is the standard uncertainty of what the channel shows, relative, as
+    its calibration states it, `gain_uncertainty` the gain's share in it; `corner_hz` that of the
+    sensor's low-pass, which was undone, `corner_uncertainty` how well it is known, relative. 0 if
+    nothing is stated.
     """
 
     name: str
@@ -39,6 +41,9 @@ class Channel:
     quantity: str = "acceleration"
     unit: str = "m/s²"
     scale_uncertainty: float = 0.0
+    gain_uncertainty: float = 0.0
+    corner_hz: float = 0.0
+    corner_uncertainty: float = 0.0
 
     @property
     def corner(self) -> int | None:

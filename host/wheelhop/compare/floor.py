@@ -27,7 +27,7 @@ class Floor:
     ``source`` is the key under which the campaign states the noise ("noise_rms_m_s2"), or
     "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel, in
     ``unit``, NaN where none could be estimated because the model predicts nothing; ``noise_key``
-    is its name in files.
+    is its name in files. ``scales`` is what of `error` their scales alone leave.
     """
 
     error: float
@@ -37,6 +37,7 @@ class Floor:
     noise_rms: Array
     noise_key: str
     unit: str
+    scales: float = 0.0
 
     @property
     def is_stated(self) -> bool:
@@ -67,7 +68,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     else:
         source, noise = "estimated", estimate_noise(records)
 
-    def error(role: str | None) -> float:
+    def error(role: str | None, noise: Array = noise) -> float:
         chosen = [r for r in records if role in (None, r.run.role)]
         expected = sum(float(r.band.n * np.sum(noise[r.predicted] ** 2)) for r in chosen)
         expected += sum(float(np.sum((r.measured * scale)[:, r.predicted] ** 2)) for r in chosen)
@@ -82,6 +83,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         noise,
         campaign.noise_key,
         campaign.unit,
+        error(None, np.zeros_like(noise)),
     )
 
 

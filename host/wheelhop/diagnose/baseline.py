@@ -70,8 +70,15 @@ def axle_driven(campaign: Campaign) -> Campaign | None:
 
 
 def comparison_of(workshop: Workshop, rung: Rung) -> Comparison:
-    """The fitted model against all runs."""
-    return compare(workshop.campaign, workshop.responses(rung.model), charged(rung))
+    """The fitted model against all runs. Gains are fitted: what is left of a scale's uncertainty is
+    what a sensor shows of motion across its axis."""
+    campaign = workshop.campaign
+    channels = tuple(
+        replace(c, scale_uncertainty=float(np.sqrt(c.scale_uncertainty**2 - c.gain_uncertainty**2)))
+        for c in campaign.channels
+    )
+    fitted = replace(campaign, channels=channels)
+    return compare(fitted, workshop.responses(rung.model), charged(rung))
 
 
 def charged(rung: Rung) -> dict[str, float]:

@@ -56,7 +56,7 @@ def grounds(
     floor = steps[-1].comparison.floor
     # The noise that a campaign states is taken at its word: what is more than that is not noise.
     tolerance = 0.0 if floor.is_stated else floor.tolerance
-    chance = by_chance(steps[-1].rung, noise, tolerance)
+    chance = by_chance(steps[-1].rung, noise, tolerance, steps[-1].allowed)
     accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
     if verdict[0] in stands:
         final, stand = steps[-1].rung, stands[verdict[0]]

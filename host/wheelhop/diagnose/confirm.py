@@ -47,7 +47,7 @@ def confirm(
     rough = validate(workshop, best, base.update)
     worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
     if worse and not settled:
-        return min(rough, refit(workshop, rough), key=lambda rung: rung.fit.cost)
+        return min(rough, refit(workshop, rough, base), key=lambda rung: rung.fit.cost)
     return rough
 
 
@@ -57,11 +57,15 @@ def _believable(found: Fit, free: Sequence[Free]) -> bool:
     return all(abs(values[f.name] - f.mean) < FAR * f.sigma for f in free)
 
 
-def refit(workshop: Workshop, rung: Rung) -> Rung:
+def refit(workshop: Workshop, rung: Rung, ahead: Rung | None = None) -> Rung:
     """Fit all parameters of a rung again, with all derivatives following the model; runs that stay
-    far above the others are placed on their track anew."""
-    model = placed_anew(workshop, rung)
-    return validate(workshop, fit(workshop, model, rung.fit.shared, workshop.of_role("fit")))
+    far above the others are placed on their track anew. A fit that has no hope to come as far as
+    the rung `ahead` ends early."""
+    model, benches = placed_anew(workshop, rung), workshop.of_role("fit")
+    # Unknown heights have another likelihood: what they cost says nothing of models without.
+    alike = ahead is not None and ahead.model.random_heights is model.random_heights is None
+    bar = ahead.fit.cost if ahead is not None and alike else -inf
+    return validate(workshop, fit(workshop, model, rung.fit.shared, benches, bar=bar))
 
 
 def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = False) -> Rung:

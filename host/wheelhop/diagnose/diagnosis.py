@@ -71,6 +71,11 @@ class Step:
         return self.rung.error_judging / self.floor
 
     @property
+    def allowed(self) -> float:
+        """Share of the signal's power by which model and scales may be wrong, noise apart."""
+        return self.comparison.floor.scales**2 + EXACT**2
+
+    @property
     def above_floor(self) -> bool:
         """Whether that is more than the floor is uncertain by and such models are exact to."""
         tolerated = self.floor * (1.0 + 2.0 * self.comparison.floor.tolerance)

@@ -21,7 +21,7 @@ from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 
 RIVALS = 2
-"""At least so many effects are simulated in full in the place of each one accepted."""
+"""So many effects are simulated in full in the place of each one accepted."""
 
 NEAR = 0.03
 """A rival that leaves only this share more is fitted in full before it is held against the effect
@@ -63,8 +63,8 @@ def exchange(
         progress(f"could another effect stand for {accepted.id}?")
         base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
         found = screen(workshop, base.fit, absent)
-        screened = worth_simulating(workshop, base, found, at_least=RIVALS)
-        rivals = [confirm(workshop, base, item) for item in screened]
+        screened = worth_simulating(workshop, base, found, at_least=RIVALS, reach=1.0)
+        rivals = [confirm(workshop, base, item, beside=[rung]) for item in screened]
         as_free = Incumbent(workshop, base).against(rung)
         if not rivals:
             stands[accepted.id] = Stand(as_free, as_free)

@@ -92,13 +92,17 @@ def noticeable(rung: Rung, noise: float) -> bool:
     return excess(rung, noise) > material(rung) + by_chance
 
 
-def by_chance(rung: Rung, noise: float, tolerance: float) -> float:
-    """Chance that noise leaves at least as much as a rung does, what is immaterial allowed for;
-    `tolerance` is the relative standard uncertainty of `noise`."""
+def by_chance(rung: Rung, noise: float, tolerance: float, allowed: float = 0.0) -> float:
+    """Chance that noise leaves at least as much as a rung does, what is immaterial allowed for, and
+    `allowed` as a share of the signal's power; `tolerance` is the relative standard uncertainty of
+    `noise`."""
     if noise == 0.0:
         return 1.0
-    spread = hypot(sqrt(2.0 / rung.judging.size), 2.0 * tolerance)
-    return 0.5 * erfc((excess(rung, noise) - material(rung)) / spread / sqrt(2.0))
+    judging = rung.judging
+    energy = sum(run.bench.energy for run in judging.runs) if allowed else 0.0
+    more = excess(rung, noise) - material(rung) - allowed * energy / (judging.size * noise**2)
+    spread = hypot(sqrt(2.0 / judging.size), 2.0 * tolerance)
+    return 0.5 * erfc(more / spread / sqrt(2.0))
 
 
 def unforeseen(rung: Rung, noise: float) -> bool:

@@ -19,7 +19,7 @@ from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.together import look_for_several
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, beliefs
 from wheelhop.fit import Workshop
 from wheelhop.gate import gate
 from wheelhop.identify import linearity
@@ -49,7 +49,8 @@ def diagnose(
     campaign, vehicle
         Records and nominal vehicle.
     effects
-        The library: effects by id.
+        The library: effects by id. What the campaign believes of tracks and sensors competes with
+        them (`beliefs`).
     max_effects
         The ladder has at most this many rungs above the baseline.
     jobs
@@ -64,6 +65,7 @@ def diagnose(
     """
     gated = gate(campaign, vehicle)
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
+    effects = {**effects, **beliefs(gated.campaign, vehicle)}
     diagnosis = climb(base, effects, max_effects=max_effects, progress=progress)
     diagnosis = replace(diagnosis, findings=(*gated.findings, *criticism(diagnosis)))
     if diagnosis.verdict == ("none",) or axle_driven(gated.campaign) is None:
@@ -119,9 +121,9 @@ def _look(
 ) -> Look:
     """Screen what is not in the model yet, simulate the best in full, choose one or none."""
     rung = step.rung
+    if rung.model.effects and not step.above_floor:
+        return Look(rung, (), (), None)  # such models are no more exact
     done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
-    if done and not step.above_floor:
-        return Look(rung, (), (), None)
     present = {effect.id for effect in rung.model.effects}
     left = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening {len(left)} effects")
@@ -130,7 +132,7 @@ def _look(
         return Look(rung, tuple(screened), (), None)
     incumbent = Incumbent(workshop, rung)
     candidates = _confirm_best(incumbent, screened, progress)
-    candidates = _refit_leaders(incumbent, candidates, progress)
+    candidates = _refit_leaders(incumbent, candidates, step.above_floor, progress)
     chosen = next((c for c in candidates if c.holds), None)
     return Look(rung, tuple(screened), tuple(candidates), chosen)
 
@@ -138,11 +140,15 @@ def _look(
 def _confirm_best(
     incumbent: Incumbent, screened: Sequence[Screened], progress: Progress
 ) -> list[Candidate]:
-    """Full simulation of the most promising effects, the best first."""
+    """Full simulation of the most promising effects, the best first. Once one reaches the noise,
+    only what screening puts beside it is a rival."""
     workshop, rung = incumbent.workshop, incumbent.rung
     chosen = worth_simulating(workshop, rung, screened)
+    near = worth_simulating(workshop, rung, screened, at_least=1)
     found: list[Candidate] = []
     for i, item in enumerate(chosen):
+        if item not in near and any(at_noise(c.rung, workshop.noise) for c in found):
+            continue
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
         confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])
         found.append(_judged(incumbent, item, confirmed, len(screened)))
@@ -150,7 +156,7 @@ def _confirm_best(
 
 
 def _refit_leaders(
-    incumbent: Incumbent, candidates: Sequence[Candidate], progress: Progress
+    incumbent: Incumbent, candidates: Sequence[Candidate], above_floor: bool, progress: Progress
 ) -> list[Candidate]:
     """The candidates, the best two that hold fitted with all derivatives; the best first.
 
@@ -158,17 +164,17 @@ def _refit_leaders(
     where its derivatives no longer hold: before none is believed, the best few are fitted so, too.
     """
     workshop, rung = incumbent.workshop, incumbent.rung
-    leaders = [c for c in candidates if c.holds][:2]
-    if len(leaders) == 2:
-        first, second = sorted(leaders, key=lambda c: c.rung.error_judging)
-        if second.rung.error_judging > HOPELESS * first.rung.error_judging:
-            leaders = [first]
-    if not leaders and not at_noise(rung, workshop.noise):
+    leaders = sorted((c for c in candidates if c.holds), key=lambda c: c.rung.error_judging)[:2]
+    if not leaders and above_floor:
         leaders = list(candidates[:LAST_RESORT])
-    refitted = []
+    refitted: list[Candidate] = []
     for leader in leaders:
+        ahead = next((c.rung for c in refitted if c.holds), None)
+        if ahead and leader.rung.error_judging > HOPELESS * ahead.error_judging:
+            refitted.append(leader)
+            continue
         progress(f"fitting the vehicle with {leader.id}")
-        better = refit(workshop, leader.rung)
+        better = refit(workshop, leader.rung, ahead)
         if not at_noise(better, workshop.noise):
             better = _best_form(workshop, rung, leader.screened, better)
         refitted.append(_judged(incumbent, leader.screened, better, leader.tried))

@@ -9,6 +9,7 @@ from wheelhop.effects.base import (
     RunSetting,
     law,
 )
+from wheelhop.effects.beliefs import beliefs
 from wheelhop.effects.library import load_effects
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "Place",
     "Probe",
     "RunSetting",
+    "beliefs",
     "law",
     "load_effects",
 ]

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Channel
+from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.track import Wheel, WheelPath
 from wheelhop.vehicle.assembly import Assembly, Law
 
@@ -210,6 +210,14 @@ class Effect:
     def contradicted(self, runs: Sequence[OwnValues]) -> bool:
         """Whether what was fitted run by run is against the effect's own nature."""
         return False
+
+    def surveyed(self, theta: Values, track: TrackSpec) -> TrackSpec:
+        """The track as it really is, where the campaign says otherwise."""
+        return track
+
+    def remedy(self, theta: Values) -> str:
+        """What to correct in the campaign, where it says something wrong; else empty."""
+        return ""
 
     def travel(
         self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float

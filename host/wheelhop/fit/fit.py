@@ -50,17 +50,19 @@ def fit(
     benches: Sequence[Bench],
     known: Fit | None = None,
     progress: Callable[[str], None] | None = None,
+    bar: float = -np.inf,
 ) -> Fit:
     """Fit the shared parameters and what each of the runs leaves free (Levenberg–Marquardt).
 
     Start values are those of `model`; with no `shared` parameters only the runs' own are fitted.
     Derivatives that a fit of a similar model, `known`, holds already are taken from there: much
-    faster, and a fit that ends a little above the minimum.
+    faster, and a fit that ends a little above the minimum. A fit that would not come below the cost
+    `bar`, were each step still to come as good as the last, ends early.
     """
     belief = Belief.of(shared)
     if shared or len(benches) < 2 or model.random_heights is not None:
         problem = _Problem(workshop, belief, tuple(benches), known, density_free=bool(shared))
-        return _solved(problem, model, progress)
+        return _solved(problem, model, progress, bar)
     # Runs that share nothing are fitted each by itself: one that is lost keeps no other waiting.
     return _together(workshop.each(lambda bench: fit(workshop, model, (), [bench], known), benches))
 
@@ -93,10 +95,15 @@ def update(
     as it left them: its posterior is their prior. Start values are those of `model`; a density of
     unknown heights stays. Derivatives are borrowed from `known` as in `fit`."""
     problem = _Problem(workshop, fitted.posterior, tuple(benches), known, density_free=False)
-    return _solved(problem, model, None)
+    return _solved(problem, model)
 
 
-def _solved(problem: _Problem, model: Model, progress: Callable[[str], None] | None) -> Fit:
+def _solved(
+    problem: _Problem,
+    model: Model,
+    progress: Callable[[str], None] | None = None,
+    bar: float = -np.inf,
+) -> Fit:
     state, damping, fresh = problem.linearise(problem.completed(model)), 1e-3, True
     if not np.isfinite(state.cost):
         return state
@@ -105,9 +112,12 @@ def _solved(problem: _Problem, model: Model, progress: Callable[[str], None] | N
             progress(f"iteration {iteration + 1}, error {state.error:.4f}")
         trial = problem.stepped(state, damping)
         gain = 1.0 - trial.cost / state.cost if np.isfinite(trial.cost) else -np.inf
+        promised = (ITERATIONS - 1 - iteration) * gain * state.cost
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
         if 0 <= gain < (CONVERGED_QUICK if problem.known else CONVERGED):
+            break
+        if gain > 0 and state.cost - promised > bar > -np.inf:
             break
         if gain > WORTHWHILE:  # old derivatives still serve: new ones cost many simulations
             fresh = False

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
+from wheelhop.campaign import Campaign, Channel, ComponentCampaign, RigRun, Run
 from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
@@ -43,12 +43,12 @@ class Free:
 
 
 def initial_model(campaign: Campaign, vehicle: Vehicle) -> Model:
-    """The nominal vehicle, no effects; sensors whose place is unknown sit at the centre of mass."""
+    """The nominal vehicle, no effects; sensors of unknown place sit at the centre of mass, and all
+    are as their calibration says."""
     unknown = {
-        f"channel.{c.name}.{axis}": 0.0
+        f"channel.{c.name}.{what}": 0.0
         for c in campaign.channels
-        if c.point == "body"
-        for axis in ("x_m", "y_m")
+        for what in (*(("x_m", "y_m") if c.point == "body" else ()), *calibrated(c))
     }
     return Model(values={**vehicle.values, **unknown})
 
@@ -75,7 +75,15 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
         if channel.point == "body":
             for axis, sigma in spread.items():
                 free.append(Free(f"channel.{channel.name}.{axis}", 0.0, sigma, sigma))
+        for what, sigma in calibrated(channel).items():
+            free.append(Free(f"channel.{channel.name}.{what}", 0.0, sigma, sigma, lower=-0.5))
     return free
+
+
+def calibrated(channel: Channel) -> dict[str, float]:
+    """How well what a calibration says of a channel is known, relative, one standard deviation."""
+    known = {"gain": channel.gain_uncertainty, "corner": channel.corner_uncertainty}
+    return {what: sigma for what, sigma in known.items() if sigma > 0.0}
 
 
 def _component_parameters(campaign: ComponentCampaign, component: Vehicle) -> list[Free]:

@@ -45,10 +45,19 @@ class Job:
 def without_sensors(model: Model, run_id: str) -> object:
     """All of the model that moves the vehicle in a run."""
     sensors = tuple(f"{e.id}." for e in model.effects if e.place == "sensor")
-    values = {k: v for k, v in model.values.items() if not k.startswith(sensors)}
+    still = calibrations(model)
+    values = {k: v for k, v in model.values.items() if not k.startswith(sensors) and k not in still}
     own = {k: v for k, v in model.runs.get(run_id, {}).items() if not k.startswith(sensors)}
     effects = [e for e in model.effects if e.place != "sensor"]
     return values, own, effects, heights_of(model, run_id)
+
+
+def calibrations(model: Model) -> dict[str, float]:
+    """By how much gains and corners of sensors are not what they are believed to be."""
+    ending = (".gain", ".corner")
+    return {
+        k: v for k, v in model.values.items() if k.startswith("channel.") and k.endswith(ending)
+    }
 
 
 def heights_of(model: Model, run_id: str) -> bytes:

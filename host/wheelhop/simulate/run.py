@@ -8,17 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import interpolate
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.frequency import ForceResponse
 from wheelhop.simulate.integrator import Task, integrate
-from wheelhop.simulate.job import Job, heights_of, without_sensors
+from wheelhop.simulate.job import Job, calibrations, heights_of, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
-from wheelhop.simulate.prescribed import slow_part, span, wheel_path
-from wheelhop.simulate.sensors import sensed
+from wheelhop.simulate.prescribed import slow_part, span, track_of, unaveraged, wheel_path
+from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
 from wheelhop.simulate.unevenness import HeightSeries
 from wheelhop.track import Wheel, make_track
 from wheelhop.vehicle import CORNERS, Drive, System, axle_name, corner_position
@@ -224,6 +223,7 @@ class RunSimulator:
         first = self._before * per_sample
         rate_hz = campaign.sample_rate_hz * per_sample
         readings = sensed(job.acceleration, rate_hz, first, faults, campaign.channels)
+        readings = miscalibrated(readings, rate_hz, campaign.channels, model.values)
         last = first + (len(self.run.time_s) - 1) * per_sample
         return readings[first : last + 1 : per_sample]
 
@@ -260,8 +260,7 @@ class RunSimulator:
                 step_s=1.0 / (self.campaign.sample_rate_hz * stride),
                 first=(self._lead - self._before) * stride,
                 stride=stride // per_sample,
-                # Measured axle motion is averaged already, and averaging commutes with the model.
-                window_s=self.campaign.averaging_s if self.drive == "road" else 0.0,
+                window_s=self.campaign.averaging_s,
                 n_samples=self._sensed * per_sample + 1,
             )
             for job, acceleration in zip(jobs, found, strict=True):
@@ -304,11 +303,12 @@ class RunSimulator:
         """Prescribed motions and rates (T, 4), m and m/s; the last few are kept."""
         upstream = [e for e in model.effects if e.place in MOVING_PLACES]
         own = model.runs.get(self.run.id, {})
+        placed = own if self.drive == "road" else calibrations(model)
         key = tuple(
             [
                 float(stride),
                 *(model.values[k] for k in PATH_KEYS),
-                *(item for item in own.items() if "." not in item[0]),
+                *(item for item in placed.items() if self.drive == "axles" or "." not in item[0]),
                 *((e, *model.theta(e, self.run.id).items()) for e in upstream),
                 heights_of(model, self.run.id),
             ]
@@ -345,7 +345,8 @@ class RunSimulator:
         assert self._track is not None
         radius = model.values[f"wheel.{axle_name(corner)}.radius_m"]
         y = corner_position(model.values, corner)[1]
-        return Wheel(self._track, y, radius, *span(way_m))
+        track = track_of(model, self.run, self._track)
+        return Wheel(track, y, radius, *span(way_m))
 
     def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         x, speed = self._path(model, time_s)
@@ -366,20 +367,18 @@ class RunSimulator:
         return height * fade, rate * fade + height * fade_rate
 
     def _axles(self, model: Model, time_s: Array) -> tuple[Array, Array]:
-        """Measured axle accelerations, twice integrated and free of drift."""
-        channels = self.campaign.channels
-        measured = self.run.record
+        """Measured axle accelerations as they were before averaging, twice integrated and free of
+        drift."""
+        channels, rate_hz = self.campaign.channels, self.campaign.sample_rate_hz
+        measured = recalibrated(self.run.record, rate_hz, channels, model.values)
         for effect in model.effects:
-            theta = model.theta(effect, self.run.id)
-            measured = effect.restore(theta, measured, channels, self.campaign.sample_rate_hz)
+            measured = effect.restore(model.theta(effect, self.run.id), measured, channels, rate_hz)
         corner = {c.corner: i for i, c in enumerate(channels) if c.is_axle}
         columns = [corner[i] for i in CORNERS]
-        inside = np.clip(time_s, self.run.time_s[0], self.run.time_s[-1])
-        acceleration = interpolate.CubicSpline(self.run.time_s, measured[:, columns])
-        velocity, height = (
-            acceleration.antiderivative(1)(inside),
-            acceleration.antiderivative(2)(inside),
+        acceleration = unaveraged(
+            self.run.time_s, measured[:, columns], self.campaign.averaging_s, self._margin
         )
+        velocity, height = (acceleration.antiderivative(i)(time_s) for i in (1, 2))
         drift = slow_part(time_s, height, 1.0 / self.campaign.band_hz[0])
         return height - drift(time_s), velocity - drift(time_s, 1)
 

@@ -7,12 +7,14 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from wheelhop.campaign import Channel
 from wheelhop.effects import Effect
 from wheelhop.simulate.model import Values
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 
 def sensed(
@@ -31,3 +33,47 @@ def sensed(
         if lingering is not None:
             acceleration = acceleration + lingering
     return acceleration
+
+
+def miscalibrated(
+    readings: Array, rate_hz: float, channels: Sequence[Channel], values: Values
+) -> Array:
+    """Readings (n, c) as they come out where gains and corners are not what the calibration says:
+    "channel.B1.gain" and "channel.B1.corner" are by how much more they really are, relative."""
+    if not any(f"channel.{c.name}.gain" in values for c in channels):
+        return readings
+    gain, corner = _errors(channels, values)
+    spectrum = fft.rfft(readings, axis=0) * _undone_wrongly(
+        len(readings), rate_hz, channels, corner
+    )
+    return np.asarray(fft.irfft(spectrum, len(readings), axis=0) * (1.0 + gain))
+
+
+def recalibrated(
+    readings: Array, rate_hz: float, channels: Sequence[Channel], values: Values
+) -> Array:
+    """Readings (n, c) set right: the opposite of `miscalibrated`."""
+    if not any(f"channel.{c.name}.gain" in values for c in channels):
+        return readings
+    gain, corner = _errors(channels, values)
+    spectrum = fft.rfft(readings, axis=0) / _undone_wrongly(
+        len(readings), rate_hz, channels, corner
+    )
+    return np.asarray(fft.irfft(spectrum, len(readings), axis=0) / (1.0 + gain))
+
+
+def _errors(channels: Sequence[Channel], values: Values) -> tuple[Array, Array]:
+    gain, corner = (
+        np.array([values.get(f"channel.{c.name}.{what}", 0.0) for c in channels])
+        for what in ("gain", "corner")
+    )
+    return gain, corner
+
+
+def _undone_wrongly(
+    count: int, rate_hz: float, channels: Sequence[Channel], corner: Array
+) -> ComplexArray:
+    """Response (f, c) of low-passes of first order, undone as if their corners were as stated."""
+    stated = np.array([c.corner_hz or np.inf for c in channels])
+    frequency = fft.rfftfreq(count, 1.0 / rate_hz)[:, None]
+    return np.asarray((1 + 1j * frequency / stated) / (1 + 1j * frequency / stated / (1 + corner)))
