@@ -1,0 +1,95 @@
+"""What a campaign believes of its tracks and sensors, and is wrong about, is called that: it is not
+explained by physics that is not there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import LIBRARY
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import diagnose, fit_baseline
+from wheelhop.vehicle import read_vehicle
+
+RIVALS = ("tyre-envelope", "progressive-tyre", "progressive-spring", "sensor-gain", "sensor-mount")
+FEW = {name: LIBRARY[name] for name in RIVALS}
+NAMES = tuple(truth.CHANNELS)
+
+
+@pytest.fixture(scope="module")
+def clean(tmp_path_factory):
+    folder = truth.make_campaign(tmp_path_factory.mktemp("clean"), seed=77, effects={}, short=True)
+    campaign = read_campaign(folder)
+    return campaign, read_vehicle(campaign.vehicle_file)
+
+
+def with_records(campaign, change):
+    runs = tuple(replace(run, record=change(run.record.copy())) for run in campaign.runs)
+    return replace(campaign, runs=runs)
+
+
+def test_a_kind_of_track_is_higher_than_surveyed(clean):
+    """By a tenth; the campaign was driven over what it is, and says a tenth less."""
+    campaign, vehicle = clean
+
+    def lower(track):
+        if track.kind != "washboard":
+            return track
+        return replace(
+            track, values={**track.values, "amplitude_m": track.values["amplitude_m"] / 1.1}
+        )
+
+    wrong = replace(
+        campaign, runs=tuple(replace(run, track=lower(run.track)) for run in campaign.runs)
+    )
+    diagnosis = diagnose(wrong, vehicle, FEW, jobs=1)
+    name = "belief: amplitude of washboard tracks"
+    assert diagnosis.verdict == (name,)
+    assert diagnosis.ladder[-1].rung.model.values[f"{name}.error"] == pytest.approx(0.1, abs=0.004)
+    assert any("washboard tracks times 1.1" in line for line in diagnosis.explanation)
+
+
+def test_a_sensor_sits_elsewhere_than_stated(clean):
+    """B2 sits 10 cm ahead of its point and 5 cm to the right, where pitch and roll move it."""
+    campaign, vehicle = clean
+    true = vehicle.values
+
+    def moved(record):
+        b = {name: record[:, NAMES.index(name)] for name in ("B1", "B2", "B3", "B4")}
+        pitch = (b["B1"] + b["B2"] - b["B3"] - b["B4"]) / 2 / true["geometry.wheelbase_m"]
+        roll = (b["B1"] + b["B3"] - b["B2"] - b["B4"]) / 2 / true["geometry.track_width_m"]
+        record[:, NAMES.index("B2")] += 0.10 * pitch - 0.05 * roll
+        return record
+
+    diagnosis = diagnose(with_records(campaign, moved), vehicle, FEW, jobs=1)
+    name = "belief: position of B2"
+    assert diagnosis.verdict == (name,)
+    found = diagnosis.ladder[-1].rung.model.values
+    assert found[f"{name}.x_m"] == pytest.approx(0.10, abs=0.02)
+    assert found[f"{name}.y_m"] == pytest.approx(-0.05, abs=0.02)
+
+
+def test_calibrated_gains_and_corners_move_as_far_as_they_are_uncertain(clean):
+    """Gains known to 1 % that are off by as much: the fit finds them, and nothing is left."""
+    campaign, vehicle = clean
+    off = np.random.default_rng(3).normal(0.0, 0.01, len(NAMES))
+    calibrated = tuple(
+        replace(
+            c, scale_uncertainty=0.01, gain_uncertainty=0.01, corner_hz=50.0, corner_uncertainty=0.1
+        )
+        for c in campaign.channels
+    )
+    scaled = replace(
+        with_records(campaign, lambda record: record * (1.0 + off)), channels=calibrated
+    )
+    base = fit_baseline(scaled, vehicle, jobs=1, progress=lambda text: None)
+    fitted = base.rung.fit
+    assert fitted.rss / fitted.size == pytest.approx(base.workshop.noise**2, rel=0.03)
+    for name, error in zip(NAMES, off, strict=True):
+        gain = f"channel.{name}.gain"
+        assert abs(fitted.model.values[gain] - error) < 3.5 * fitted.uncertainty(gain)
+        assert fitted.uncertainty(gain) < 0.01
+    frozen = replace(scaled, channels=campaign.channels)
+    before = fit_baseline(frozen, vehicle, jobs=1, progress=lambda text: None).rung.fit
+    assert before.rss > 1.1 * fitted.rss
