@@ -10,7 +10,7 @@ from wheelhop.cli.exchange import pick
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters
 from wheelhop.diagnose.added import steps_with
-from wheelhop.effects import load_effects
+from wheelhop.effects import beliefs, load_effects
 from wheelhop.report.model_file import write_model
 from wheelhop.vehicle import read_nominal
 
@@ -19,9 +19,10 @@ MODEL_FILE = "model.toml"
 
 def run(arguments: Namespace) -> int:
     """Refit, print the ladder, store CAMPAIGN/model.toml; raises CampaignError."""
-    effects = pick(arguments.effects, load_effects(arguments.effects_file))
     campaign = read_campaign(arguments.campaign)
     vehicle = read_nominal(campaign)
+    library = {**load_effects(arguments.effects_file), **beliefs(campaign, vehicle)}
+    effects = pick(arguments.effects, library)
     with stages() as progress:
         steps = steps_with(campaign, vehicle, effects, progress)
     console = open_console()

@@ -112,7 +112,7 @@ class Diagnosis:
     """Verdict, ranking on the first rung, and the ladder from the baseline to the last rung.
 
     ``axle_to_body`` says whether what lies between the measured axles and the body is linear; None
-    where nothing is missing, or not all axles were recorded.
+    where nothing is missing there, or not all axles were recorded.
     """
 
     verdict: tuple[str, ...]

@@ -36,7 +36,7 @@ def explanation(
         lines.extend(_held_out_only(steps[-1]))
     for effect in steps[-1].rung.model.effects:
         if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
-            lines.append(f"Not the vehicle but what the campaign says is wrong: correct {remedy}.")
+            lines.append(f"What to correct in campaign.toml: {remedy}.")
     if verdict[-1] != "unknown" and len(steps) > 1:
         lines.extend(caveats(steps[-1]))
         lines.append("Where the baseline failed:")

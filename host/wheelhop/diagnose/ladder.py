@@ -19,7 +19,7 @@ from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.together import look_for_several
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
-from wheelhop.effects import Effect, beliefs
+from wheelhop.effects import Effect, Place, beliefs
 from wheelhop.fit import Workshop
 from wheelhop.gate import gate
 from wheelhop.identify import linearity
@@ -28,6 +28,9 @@ from wheelhop.vehicle import Vehicle
 HOPELESS = 2.0
 """An effect that leaves this many times the leader's held-out error won't catch up in a refit; nor
 will a model that lacks an effect, if a quick fit leaves so much."""
+
+BETWEEN: tuple[Place, ...] = ("suspension", "body")
+"""Places between the measured axles and the sensors on the body."""
 
 LAST_RESORT = 3
 """So many effects are fitted in full where none holds and something is left."""
@@ -68,7 +71,9 @@ def diagnose(
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
     diagnosis = climb(base, effects, max_effects=max_effects, progress=progress)
     diagnosis = replace(diagnosis, findings=(*gated.findings, *criticism(diagnosis)))
-    if diagnosis.verdict == ("none",) or axle_driven(gated.campaign) is None:
+    last = diagnosis.ladder[-1]
+    between = any(e.place in BETWEEN for e in last.rung.model.effects) or last.above_floor
+    if not between or axle_driven(gated.campaign) is None:
         return diagnosis
     progress("asking whether what lies between axle and body is linear")
     return replace(diagnosis, axle_to_body=linearity(gated.campaign, vehicle))

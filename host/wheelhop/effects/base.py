@@ -164,6 +164,8 @@ class Effect:
     `wheelhop.vehicle.struts`, and nothing that has a motion of its own."""
     becomes: ClassVar[Sequence[Becomes]] = ()
     """What its law degenerates into at bounds of its parameters, for the critic."""
+    is_belief: ClassVar[bool] = False
+    """Whether it is no physics but a mistake in what the campaign says (`remedy`)."""
     has_random_heights: ClassVar[bool] = False
     """Whether it adds heights nobody knows to the ground (`height_density`): they are estimated run
     by run, and its parameters, all shapes, are found by their evidence."""

@@ -28,6 +28,7 @@ class TrackAmplitude(Effect):
     equation = r"z = (1 + \epsilon)\, z_\text{surveyed}"
     source = "one template, one level, one mistake: tracks of a kind are surveyed together"
     needs_road = True
+    is_belief = True
 
     def __init__(self, kind: str, runs: frozenset[str]) -> None:
         self.id = f"belief: amplitude of {kind} tracks"  # type: ignore[misc]
@@ -62,6 +63,7 @@ class SensorPosition(Effect):
     place = "sensor"
     equation = r"y = a + d_x\, \partial a / \partial x + d_y\, \partial a / \partial y"
     source = "kinematics of a rigid body, small angles"
+    is_belief = True
 
     def __init__(self, channel: str, corners: Sequence[str], slope: Array) -> None:
         self.id = f"belief: position of {channel}"  # type: ignore[misc]

@@ -94,14 +94,18 @@ def over_floor(step: Step) -> float:
 
 
 def missing(effects: Sequence[Effect]) -> str:
-    """What the effects are, as a sentence: physics the model lacks, faults of the measurement."""
-    faults = [effect for effect in effects if effect.place == "sensor"]
-    physics = [effect for effect in effects if effect.place != "sensor"]
+    """What the effects are, as a sentence: physics the model lacks, faults of the measurement,
+    mistakes in what the campaign says."""
+    wrong = [effect for effect in effects if effect.is_belief]
+    faults = [effect for effect in effects if effect.place == "sensor" and effect not in wrong]
+    physics = [effect for effect in effects if effect not in wrong and effect not in faults]
     sentences = []
     if physics:
         sentences.append(f"The model lacks {_named(physics)}.")
     if faults:
         sentences.append(f"The measurement is at fault: {_named(faults)}.")
+    if wrong:
+        sentences.append(f"The campaign is wrong: {listed([e.title for e in wrong])}.")
     return " ".join(sentences)
 
 
