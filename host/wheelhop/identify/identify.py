@@ -14,7 +14,7 @@ from wheelhop.identify.gram import Stack, condensed, projected, transient_basis
 from wheelhop.identify.problem import Point, Problem, descend
 from wheelhop.identify.sections import Points, Sections
 from wheelhop.identify.spectra import Spectra, through
-from wheelhop.identify.start import relocated, spread
+from wheelhop.identify.start import relocated, starts
 from wheelhop.identify.structure import Structure, Suspensions
 
 Array = NDArray[np.float64]
@@ -203,7 +203,7 @@ class _Fitter:
         if start is not None:
             return descend(problem, problem.start(start), tolerance=ROUGH)
         band = self._band
-        point = relocated(problem, spread(self.order, band))
+        point = relocated(problem, starts(self.order, band))
         return _followed(problem, point.numbers, band, ROUGH)
 
     @property

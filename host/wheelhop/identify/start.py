@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
@@ -14,20 +16,28 @@ Array = NDArray[np.float64]
 RELOCATIONS = 8
 SETTLED = 0.99
 """Two relocations in a row that leave more than this of the least cost are the last."""
-FIRST_ZETA = 0.3
+WELL_DAMPED, LIGHTLY_DAMPED = 0.3, 0.03
 
 
-def spread(order: int, band: tuple[float, float]) -> Sections:
-    """Sections evenly spread over the logarithm of the band, rad/s."""
+def starts(order: int, band: tuple[float, float]) -> list[Sections]:
+    """Where poles may begin: well damped over the logarithm of the band, rad/s, as those of a body
+    on its suspensions; lightly damped and evenly spaced, as those of a frame."""
     low, high = band
     m = order // 2
-    omega = np.geomspace(1.5 * low, 0.9 * high, m) if m > 1 else np.array([np.sqrt(low * high)])
+    ends = (1.5 * low, 0.9 * high)
     rate = float(np.sqrt(low * high)) if order % 2 else None
-    return Sections(omega[:m], np.full(m, FIRST_ZETA), rate)
+    middle = np.array([np.sqrt(low * high)])
+    return [
+        Sections(omega[:m], np.full(m, zeta), rate)
+        for omega, zeta in (
+            (np.geomspace(*ends, m) if m > 1 else middle, WELL_DAMPED),
+            (np.linspace(*ends, m) if m > 1 else middle, LIGHTLY_DAMPED),
+        )
+    ]
 
 
-def relocated(problem: Problem, sections: Sections) -> Point:
-    """The best of some relocations, as a trial of `problem`.
+def relocated(problem: Problem, begin: Sequence[Sections]) -> Point:
+    """The best of some relocations from the better beginning, as a trial of `problem`.
 
     With σ(s) a scalar that has the present poles, σ X = (σ H) Y has σ H over the same poles too, a
     linear problem in its residues and σ's; the zeros of σ are the next poles. σ is kept off zero by
@@ -35,7 +45,8 @@ def relocated(problem: Problem, sections: Sections) -> Point:
     The rows for σ alone are kept, those of σ H are eliminated output by output (D. Deschrijver et
     al., IEEE Microw. Wireless Compon. Lett. 18 (2008) 383).
     """
-    point = best = problem.at(problem.start(sections))
+    tried = [problem.at(problem.start(sections)) for sections in begin]
+    point = best = min(tried, key=lambda p: p.cost)
     stalled = 0
     for _ in range(RELOCATIONS):
         point = problem.at(problem.start(_relocate(problem.stack, point)))
