@@ -52,7 +52,13 @@ def thesis_runs(
 
 
 def records(
-    matrix: StateSpace, noise: float = 0.0, *, runs: int = 18, samples: int = 1024, seed: int = 1
+    matrix: StateSpace,
+    noise: float = 0.0,
+    *,
+    runs: int = 18,
+    samples: int = 1024,
+    rate_hz: float = RATE_HZ,
+    seed: int = 1,
 ) -> tuple[Array, Array]:
     """Random motion (runs, samples, m) through `matrix`, in motion before a run begins, and the
     answer (runs, samples, n).
@@ -63,7 +69,7 @@ def records(
     inputs = rng.standard_normal((runs, 3 * samples, matrix.b.shape[1]))
     # Periodic in three times the run: the answer is the spectrum times H, and the run cut from the
     # middle has a past and a future that do not repeat in it.
-    s = 2j * np.pi * np.fft.rfftfreq(3 * samples, 1 / RATE_HZ)
+    s = 2j * np.pi * np.fft.rfftfreq(3 * samples, 1 / rate_hz)
     moved = through(matrix(s), np.asarray(np.fft.rfft(inputs, axis=1)))
     outputs = np.fft.irfft(moved, 3 * samples, axis=1)[:, samples : 2 * samples]
     inputs = inputs[:, samples : 2 * samples]
