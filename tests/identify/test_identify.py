@@ -65,7 +65,7 @@ def test_one_percent_noise_moves_no_pole_by_one_percent():
 
 
 def test_ten_percent_noise_moves_a_pole_by_no_more_than_the_runs_can_tell():
-    """The mode at 27.46 Hz, ζ 0.73, lies at the band's end: its own standard error is 2.7 Hz."""
+    """The mode at 27.46 Hz, ζ 0.73, lies at the band's end: its own standard error is 2 Hz."""
     model = identify([thesis_runs(noise=0.1)], THESIS)
     rows = sorted(model.poles_table())
     for k in range(3):

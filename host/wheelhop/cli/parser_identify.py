@@ -54,6 +54,9 @@ def add_identify(commands: Any) -> None:
     thesis = commands.add_parser(
         "thesis", help="the thesis's tables, recomputed beside the printed"
     )
+    thesis.add_argument(
+        "--figures", metavar="FOLDER", type=Path, help="draw figures 2.15 to 2.20 and 5.24"
+    )
     for command in (identify, thesis):
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
 

@@ -25,18 +25,20 @@ VARIED = (
 
 @dataclass(frozen=True, eq=False)
 class Car:
-    """An identified body, N to m, with the suspensions it was identified on, and its wheels."""
+    """An identified body, N to m, on suspensions and wheels; `identified_on` are the suspensions
+    held in `body`, if they are others."""
 
     body: StateSpace
     struts: Struts
     wheels: Wheels
+    identified_on: Struts | None = None
 
     def ground_to_body(self, varied: str | None = None, factor: float = 1.0) -> StateSpace:
         """G(s), one number of `VARIED` times `factor`. Raises CampaignError for another name."""
         struts, wheels = self.struts, self.wheels
         if varied is not None:
             struts, wheels = _changed(struts, wheels, varied, factor)
-        return on_wheels(self.body, self.struts, struts, wheels)
+        return on_wheels(self.body, self.identified_on or self.struts, struts, wheels)
 
 
 def _changed(struts: Struts, wheels: Wheels, varied: str, factor: float) -> tuple[Struts, Wheels]:
