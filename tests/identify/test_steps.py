@@ -1,14 +1,26 @@
 """Step responses to damped sinusoids, to H(s), and back."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.main import main
-from wheelhop.identify import fit_damped_sinusoids, incremental_model, read_steps, thesis_rows
+from wheelhop.identify import (
+    Car,
+    Struts,
+    Wheels,
+    fit_damped_sinusoids,
+    incremental_model,
+    read_steps,
+    study,
+    thesis_rows,
+)
 from wheelhop.identify.equivalent import EquivalentVehicle
-from wheelhop.identify.published import TABLE_2_1, TABLE_2_4
+from wheelhop.identify.published import TABLE_2_1, TABLE_2_2, TABLE_2_4
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 TIME_S = np.arange(76) * 0.02
 BODY = EquivalentVehicle(0.45, 0.4, 0.55, 4.0, 60.0, 0.05).body()
 RESPONSES = BODY.step(TIME_S).transpose(2, 1, 0)
@@ -74,6 +86,29 @@ def test_a_table_of_steps_is_fitted_by_command(tmp_path, capsys):
     assert main(["identify", str(file), "--force-N", "1000", "--order", "8"]) == 0
     printed = capsys.readouterr().out
     assert all(f"{sigma:.3f}" in printed for sigma, _ in TRUTH)
+
+
+def test_steps_are_studied_as_the_car_they_are_of(tmp_path, capsys):
+    """Height at rest over a raised wheel: of the fitted body as of the body itself."""
+    header = ["time_s", *(f"B{p + 1}/F{f + 1}" for f in range(4) for p in range(4))]
+    columns = [TIME_S, *(RESPONSES[f, p] for f in range(4) for p in range(4))]
+    rows = [",".join(header), *(",".join(map(repr, row)) for row in np.array(columns).T.tolist())]
+    file = write(tmp_path / "steps.csv", "\n".join(rows))
+    text = (EXAMPLES / "clean/vehicle.toml").read_text()
+    front, rear, front_loss, rear_loss = TABLE_2_2["old"]  # what BODY stands on
+    for ours, theirs in (("10500.0", front), ("6500.0", rear), ("630.0", front_loss)):
+        text = text.replace(ours, f"{theirs:.1f}")
+    toml = write(tmp_path / "vehicle.toml", text.replace("590.0", f"{rear_loss:.1f}"))
+    words = ["identify", str(file), "--order", "8", "--study", "front-stiffness=1,1.5"]
+    assert main([*words, "--vehicle", str(toml)]) == 0
+    printed = capsys.readouterr().out
+    wheels = Wheels((15.0, 12.5), (40e3, 40e3), (200.0, 200.0))
+    truth = study(Car(BODY, Struts(*TABLE_2_2["old"]), wheels), "front-stiffness", [1.0, 1.5])
+    assert all(f"{v.static:.3f}" in printed for v in truth)
+    assert main(words) == 2
+    assert "needs --vehicle" in capsys.readouterr().err
+    assert main([*words, "--physics"]) == 2
+    assert "--physics is for campaigns" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,9 @@ def add_identify(commands: Any) -> None:
     identify.add_argument(
         "--force-N", metavar="N", type=float, default=1.0, help="of the steps (default 1)"
     )
+    identify.add_argument(
+        "--vehicle", metavar="FILE.toml", type=Path, help="for a study of STEPS.csv: its car"
+    )
     thesis = commands.add_parser(
         "thesis", help="the thesis's tables, recomputed beside the printed"
     )
