@@ -1,7 +1,10 @@
-"""Is it said rightly whether what is missing is linear? python -m benchmarks.linear_or_not [SEED]
+"""Is it said rightly whether what is missing is linear?
+
+    python -m benchmarks.linear_or_not [SEED [FOLDER]]
 
 Campaigns of 18 runs from the independent simulator (tests/truth), each with one effect between axle
-and body. "cannot tell" is allowed, a wrong answer is not. MuJoCo takes about a minute for each.
+and body. "cannot tell" is allowed, a wrong answer is not. MuJoCo takes about a minute for each;
+those that are in FOLDER already are taken from there.
 """
 
 from __future__ import annotations
@@ -37,10 +40,10 @@ def main(arguments: Sequence[str]) -> None:
     first = int(arguments[0]) if arguments else 501
     wrong = silent = 0
     for number, (truth, effect, numbers) in enumerate(CASES):
-        with tempfile.TemporaryDirectory() as folder:
-            made = make_campaign(
-                Path(folder) / "campaign", seed=first + number, effects={effect: numbers}
-            )
+        with tempfile.TemporaryDirectory() as scratch:
+            made = Path(arguments[1] if len(arguments) > 1 else scratch) / f"{first + number}"
+            if not made.exists():
+                make_campaign(made, seed=first + number, effects={effect: numbers})
             campaign = read_campaign(made)
             found = linearity(campaign, read_vehicle(campaign.vehicle_file))
         silent += found.answer == "cannot tell"

@@ -1,25 +1,60 @@
 """A diagnosis says whether what is missing between axle and body is linear."""
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, to_json
-from wheelhop.effects import load_effects
 from wheelhop.report import write_diagnosis_report
 from wheelhop.vehicle import read_vehicle
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
-@pytest.mark.parametrize(
-    ("example", "answers"),
-    [("open-dry-friction", {"not linear", "cannot tell"}), ("clean", {None})],
-)
-def test_the_answer_stands_in_json_and_report(tmp_path, example, answers):
-    campaign = read_campaign(write_small_campaign(tmp_path / "c", example))
-    effects = {name: load_effects()[name] for name in ("dry-friction", "driver-seat")}
-    diagnosis = diagnose(campaign, read_vehicle(campaign.vehicle_file), effects, jobs=1)
+
+@pytest.fixture(scope="module", params=["open-driver-seat", "open-dry-friction"])
+def diagnosed(request):
+    """With no effect to name: the answer stands on the records alone."""
+    campaign = read_campaign(EXAMPLES / request.param)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    return request.param, campaign, diagnose(campaign, vehicle, {}, jobs=1)
+
+
+def test_a_seat_is_missing_and_linear_friction_is_missing_and_not(diagnosed):
+    """A seat hangs from the body by a spring and a damper: all it does is linear, and the same
+    share of the motion is left at every level but for noise. Friction is a force of one size: its
+    share grows as the motion becomes small."""
+    name, campaign, diagnosis = diagnosed
     found = to_json(diagnosis)["axle_to_body"]
-    assert (found and found["answer"]) in answers
-    write_diagnosis_report(tmp_path / "r.html", campaign, diagnosis, effects)
+    assert diagnosis.verdict == ("unknown",)
+    assert found["answer"] == {"open-driver-seat": "linear"}.get(name, "not linear")
+    assert {row["run"] for row in found["levels"]} == {r.id for r in campaign.validate_runs}
+    level, left = np.array([(row["rms_m_s2"], row["error"]) for row in found["levels"]]).T
+    if found["answer"] == "linear":
+        assert found["law"] is None
+        assert min(found["coherence"]) > 0.999
+        # A constant of noise, in m/s², is all that is left: twice noise, not more, at any level.
+        assert (left * level).max() < 3 * campaign.noise_rms
+    else:
+        assert (found["law"], max(found["coherence"]) < 0.999) == ("friction", True)
+        assert left[np.argmin(level)] > 2 * left[np.argmax(level)]
+
+
+def test_the_report_shows_the_answer_and_each_level(diagnosed, tmp_path):
+    _, campaign, diagnosis = diagnosed
+    write_diagnosis_report(tmp_path / "r.html", campaign, diagnosis, {})
     page = (tmp_path / "r.html").read_text()
-    assert ("Linear between axle and body?" in page) == (found is not None)
+    part = page[page.index("Linear between axle and body?") :].split("</section>")[0]
+    assert diagnosis.axle_to_body.sentence.split(":")[0] in part
+    assert all(run.id in part for run in campaign.validate_runs)
+
+
+def test_where_nothing_is_missing_it_is_not_asked(tmp_path):
+    campaign = read_campaign(write_small_campaign(tmp_path / "c", "clean"))
+    diagnosis = diagnose(campaign, read_vehicle(campaign.vehicle_file), {}, jobs=1)
+    assert diagnosis.verdict == ("none",)
+    assert to_json(diagnosis)["axle_to_body"] is None
+    write_diagnosis_report(tmp_path / "r.html", campaign, diagnosis, {})
+    assert "Linear between axle and body?" not in (tmp_path / "r.html").read_text()

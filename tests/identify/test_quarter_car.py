@@ -11,12 +11,14 @@ from wheelhop.identify import (
     compliance,
     on_wheels,
     other_suspensions,
+    study,
     wheel_hop_hz,
 )
 from wheelhop.identify.equivalent import EquivalentVehicle, equivalent_vehicle, ground_to_body
 from wheelhop.identify.published import H_RED, TABLE_2_2, TABLE_2_4, TABLE_5_3, TABLE_5_4
 from wheelhop.identify.statespace import StateSpace
 from wheelhop.identify.synthetic import thesis_matrix
+from wheelhop.identify.thesis_figures import draw_thesis, racing_car, stiffened
 
 OLD, NEW = Struts(*TABLE_5_4["old"]), Struts(*TABLE_5_4["new"])
 WHEELS = Wheels(*zip(TABLE_5_3["front"], TABLE_5_3["rear"], strict=True))
@@ -137,3 +139,37 @@ def test_a_reduction_that_cannot_be_says_so():
 def test_the_equivalent_vehicle_reproduces_what_it_was_fitted_to():
     static = ground_to_body(equivalent_vehicle().body()).static()[0, 0]
     assert static == pytest.approx(4.1 / 5.4, abs=0.005)
+
+
+def test_what_the_thesis_says_of_its_figures_holds():
+    """2.10.1: a stiffer front rises higher in a step and at rest; damping leaves rest alone and
+    takes the peak down."""
+    time_s, car = np.arange(0, 4.0, 0.004), racing_car()
+    stiff = study(car, "front-stiffness", (1.0, 1.25, 1.5))
+    static = [v.static for v in stiff]
+    assert static == sorted(static) and static[-1] == pytest.approx(0.8, abs=0.01)
+    overshoot = [v.step(time_s).max() / v.static for v in stiff]
+    assert overshoot == sorted(overshoot)
+    omega = np.geomspace(3, 60, 300)
+    for what in ("front-damping", "rear-damping"):
+        damped = study(car, what, (1.0, 1.5, 2.0))
+        assert [v.static for v in damped] == pytest.approx([static[0]] * 3, abs=1e-9)
+        peaks = [np.abs(v.system(1j * omega)).max() for v in damped]
+        assert peaks == sorted(peaks, reverse=True)
+    hops = [v.wheel_hop_hz() for v in study(car, "front-unsprung-mass", (0.75, 1.0, 1.25))]
+    assert hops == sorted(hops, reverse=True)
+
+
+def test_figure_5_24_stiffer_springs_let_more_through():
+    """Both suspensions 20 % stiffer, dampers as they were: H_n,11 and H_n,33 peak higher, and at
+    rest the body follows the wheel more."""
+    omega = 2 * np.pi * np.linspace(0.5, 6, 300)
+    for end in stiffened().values():
+        soft, hard = (np.abs(v.system(1j * omega)).max() for v in end)
+        assert hard > 1.05 * soft
+        assert end[1].static > end[0].static > 0
+
+
+def test_figures_are_drawn(tmp_path):
+    drawn = draw_thesis(tmp_path / "figures")
+    assert [p.read_bytes()[:4] for p in drawn] == [b"\x89PNG"] * 6

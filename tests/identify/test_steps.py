@@ -1,13 +1,26 @@
 """Step responses to damped sinusoids, to H(s), and back."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.main import main
-from wheelhop.identify import fit_damped_sinusoids, incremental_model, read_steps, thesis_rows
+from wheelhop.identify import (
+    Car,
+    Struts,
+    Wheels,
+    fit_damped_sinusoids,
+    incremental_model,
+    read_steps,
+    study,
+    thesis_rows,
+)
 from wheelhop.identify.equivalent import EquivalentVehicle
+from wheelhop.identify.published import TABLE_2_1, TABLE_2_2, TABLE_2_4
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 TIME_S = np.arange(76) * 0.02
 BODY = EquivalentVehicle(0.45, 0.4, 0.55, 4.0, 60.0, 0.05).body()
 RESPONSES = BODY.step(TIME_S).transpose(2, 1, 0)
@@ -30,6 +43,19 @@ def test_increments_over_two_steps_hold_all_four_modes():
     sigma, omega = incremental_model(TIME_S, RESPONSES, 2)
     for pair in zip(sigma, omega, strict=True):
         assert min(abs(complex(*pair) - complex(*truth)) for truth in TRUTH) < 1e-3
+
+
+def test_the_first_guess_is_at_the_mercy_of_noise_and_the_fit_is_not():
+    """Why Table A.2 can differ so much from Table 2.1: σ by 58 % (1.88 beside 4.452)."""
+    noise = np.random.default_rng(0).standard_normal(RESPONSES.shape)
+    noisy = RESPONSES + 1e-3 * np.abs(RESPONSES).max() * noise
+    least = np.array(TRUTH)[np.argmin([sigma for sigma, _ in TRUTH])]
+    guessed = min(
+        np.array(incremental_model(TIME_S, noisy, 2)).T, key=lambda p: np.hypot(*(p - least))
+    )
+    fitted = fit_damped_sinusoids(TIME_S, noisy, 4)
+    assert abs(guessed[0] / least[0] - 1) > 0.58
+    assert fitted.sigma.min() == pytest.approx(least[0], rel=0.03)
 
 
 def test_more_sinusoids_leave_less_and_transfer_matches_its_sinusoids():
@@ -62,6 +88,29 @@ def test_a_table_of_steps_is_fitted_by_command(tmp_path, capsys):
     assert all(f"{sigma:.3f}" in printed for sigma, _ in TRUTH)
 
 
+def test_steps_are_studied_as_the_car_they_are_of(tmp_path, capsys):
+    """Height at rest over a raised wheel: of the fitted body as of the body itself."""
+    header = ["time_s", *(f"B{p + 1}/F{f + 1}" for f in range(4) for p in range(4))]
+    columns = [TIME_S, *(RESPONSES[f, p] for f in range(4) for p in range(4))]
+    rows = [",".join(header), *(",".join(map(repr, row)) for row in np.array(columns).T.tolist())]
+    file = write(tmp_path / "steps.csv", "\n".join(rows))
+    text = (EXAMPLES / "clean/vehicle.toml").read_text()
+    front, rear, front_loss, rear_loss = TABLE_2_2["old"]  # what BODY stands on
+    for ours, theirs in (("10500.0", front), ("6500.0", rear), ("630.0", front_loss)):
+        text = text.replace(ours, f"{theirs:.1f}")
+    toml = write(tmp_path / "vehicle.toml", text.replace("590.0", f"{rear_loss:.1f}"))
+    words = ["identify", str(file), "--order", "8", "--study", "front-stiffness=1,1.5"]
+    assert main([*words, "--vehicle", str(toml)]) == 0
+    printed = capsys.readouterr().out
+    wheels = Wheels((15.0, 12.5), (40e3, 40e3), (200.0, 200.0))
+    truth = study(Car(BODY, Struts(*TABLE_2_2["old"]), wheels), "front-stiffness", [1.0, 1.5])
+    assert all(f"{v.static:.3f}" in printed for v in truth)
+    assert main(words) == 2
+    assert "needs --vehicle" in capsys.readouterr().err
+    assert main([*words, "--physics"]) == 2
+    assert "--physics is for campaigns" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("text", "line"),
     [
@@ -88,10 +137,17 @@ def test_silence_cannot_be_fitted():
 
 def test_the_thesis_is_recomputed_with_a_reason_for_every_difference():
     rows = thesis_rows()
-    off = [row for row in rows if abs(row.ours - row.printed) > 0.01 * abs(row.printed)]
+    off = [row for row in rows if not abs(row.ours - row.printed) <= 0.01 * abs(row.printed)]
     assert [row for row in off if not row.reason] == []
     assert {row.table for row in rows} >= {"2.1", "A.2", "2.4", "5.2", "D.1", "A.4", "fig 2.15"}
     by_name = {f"{row.table} {row.what}": row for row in rows}
     assert by_name["A.4 G11(0)"].ours == pytest.approx(0.76, abs=0.005)
+    for count, pairs in TABLE_2_1.items():  # twelve numbers by six of a vehicle: none is far off
+        for k, (_, omega) in enumerate(pairs, start=1):
+            ours = by_name[f"2.1 {count} sinusoids, ω{k}, 1/s"].ours
+            assert ours == pytest.approx(omega, rel=0.17)
+    for mass, _, hop in TABLE_2_4:  # no number of these was fitted
+        ours = by_name[f"2.4 wheel hop of G_red, {mass:g} kg, Hz"].ours
+        assert ours == pytest.approx(hop, rel=0.04)
     assert by_name["D.2.2 H_n,11(0)"].ours > 0
     assert not any(row.reason for row in rows if "(2.27)" in row.what or row.table == "5.2")

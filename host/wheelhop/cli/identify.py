@@ -15,6 +15,7 @@ from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, read_c
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.identify_steps import run_steps
+from wheelhop.cli.identify_study import print_study
 from wheelhop.identify import (
     Candidate,
     Judged,
@@ -31,12 +32,11 @@ from wheelhop.identify import (
     not_excited,
     of_orders,
     relaxed,
-    study,
     suspensions,
     to_json,
     write_mat,
 )
-from wheelhop.identify.figure import draw_matrix, draw_study, nominal_matrix
+from wheelhop.identify.figure import draw_matrix, nominal_matrix
 from wheelhop.identify.identify import WASTED
 from wheelhop.vehicle import Vehicle, read_vehicle
 
@@ -66,7 +66,7 @@ def run(arguments: Namespace) -> int:
         _print_physics(physics, console)
     _write(arguments, campaign, vehicle, chosen, candidates, physics, measured)
     if arguments.study:
-        _study(arguments, chosen, vehicle, console)
+        print_study(arguments, car_of(chosen.model, vehicle.values), console)
     return 0
 
 
@@ -222,20 +222,3 @@ def _errors(c: Candidate) -> dict[str, Any]:
         "floor": floor if np.isfinite(floor) else None,
         "unknowns": c.model.unknowns,
     }
-
-
-def _study(arguments: Namespace, chosen: Candidate, vehicle: Vehicle, console: Console) -> None:
-    varied, factors = arguments.study
-    variants = study(car_of(chosen.model, vehicle.values), varied, factors)
-    table = Table(box=box.SIMPLE_HEAD, title=f"ground under A1 to B1, {varied} varied")
-    for name in ("factor", "static", "largest of a step", "wheel hop, Hz"):
-        table.add_column(name, justify="right")
-    time_s = np.arange(0, 3.0, 0.005)
-    for variant in variants:
-        table.add_row(
-            *(f"{variant.factor:g}", f"{variant.static:.3f}"),
-            *(f"{variant.step(time_s).max():.3f}", f"{variant.wheel_hop_hz():.2f}"),
-        )
-    console.print(table)
-    if arguments.study_figure:
-        draw_study(variants, varied, arguments.study_figure)

@@ -10,8 +10,11 @@ from rich.table import Table
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
-from wheelhop.identify import fit_damped_sinusoids, read_steps
+from wheelhop.cli.identify_study import print_study
+from wheelhop.identify import car_of_steps, fit_damped_sinusoids, read_steps
+from wheelhop.vehicle import read_vehicle
 
+CAMPAIGNS_ONLY = ("start", "physics", "figure", "mat")
 MOST = 3
 """Damped sinusoids tried when no order is given, as in Table 2.1 of the thesis."""
 
@@ -20,6 +23,9 @@ def run_steps(arguments: Namespace) -> int:
     """Fit, print σ and ω for each number of sinusoids, export; raises CampaignError."""
     if arguments.order is not None and arguments.order % 2:
         raise CampaignError(f"--order {arguments.order}: damped sinusoids come in pairs of poles")
+    given = [name for name in CAMPAIGNS_ONLY if getattr(arguments, name)]
+    if given:
+        raise CampaignError(f"--{given[0]} is for campaigns: leave it out with step responses")
     steps = read_steps(arguments.source, arguments.force_N)
     counts = [arguments.order // 2] if arguments.order else list(range(1, MOST + 1))
     table = Table(box=box.SIMPLE_HEAD)
@@ -34,7 +40,16 @@ def run_steps(arguments: Namespace) -> int:
         for k in range(count):
             first = (f"{count}", f"{found.error:.2e}") if k == 0 else ("", "")
             table.add_row(first[0], f"{found.sigma[k]:.3f}", f"{found.omega[k]:.3f}", first[1])
-    open_console().print(table)
+    console = open_console()
+    console.print(table)
+    if arguments.study:
+        if arguments.vehicle is None:
+            raise CampaignError(
+                "--study of step responses needs --vehicle VEHICLE.toml: the suspensions the body"
+                " was on, and its wheels"
+            )
+        values = read_vehicle(arguments.vehicle).values
+        print_study(arguments, car_of_steps(fits[-1], values), console)
     if arguments.json:
         write_json(
             arguments.json,

@@ -51,8 +51,14 @@ def add_identify(commands: Any) -> None:
     identify.add_argument(
         "--force-N", metavar="N", type=float, default=1.0, help="of the steps (default 1)"
     )
+    identify.add_argument(
+        "--vehicle", metavar="FILE.toml", type=Path, help="for a study of STEPS.csv: its car"
+    )
     thesis = commands.add_parser(
         "thesis", help="the thesis's tables, recomputed beside the printed"
+    )
+    thesis.add_argument(
+        "--figures", metavar="FOLDER", type=Path, help="draw figures 2.15 to 2.20 and 5.24"
     )
     for command in (identify, thesis):
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from math import isnan
 
 from rich import box
 from rich.table import Table
 
+from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
-from wheelhop.identify import thesis_rows
+from wheelhop.identify import Row, thesis_rows
+from wheelhop.identify.thesis_figures import draw_thesis
 
 
 def run(arguments: Namespace) -> int:
@@ -23,10 +26,22 @@ def run(arguments: Namespace) -> int:
     notes: dict[str, int] = {}
     for row in rows:
         mark = f"({notes.setdefault(row.reason, len(notes) + 1)})" if row.reason else ""
-        table.add_row(row.table, row.what, f"{row.printed:.4g}", f"{row.ours:.4g}", mark)
+        table.add_row(row.table, row.what, f"{row.printed:.4g}", _ours(row), mark)
     console.print(table)
     for reason, number in notes.items():
         console.print(f"({number}) {reason}", markup=False, soft_wrap=True)
     if arguments.json:
-        write_json(arguments.json, {"format": 1, "rows": [vars(row) for row in rows]})
+        plain = [{**vars(row), "ours": None if isnan(row.ours) else row.ours} for row in rows]
+        write_json(arguments.json, {"format": 1, "rows": plain})
+    if arguments.figures:
+        try:
+            drawn = draw_thesis(arguments.figures)
+        except OSError as error:
+            raise CampaignError(f"{arguments.figures}: {error.strerror}: name a folder") from None
+        for path in drawn:
+            console.print(f"drawn: {path}", markup=False, soft_wrap=True)
     return 0
+
+
+def _ours(row: Row) -> str:
+    return "none" if isnan(row.ours) else f"{row.ours:.4g}"

@@ -25,7 +25,7 @@ from wheelhop.identify.statespace import StateSpace, balanced_reduction, of_frac
 from wheelhop.identify.steps import DampedSinusoids, fit_damped_sinusoids, incremental_model
 from wheelhop.identify.steps_file import StepResponses, read_steps
 from wheelhop.identify.structure import Structure, Suspensions, suspensions
-from wheelhop.identify.study import Car, Variant, car_of, study
+from wheelhop.identify.study import Car, Variant, car_of, car_of_steps, study
 from wheelhop.identify.thesis import Row, thesis_rows
 
 __all__ = [
@@ -51,6 +51,7 @@ __all__ = [
     "best",
     "candidate",
     "car_of",
+    "car_of_steps",
     "compliance",
     "fit_damped_sinusoids",
     "frf",

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from wheelhop.identify.sections import Sections
 from wheelhop.identify.spectra import Spectra
@@ -46,7 +47,7 @@ def initial_states(omega: Array, sections: Sections, weight: Array, rest: Comple
     columns = _transient_columns(omega, sections, weight)
     rows = np.concatenate([rest.real, rest.imag], axis=1)
     flat = rows.transpose(1, 0, 2).reshape(len(columns), -1)
-    found: Array = np.linalg.lstsq(columns, flat, rcond=1e-13)[0]
+    found: Array = linalg.lstsq(columns, flat, cond=1e-13, lapack_driver="gelsy")[0]
     return found[: sections.order]
 
 
@@ -55,7 +56,8 @@ def projected(values: ComplexArray, basis: Array) -> Array:
     r, k, c = values.shape
     rows = np.empty((r, 2 * k, c))
     rows[:, :k], rows[:, k:] = values.real, values.imag
-    rows -= basis @ (basis.T @ rows)
+    if basis.shape[1]:
+        rows -= basis @ (basis.T @ rows)
     return rows.reshape(r * 2 * k, c)
 
 
@@ -76,10 +78,18 @@ class Stack:
     ----------
     parts : the runs.
     weights : for each part, weights (k,) of its lines.
+    at_rest : take the runs to begin and end at rest, without initial states.
     """
 
-    def __init__(self, parts: Sequence[Spectra], weights: Sequence[Array], order: int) -> None:
-        self.parts, self.weights = [], []
+    def __init__(
+        self,
+        parts: Sequence[Spectra],
+        weights: Sequence[Array],
+        order: int,
+        *,
+        at_rest: bool = False,
+    ) -> None:
+        self.parts, self.weights, self.at_rest = [], [], at_rest
         for part, weight in zip(parts, weights, strict=True):
             size = 2 * len(part.omega) * part.inputs.shape[2] * order
             at_once = max(1, CHUNK // size)
@@ -100,7 +110,11 @@ class Stack:
         """
         out = []
         for part, weight, factor in zip(self.parts, self.weights, factors, strict=True):
-            basis = transient_basis(part.omega, sections, weight)
+            basis = (
+                np.zeros((2 * len(part.omega), 0))
+                if self.at_rest
+                else transient_basis(part.omega, sections, weight)
+            )
             fractions = sections.basis(1j * part.omega) * weight[:, None]
             phi = (part.inputs * factor)[:, :, :, None] * fractions[:, None, :]
             phi = phi.reshape(*phi.shape[:2], -1)
@@ -112,6 +126,26 @@ class Stack:
                 )
             )
         return out
+
+
+def condensed(parts: Sequence[Spectra]) -> list[Spectra]:
+    """Less data for a first fit without initial states.
+
+    A Hann window over each run (a second difference along the lines) takes out most of what they
+    leave. Then as few runs as have the same sums of squares and products at every line: of m inputs
+    and n outputs no more than m + n, however many were recorded.
+    """
+    out = []
+    for part in parts:
+        both = np.concatenate([part.inputs, part.outputs], axis=2)
+        both = both[:, 1:-1] - (both[:, :-2] + both[:, 2:]) / 2
+        if len(both) > both.shape[2]:
+            both = np.asarray(np.linalg.qr(both.swapaxes(0, 1), mode="r")).swapaxes(0, 1)
+        m = part.inputs.shape[2]
+        inputs, outputs = (np.ascontiguousarray(v) for v in (both[:, :, :m], both[:, :, m:]))
+        names = part.runs[: len(both)]
+        out.append(Spectra(names, part.omega[1:-1], inputs, outputs, part.samples))
+    return out
 
 
 def gram(regressors: Sequence[tuple[Array, Array, Array]]) -> Gram:

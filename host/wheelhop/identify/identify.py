@@ -10,18 +10,21 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from wheelhop.campaign import CampaignError
-from wheelhop.identify.gram import Stack, projected, transient_basis
+from wheelhop.identify.gram import Stack, condensed, projected, transient_basis
 from wheelhop.identify.problem import Point, Problem, descend
 from wheelhop.identify.sections import Points, Sections
 from wheelhop.identify.spectra import Spectra, through
-from wheelhop.identify.start import relocated, spread
+from wheelhop.identify.start import relocated, starts
 from wheelhop.identify.structure import Structure, Suspensions
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 CORNERS = (0, 1, 2, 3)
-REWEIGHTINGS = 2
+FINE = 0.1
+"""Standard errors."""
+ROUGH = 1e-3
+"""Share of the cost that a step must promise while the weights are not known."""
 WASTED = 2.0
 """A damping ratio above this is two real poles far apart: a section that found no mode."""
 
@@ -135,10 +138,8 @@ def identify(
         _check_start(start, order, structure)
     fitter = _Fitter(runs, structure, order, inputs, outputs, suspensions, noise_rms)
     point = fitter.first(start)
-    for _ in range(REWEIGHTINGS):
-        fitter.reweigh(point)
-        point = descend(fitter.problem, point.numbers)
-    return fitter.result(point)
+    fitter.reweigh(point)
+    return fitter.result(fitter.refined(point))
 
 
 def _check_start(start: Sections, order: int, structure: Structure) -> None:
@@ -180,8 +181,10 @@ class _Fitter:
             )
 
     def _use(self, weights: Sequence[Array], output_weight: Array) -> None:
-        stack = Stack(self.runs, weights, self.order)
-        self.problem = Problem(
+        self.problem = self._of(Stack(self.runs, weights, self.order), output_weight)
+
+    def _of(self, stack: Stack, output_weight: Array) -> Problem:
+        return Problem(
             stack,
             self.structure,
             self.inputs,
@@ -192,32 +195,27 @@ class _Fitter:
         )
 
     def first(self, start: Sections | None) -> Point:
-        """The best of the relocated starts, or the given one, followed a few steps."""
-        problem = self.problem
+        """Relocated poles, or the given ones, followed a few steps; no initial states yet, for
+        without them the runs condense to few."""
+        few = condensed(self.runs)
+        stack = Stack(few, [np.ones(len(p.omega)) for p in few], self.order, at_rest=True)
+        problem = self._of(stack, self.problem.output_weight)
         if start is not None:
-            return descend(problem, problem.start(start), tolerance=1e-3)
-        band = (
-            min(float(p.omega[0]) for p in self.runs),
-            max(float(p.omega[-1]) for p in self.runs),
-        )
-        factors = [np.ones((len(p.omega), len(self.inputs)), complex) for p in problem.stack.parts]
-        tried = relocated(problem.stack, spread(self.order, band), factors)
-        points = [problem.at(problem.start(sections)) for sections in tried[-3:]]
-        best = min(points, key=lambda point: point.cost)
-        return self._wasted_again(descend(problem, best.numbers, tolerance=1e-3), band)
+            return descend(problem, problem.start(start), tolerance=ROUGH)
+        band = self._band
+        point = relocated(problem, starts(self.order, band))
+        return _followed(problem, point.numbers, band, ROUGH)
 
-    def _wasted_again(self, point: Point, band: tuple[float, float]) -> Point:
-        """Sections that went where they explain nothing begin once more at the band's upper end."""
-        found = point.sections
-        wasted = (found.zeta > WASTED) | (found.omega > 2 * band[1]) | (found.omega < band[0] / 2)
-        if not wasted.any():
-            return point
-        omega, zeta = found.omega.copy(), np.maximum(found.zeta, 1e-3)
-        omega[wasted] = band[1] * np.geomspace(0.9, 0.5, int(wasted.sum()))
-        zeta[wasted] = 0.7
-        again = self.problem.start(Sections(omega, zeta, found.rate))
-        trial = descend(self.problem, again, tolerance=1e-3)
-        return min(point, trial, key=lambda p: p.cost)
+    @property
+    def _band(self) -> tuple[float, float]:
+        lowest = min(float(p.omega[0]) for p in self.runs)
+        return lowest, max(float(p.omega[-1]) for p in self.runs)
+
+    def refined(self, point: Point) -> Point:
+        """Followed until a step moves nothing by more than `FINE` standard errors: it then promises
+        less than FINE² of the cost a degree of freedom."""
+        tolerance = FINE**2 / self._freedom()
+        return _followed(self.problem, point.numbers, self._band, tolerance)
 
     def reweigh(self, point: Point) -> None:
         """Weights from the noise and what the last fit says of its way to the outputs."""
@@ -253,12 +251,7 @@ class _Fitter:
         problem = self.problem
         count = problem.unknowns + self.order + 3
         cov = np.zeros((count, count))
-        freedom = (
-            problem.stack.rows * len(self.outputs)
-            - problem.unknowns
-            - self.order
-            - len(self.outputs) * problem.stack.transients
-        )
+        freedom = self._freedom()
         if covariance:
             cov = self._covariance(point, max(1.0, point.cost / freedom))
         used = problem.uses_suspensions and self.suspensions is not None
@@ -284,11 +277,16 @@ class _Fitter:
             freedom=float(freedom),
         )
 
+    def _freedom(self) -> int:
+        stack, count = self.problem.stack, len(self.outputs)
+        known = self.problem.unknowns + self.order
+        return (stack.rows - stack.transients) * count - known
+
     def _covariance(self, point: Point, scale: float) -> Array:
         """Of (free numbers, ln ω, ζ, ln r, three suspension numbers)."""
         problem = self.problem
         step = problem.linearised(point)
-        d = 1.0 / np.sqrt(np.maximum(np.diag(step.normal), 1e-300))
+        d = 1.0 / np.sqrt(np.maximum(np.diag(step.normal), 1e-200))
         scaled = step.normal * d[:, None] * d
         values, vectors = linalg.eigh(scaled)
         inverse = (vectors / np.maximum(values, 1e-12)) @ vectors.T * d[:, None] * d
@@ -303,6 +301,21 @@ class _Fitter:
         for column, number in enumerate(problem.moving):
             to[known + number, known + column] = 1.0
         return np.asarray(to @ inner @ to.T)
+
+
+def _followed(problem: Problem, start: Array, band: tuple[float, float], tolerance: float) -> Point:
+    """The end of a descent. Sections that went where they explain nothing begin once more at the
+    band's upper end."""
+    point = descend(problem, start, tolerance=tolerance)
+    found = point.sections
+    wasted = (found.zeta > WASTED) | (found.omega > 2 * band[1]) | (found.omega < band[0] / 2)
+    if not wasted.any():
+        return point
+    omega, zeta = found.omega.copy(), np.maximum(found.zeta, 1e-3)
+    omega[wasted] = band[1] * np.geomspace(0.9, 0.5, int(wasted.sum()))
+    zeta[wasted] = 0.7
+    again = problem.start(Sections(omega, zeta, found.rate))
+    return min(point, descend(problem, again, tolerance=tolerance), key=lambda p: p.cost)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.identify.gram import projected, transient_basis
-from wheelhop.identify.identify import TransferMatrix, identify
+from wheelhop.identify.identify import Judged, TransferMatrix, identify
 from wheelhop.identify.laws import explained, strut_motion
 from wheelhop.identify.select import Candidate, best, candidate, of_orders
 from wheelhop.identify.spectra import Measured, Spectra, measure, through
@@ -36,7 +36,8 @@ AT_FLOOR = 1.5
 FLAT_REST = 1.3
 """Mean over median power up to which a residual may be noise."""
 LASTING = 5.0
-"""A mode that decays by fewer e-folds in a run can pass a line off as an initial state."""
+"""A mode that decays by fewer e-folds in a run can pass a line off as an initial state: a matrix
+that has none must be at the floor, too."""
 EXPLAINED = 0.2
 """Share of the squared residual on held-out runs that a law must explain to be believed."""
 
@@ -97,27 +98,39 @@ def linearity(campaign: Campaign, vehicle: Vehicle) -> Linearity:
         return _cannot("two runs to fit and one held out are needed to tell linear from not linear")
     belief = suspensions(vehicle.values, vehicle.uncertainty)
     try:
-        chosen = _best_linear(measured, belief)
+        tried = _tried(measured, belief)
     except CampaignError as error:
         return _cannot(f"the runs are too short for a transfer matrix: {error}")
-    return _answer(chosen, measured, belief, campaign.sample_rate_hz)
+    chosen = min(best(tried[:-1]), tried[-1], key=lambda c: c.judging.error)
+    return _answer(chosen, tried, measured, belief, campaign.sample_rate_hz)
 
 
-def _best_linear(measured: Measured, belief: Suspensions) -> Candidate:
-    mirrored = best(of_orders(measured, Structure(), belief, ORDERS))
-    sided = candidate(measured, Structure(left_right=False), mirrored.order, belief)
-    return min(mirrored, sided, key=lambda c: c.judging.error)
+def _tried(measured: Measured, belief: Suspensions) -> list[Candidate]:
+    """Each order, and the best of them once more without left-right symmetry."""
+    mirrored = of_orders(measured, Structure(), belief, ORDERS)
+    return [
+        *mirrored,
+        candidate(measured, Structure(left_right=False), best(mirrored).order, belief),
+    ]
 
 
 def _answer(
-    chosen: Candidate, measured: Measured, belief: Suspensions, rate_hz: float
+    chosen: Candidate,
+    tried: Sequence[Candidate],
+    measured: Measured,
+    belief: Suspensions,
+    rate_hz: float,
 ) -> Linearity:
     held = chosen.judging
     over = held.error / held.floor
     peak = peakedness(chosen.model, measured.validate)
     law, share = None, 0.0
-    at_floor = peak <= FLAT_REST and not over > AT_FLOOR
-    rings = at_floor and _rings_on(chosen.model, measured, rate_hz)
+    at_floor = _at_floor(held, peak)
+    rings = at_floor and not any(
+        _at_floor(c.judging, peakedness(c.model, measured.validate))
+        and not _rings_on(c.model, measured, rate_hz)
+        for c in tried
+    )
     if not at_floor:
         law, share = _law(chosen.model, measured, belief, rate_hz)
     power = np.sqrt(held.measured.sum(axis=1) / (4 * measured.validate[0].samples))
@@ -162,6 +175,10 @@ def _answer(
         sentence="Whether what is missing between axle and body is linear cannot be told:"
         f" {leaves}, and no law of the struts explains it.",
     )
+
+
+def _at_floor(held: Judged, peak: float) -> bool:
+    return peak <= FLAT_REST and not held.error / held.floor > AT_FLOOR
 
 
 def _rings_on(model: TransferMatrix, measured: Measured, rate_hz: float) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.identify.gram import Gram, Stack, gram, initial_states, projected
+from wheelhop.identify.gram import Gram, Stack, gram, initial_states
 from wheelhop.identify.sections import ComplexArray, Sections, from_parameters
 from wheelhop.identify.spectra import Spectra, through
 from wheelhop.identify.structure import RIGID, Structure, Suspensions
@@ -90,6 +90,7 @@ class Problem:
         uses = structure.symmetry == "reciprocal"
         self.moving = np.flatnonzero(self.belief.sd > 0) if uses else np.zeros(0, int)
         self.uses_suspensions = uses
+        self._latest: tuple[Point, Step] | None = None
 
     def start(self, sections: Sections) -> Array:
         """The vector of nonlinear numbers at these sections and at the believed suspensions."""
@@ -117,20 +118,29 @@ class Problem:
         )
 
     def linearised(self, point: Point) -> Step:
-        """Normal equations of numerators and nonlinear numbers together."""
+        """Normal equations of numerators and nonlinear numbers together; those of the latest point
+        are kept."""
+        if self._latest is None or self._latest[0] is not point:
+            self._latest = (point, self._linearise(point))
+        return self._latest[1]
+
+    def _linearise(self, point: Point) -> Step:
         count = len(point.numbers)
         normal = np.zeros((self.unknowns + count, self.unknowns + count))
         gradient = np.zeros(self.unknowns + count)
         below = slice(self.unknowns, None)
         theta = point.theta.reshape(len(self.outputs), -1)
         columns = self._columns(point)
+        across = np.zeros((point.gram.phi_phi.shape[0], len(self.output_weight) * count))
+        for (_, phi, _), (moved, _) in zip(point.regressors, columns, strict=True):
+            across += phi.T @ moved.reshape(len(phi), -1)
         for i, weight in enumerate(self.output_weight):
             at = self.index[i]
-            d_d, phi_d, d_x = np.zeros((count, count)), np.zeros((len(at), count)), np.zeros(count)
-            for (_, phi, x), by_output in zip(point.regressors, columns, strict=True):
-                d = by_output[:, i]
-                d_d += d.T @ d
-                phi_d += phi.T @ d
+            d_d, d_x = np.zeros((count, count)), np.zeros(count)
+            phi_d = across[:, i * count : (i + 1) * count]
+            for (_, _, x), (moved, inside) in zip(point.regressors, columns, strict=True):
+                d, lost = moved[:, i], inside[:, i]
+                d_d += d.T @ d - lost.T @ lost
                 d_x += d.T @ x[:, i]
             np.add.at(normal, (at[:, None], at), weight * point.gram.phi_phi)
             np.add.at(normal[:, below], at, weight * phi_d)
@@ -200,9 +210,10 @@ class Problem:
         out: Array = fixed + inside
         return out
 
-    def _columns(self, point: Point) -> list[Array]:
+    def _columns(self, point: Point) -> list[tuple[Array, Array]]:
         """For each part: derivative (rows, n, P) of the modelled outputs by the nonlinear numbers,
-        the numerators and the initial states held."""
+        the numerators and the initial states held; and its share (q, n, P) of the initial states'
+        basis, which is not projected out of it: its products with what is are the same."""
         out = []
         count = len(point.numbers)
         m = self.order // 2
@@ -231,9 +242,12 @@ class Problem:
             flat = by.reshape(*by.shape[:2], -1)
             moved = np.matmul(part.inputs.transpose(1, 0, 2), flat).transpose(1, 0, 2)
             moved = moved.reshape(*moved.shape[:2], len(self.outputs), count)
-            moved[..., : self.order] += self._decays(point, part, weight, factor, slopes)
-            rows = projected(moved.reshape(*moved.shape[:2], -1), basis)
-            out.append(rows.reshape(len(rows), len(self.outputs), count))
+            if not self.stack.at_rest:
+                moved[..., : self.order] += self._decays(point, part, weight, factor, slopes)
+            rows = np.concatenate([moved.real, moved.imag], axis=1)
+            inside = basis.T @ rows.reshape(*rows.shape[:2], -1)
+            shape = (-1, len(self.outputs), count)
+            out.append((rows.reshape(shape), inside.reshape(shape)))
         return out
 
     def _decays(
@@ -277,7 +291,7 @@ def reduced(step: Step) -> tuple[Array, Array]:
     return normal, step.gradient[-k:] - across.T @ eliminated[:, -1]
 
 
-def descend(problem: Problem, start: Array, *, steps: int = 40, tolerance: float = 1e-8) -> Point:
+def descend(problem: Problem, start: Array, *, tolerance: float, steps: int = 40) -> Point:
     """Levenberg-Marquardt steps from `start` until a step promises less than `tolerance` of the
     cost."""
     point = problem.at(start)

@@ -8,25 +8,36 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.identify.gram import Stack, gram, projected
-from wheelhop.identify.sections import ComplexArray, Sections, from_poles
+from wheelhop.identify.gram import Stack, projected
+from wheelhop.identify.problem import Point, Problem
+from wheelhop.identify.sections import Sections, from_poles
 
 Array = NDArray[np.float64]
 RELOCATIONS = 8
-FIRST_ZETA = 0.3
+SETTLED = 0.99
+"""Two relocations in a row that leave more than this of the least cost are the last."""
+WELL_DAMPED, LIGHTLY_DAMPED = 0.3, 0.03
 
 
-def spread(order: int, band: tuple[float, float]) -> Sections:
-    """Sections evenly spread over the logarithm of the band, rad/s."""
+def starts(order: int, band: tuple[float, float]) -> list[Sections]:
+    """Where poles may begin: well damped over the logarithm of the band, rad/s, as those of a body
+    on its suspensions; lightly damped and evenly spaced, as those of a frame."""
     low, high = band
     m = order // 2
-    omega = np.geomspace(1.5 * low, 0.9 * high, m) if m > 1 else np.array([np.sqrt(low * high)])
+    ends = (1.5 * low, 0.9 * high)
     rate = float(np.sqrt(low * high)) if order % 2 else None
-    return Sections(omega[:m], np.full(m, FIRST_ZETA), rate)
+    middle = np.array([np.sqrt(low * high)])
+    return [
+        Sections(omega[:m], np.full(m, zeta), rate)
+        for omega, zeta in (
+            (np.geomspace(*ends, m) if m > 1 else middle, WELL_DAMPED),
+            (np.linspace(*ends, m) if m > 1 else middle, LIGHTLY_DAMPED),
+        )
+    ]
 
 
-def relocated(stack: Stack, sections: Sections, factors: Sequence[ComplexArray]) -> list[Sections]:
-    """Sections after each of some relocations.
+def relocated(problem: Problem, begin: Sequence[Sections]) -> Point:
+    """The best of some relocations from the better beginning, as a trial of `problem`.
 
     With σ(s) a scalar that has the present poles, σ X = (σ H) Y has σ H over the same poles too, a
     linear problem in its residues and σ's; the zeros of σ are the next poles. σ is kept off zero by
@@ -34,32 +45,40 @@ def relocated(stack: Stack, sections: Sections, factors: Sequence[ComplexArray])
     The rows for σ alone are kept, those of σ H are eliminated output by output (D. Deschrijver et
     al., IEEE Microw. Wireless Compon. Lett. 18 (2008) 383).
     """
-    out = []
+    tried = [problem.at(problem.start(sections)) for sections in begin]
+    point = best = min(tried, key=lambda p: p.cost)
+    stalled = 0
     for _ in range(RELOCATIONS):
-        sections = _relocate(stack, sections, factors)
-        out.append(sections)
-    return out
+        point = problem.at(problem.start(_relocate(problem.stack, point)))
+        stalled = 0 if point.cost < SETTLED * best.cost else stalled + 1
+        best = min(best, point, key=lambda p: p.cost)
+        if stalled == 2:
+            break
+    return best
 
 
-def _relocate(stack: Stack, sections: Sections, factors: Sequence[ComplexArray]) -> Sections:
-    order = sections.order
-    schur = np.zeros((order + 1, order + 1))
-    mean = np.zeros(order + 1)
-    regressors = stack.regressors(sections, factors)
-    phi_phi = gram(regressors).phi_phi
-    parts = list(zip(stack.parts, stack.weights, regressors, strict=True))
-    for i in range(stack.outputs):
-        own = np.zeros((order + 1, order + 1))
-        across = np.zeros((len(phi_phi), order + 1))
-        for part, weight, (basis, phi, _) in parts:
-            sigma = np.hstack([sections.basis(1j * part.omega), np.ones((len(part.omega), 1))])
-            x = part.outputs[:, :, i, None] * weight[:, None] * sigma
-            rows = projected(x, basis)
-            own += rows.T @ rows
-            across += phi.T @ rows
-            if i == 0:
-                mean += sigma.real.sum(axis=0)
-        schur += (own - across.T @ _solve(phi_phi, across)) / max(own[-1, -1], 1e-300)
+def _relocate(stack: Stack, point: Point) -> Sections:
+    sections, phi_phi = point.sections, point.gram.phi_phi
+    width, outputs = sections.order + 1, stack.outputs
+    own = np.zeros((outputs, width, width))
+    across = np.zeros((len(phi_phi), outputs * width))
+    mean = np.zeros(width)
+    for part, weight, (basis, phi, _) in zip(
+        stack.parts, stack.weights, point.regressors, strict=True
+    ):
+        sigma = np.hstack([sections.basis(1j * part.omega), np.ones((len(part.omega), 1))])
+        x = (part.outputs * weight[:, None])[..., None] * sigma[:, None, :]
+        rows = projected(x.reshape(*x.shape[:2], -1), basis)
+        across += phi.T @ rows
+        for i in range(outputs):
+            of_one = rows[:, i * width : (i + 1) * width]
+            own[i] += of_one.T @ of_one
+        mean += sigma.real.sum(axis=0)
+    taken = across.T @ _solve(phi_phi, across)
+    schur = np.zeros((width, width))
+    for i in range(outputs):
+        at = slice(i * width, (i + 1) * width)
+        schur += (own[i] - taken[at, at]) / max(own[i, -1, -1], 1e-300)
     z = _solve(schur, mean)
     residues, constant = z[:-1], z[-1]
     if constant == 0.0:

@@ -14,8 +14,8 @@ from wheelhop.identify.statespace import StateSpace, of_fractions
 
 Array = NDArray[np.float64]
 
-EXACT = 1e-12
-"""A sum of squares over the mean square below which no other start is tried."""
+EXACT = 1e-8
+"""An error below which no other start is tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ def incremental_model(time_s: Array, responses: Array, count: int) -> tuple[Arra
 def fit_damped_sinusoids(
     time_s: Array, responses: Array, count: int, *, starts_at_rest: bool = True
 ) -> DampedSinusoids:
-    """Fit `count` damped sinusoids, shared by all responses, by variable projection.
+    """Fit `count` damped sinusoids, shared by all responses: the best of several descents.
 
     Parameters
     ----------
@@ -90,12 +90,28 @@ def fit_damped_sinusoids(
 
     Raises
     ------
-    CampaignError : too few samples.
+    CampaignError : too few samples, or responses that are all zero.
     """
+    if not responses.any():
+        raise CampaignError("the step responses are all zero: there is nothing to fit")
+    best = None
+    for sigma, omega in _starts(time_s, responses, count):
+        found = refine(time_s, responses, sigma, omega, starts_at_rest=starts_at_rest)
+        if best is None or found.error < best.error:
+            best = found
+        if best.error < EXACT:
+            break
+    assert best is not None
+    return best
+
+
+def refine(
+    time_s: Array, responses: Array, sigma: Array, omega: Array, *, starts_at_rest: bool = True
+) -> DampedSinusoids:
+    """The least squares nearest to a start (count,) each, by variable projection."""
     flat = responses.reshape(-1, len(time_s))
     scale = float(np.sqrt(np.mean(flat**2)))
-    if not scale > 0.0:
-        raise CampaignError("the step responses are all zero: there is nothing to fit")
+    count = len(sigma)
 
     def solve(numbers: Array) -> tuple[Array, Array, Array]:
         basis = _basis(time_s, numbers, starts_at_rest)
@@ -114,26 +130,18 @@ def fit_damped_sinusoids(
             columns.append(np.ravel(-(moved - (moved @ q) @ q.T)) / scale)
         return np.column_stack(columns)
 
-    best = None
-    for sigma, omega in _starts(time_s, responses, count):
-        found = optimize.least_squares(
-            residual, np.concatenate([sigma, omega]), jacobian, method="trf", x_scale="jac",
-            bounds=(np.concatenate([np.zeros(count), np.full(count, 1e-3)]), np.inf),
-        )  # fmt: skip
-        if best is None or found.cost < best.cost:
-            best = found
-        if best.cost < EXACT:
-            break
-    assert best is not None
-    order = np.argsort(best.x[:count])
-    sigma, omega = best.x[:count][order], best.x[count:][order]
+    found = optimize.least_squares(
+        residual, np.concatenate([sigma, omega]), jacobian, method="trf", x_scale="jac",
+        bounds=(np.concatenate([np.zeros(count), np.full(count, 1e-3)]), np.inf),
+    )  # fmt: skip
+    order = np.argsort(found.x[:count])
+    sigma, omega = found.x[:count][order], found.x[count:][order]
     _, residues, rest = solve(np.concatenate([sigma, omega]))
+    full = np.empty((len(flat), 2 * count + 1))
     if starts_at_rest:  # Σ b (1 - e^{-σt} cos ωt): the constant is the sum of what is taken off
-        full = np.zeros((len(flat), 2 * count + 1))
         full[:, 1::2], full[:, 2::2] = residues[:, :count], -residues[:, count:]
         full[:, 0] = residues[:, count:].sum(axis=1)
     else:
-        full = np.empty((len(flat), 2 * count + 1))
         full[:, 0] = residues[:, -1]
         full[:, 1::2], full[:, 2::2] = residues[:, :count], residues[:, count : 2 * count]
     error = float(np.sqrt(np.sum(rest**2) / np.sum(flat**2)))

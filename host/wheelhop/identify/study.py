@@ -13,6 +13,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.identify.identify import TransferMatrix
 from wheelhop.identify.quarter_car import Struts, Wheels, compliance, on_wheels
 from wheelhop.identify.statespace import StateSpace, of_fractions
+from wheelhop.identify.steps import DampedSinusoids
 
 Array = NDArray[np.float64]
 
@@ -25,18 +26,20 @@ VARIED = (
 
 @dataclass(frozen=True, eq=False)
 class Car:
-    """An identified body, N to m, with the suspensions it was identified on, and its wheels."""
+    """An identified body, N to m, on suspensions and wheels; `identified_on` are the suspensions
+    held in `body`, if they are others."""
 
     body: StateSpace
     struts: Struts
     wheels: Wheels
+    identified_on: Struts | None = None
 
     def ground_to_body(self, varied: str | None = None, factor: float = 1.0) -> StateSpace:
         """G(s), one number of `VARIED` times `factor`. Raises CampaignError for another name."""
         struts, wheels = self.struts, self.wheels
         if varied is not None:
             struts, wheels = _changed(struts, wheels, varied, factor)
-        return on_wheels(self.body, self.struts, struts, wheels)
+        return on_wheels(self.body, self.identified_on or self.struts, struts, wheels)
 
 
 def _changed(struts: Struts, wheels: Wheels, varied: str, factor: float) -> tuple[Struts, Wheels]:
@@ -59,22 +62,44 @@ def car_of(model: TransferMatrix, values: Mapping[str, float]) -> Car:
     """
     if model.inputs != (0, 1, 2, 3) or model.outputs != (0, 1, 2, 3):
         raise CampaignError("a study needs a transfer matrix of all four axle and body points")
-    struts = Struts(
-        *(values[f"suspension.{end}.stiffness_N_m"] for end in ("front", "rear")),
-        *(values[f"suspension.{end}.damping_N_s_m"] for end in ("front", "rear")),
-    )
-    wheels = Wheels(
-        *(
-            (values[f"wheel.front.{key}"], values[f"wheel.rear.{key}"])
-            for key in ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m")
-        )
-    )
+    struts, wheels = _struts(values), _wheels(values)
     if model.suspensions is None:
         return Car(compliance(of_fractions(model.sections, model.theta), struts), struts, wheels)
     ratio, front_s, rear_s = model.suspensions.value
     front = struts.front_N_m
     fitted = Struts(front, ratio * front, front_s * front, rear_s * ratio * front)
     return Car(of_fractions(model.sections, model.theta / front), fitted, wheels)
+
+
+def car_of_steps(fitted: DampedSinusoids, values: Mapping[str, float]) -> Car:
+    """The body that answered steps of force at its four points, on the suspensions of vehicle.toml
+    as it was then, and its wheels.
+
+    Raises CampaignError for fewer points, or responses that do not begin at rest.
+    """
+    if len(fitted.residues) != 16:
+        raise CampaignError("a study needs the responses of four points to forces at all four")
+    body = fitted.transfer(4, 4)
+    if np.abs(body.d).max() > 1e-9 * np.abs(body.static()).max():
+        raise CampaignError("a study needs step responses that begin at rest: leave out --no-rigid")
+    at_rest = replace(body, d=np.zeros((4, 4)))
+    return Car(at_rest, _struts(values), _wheels(values))
+
+
+def _struts(values: Mapping[str, float]) -> Struts:
+    return Struts(
+        *(values[f"suspension.{end}.stiffness_N_m"] for end in ("front", "rear")),
+        *(values[f"suspension.{end}.damping_N_s_m"] for end in ("front", "rear")),
+    )
+
+
+def _wheels(values: Mapping[str, float]) -> Wheels:
+    return Wheels(
+        *(
+            (values[f"wheel.front.{key}"], values[f"wheel.rear.{key}"])
+            for key in ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m")
+        )
+    )
 
 
 @dataclass(frozen=True, eq=False)

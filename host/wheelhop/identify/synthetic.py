@@ -46,17 +46,31 @@ def thesis_matrix() -> StateSpace:
 def thesis_runs(
     noise: float = 0.0, *, runs: int = 18, samples: int = 1024, seed: int = 1
 ) -> Spectra:
-    """Runs with random axle motion through `thesis_matrix`, each in motion before it begins.
+    """Spectra of `records` of `thesis_matrix`."""
+    made = records(thesis_matrix(), noise, runs=runs, samples=samples, seed=seed)
+    return spectra(*made, RATE_HZ, BAND_HZ)
+
+
+def records(
+    matrix: StateSpace,
+    noise: float = 0.0,
+    *,
+    runs: int = 18,
+    samples: int = 1024,
+    rate_hz: float = RATE_HZ,
+    seed: int = 1,
+) -> tuple[Array, Array]:
+    """Random motion (runs, samples, m) through `matrix`, in motion before a run begins, and the
+    answer (runs, samples, n).
 
     `noise` is the rms of white noise on every output over the rms of the outputs.
     """
     rng = np.random.default_rng(seed)
-    inputs = rng.standard_normal((runs, 3 * samples, 4))
+    inputs = rng.standard_normal((runs, 3 * samples, matrix.b.shape[1]))
     # Periodic in three times the run: the answer is the spectrum times H, and the run cut from the
     # middle has a past and a future that do not repeat in it.
-    s = 2j * np.pi * np.fft.rfftfreq(3 * samples, 1 / RATE_HZ)
-    moved = through(thesis_matrix()(s), np.asarray(np.fft.rfft(inputs, axis=1)))
+    s = 2j * np.pi * np.fft.rfftfreq(3 * samples, 1 / rate_hz)
+    moved = through(matrix(s), np.asarray(np.fft.rfft(inputs, axis=1)))
     outputs = np.fft.irfft(moved, 3 * samples, axis=1)[:, samples : 2 * samples]
     inputs = inputs[:, samples : 2 * samples]
-    outputs = outputs + noise * outputs.std() * rng.standard_normal(outputs.shape)
-    return spectra(inputs, outputs, RATE_HZ, BAND_HZ)
+    return inputs, outputs + noise * outputs.std() * rng.standard_normal(outputs.shape)

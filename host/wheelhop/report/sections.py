@@ -97,7 +97,13 @@ def axle_to_body(diagnosis: Diagnosis) -> str:
     found = diagnosis.axle_to_body
     if found is None:
         return ""
-    return section("Linear between axle and body?", paragraph(found.sentence))
+    parts = [paragraph(found.sentence)]
+    if found.levels:
+        shares = listed([percent(float(share), 4) for share in found.coherence])
+        words = f"Of the power at B1, B2, B3 and B4 in held-out runs it explains {shares}."
+        alike = "What is linear errs alike at every level, noise apart."
+        parts += [paragraph(f"{words} {alike}"), tables.level_table(found.levels)]
+    return section("Linear between axle and body?", *parts)
 
 
 def where(steps: Sequence[Step]) -> str:

@@ -198,6 +198,15 @@ def _motion(run: RigRun) -> list[str]:
     return [kind, *(significant(float(np.abs(y).max())) for y in (run.displacement, run.force))]
 
 
+def level_table(levels: Sequence[tuple[str, float, float]]) -> str:
+    """Runs held out, from the least motion to the most, and what a linear model leaves of each."""
+    rows = [
+        [escape(run), significant(level), percent(error)]
+        for run, level, error in sorted(levels, key=lambda row: row[1])
+    ]
+    return table(["run", "body, rms m/s²", "left by the best linear model"], rows, "lrr")
+
+
 def ladder_table(steps: Sequence[Step]) -> str:
     """The rungs as numbers."""
     floor = steps[-1].comparison.floor

@@ -1,0 +1,52 @@
+"""Figures 2.15-2.17, 2.20 and 5.24 of the thesis, drawn anew: 2.18 is a sketch, 2.19 a photo."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wheelhop.identify import published
+from wheelhop.identify.equivalent import equivalent_vehicle, wheels
+from wheelhop.identify.figure import draw_study
+from wheelhop.identify.quarter_car import Struts, Wheels, compliance, on_wheels
+from wheelhop.identify.study import Car, Variant, study
+from wheelhop.identify.synthetic import thesis_matrix
+
+CHAPTER_2 = {
+    "2.15": ("front-stiffness", (1.0, 1.25, 1.5)),
+    "2.16": ("front-damping", (1.0, 1.5, 2.0)),
+    "2.17": ("rear-damping", (1.0, 1.5, 2.0)),
+    "2.20": ("front-unsprung-mass", (0.75, 1.0, 1.25)),
+}
+"""Figure: what is varied in it, and by which factors."""
+
+
+def racing_car() -> Car:
+    """Chapter 2's car on its new suspensions, its body that of the equivalent vehicle."""
+    old, new = (Struts(*published.TABLE_2_2[key]) for key in ("old", "new"))
+    return Car(equivalent_vehicle().body(), new, wheels(), old)
+
+
+def stiffened() -> dict[str, list[Variant]]:
+    """Figure 5.24: H_n,11 and H_n,33 on the old suspensions and on those stiffened by 20 %, each
+    from the ground under a wheel to the body above it."""
+    old, new = (Struts(*published.TABLE_5_4[key]) for key in ("old", "new"))
+    on = Wheels(*zip(published.TABLE_5_3["front"], published.TABLE_5_3["rear"], strict=True))
+    body = compliance(thesis_matrix(), old)
+    moved = {1.0: on_wheels(body, old, old, on), 1.2: on_wheels(body, old, new, on)}
+    return {
+        end: [Variant(factor, system.part(at, at)) for factor, system in moved.items()]
+        for end, at in (("front", 0), ("rear", 2))
+    }
+
+
+def draw_thesis(folder: Path) -> list[Path]:
+    """Draw all figures into a folder, which is made if need be. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = []
+    for number, (varied, factors) in CHAPTER_2.items():
+        drawn.append(folder / f"figure-{number}.png")
+        draw_study(study(racing_car(), varied, factors), varied, drawn[-1])
+    for end, variants in stiffened().items():
+        drawn.append(folder / f"figure-5.24-{end}.png")
+        draw_study(variants, f"all stiffnesses, {end} left", drawn[-1])
+    return drawn
