@@ -16,7 +16,7 @@ from wheelhop.logger.recording import Channel, Recording
 
 ROWS, RATE_HZ = 256, 100.0
 POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
-TRACK = {"kind": "washboard", "amplitude_mm": 15, "pitch_mm": 400}
+TRACK: dict[str, str | float] = {"kind": "washboard", "amplitude_mm": 15, "pitch_mm": 400}
 
 
 def main() -> None:

@@ -1,5 +1,6 @@
 """Recordings become a campaign that reads back; what fails leaves everything as it was."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,17 @@ def test_a_vehicle_without_its_specimen_begins_no_campaign(tmp_path, folder, nam
     with pytest.raises(CampaignError, match="mount"):
         new_campaign(tmp_path / "d", "t", recording_of(), {}, there / "vehicle.toml")
     assert not (tmp_path / "d").exists()
+
+
+def test_a_sample_no_accelerometer_measures_is_refused(folder):
+    good = recording_of()
+    add_run(folder, good, run_of())
+    for size in (2e6, 1e160):
+        values = good.values.copy()
+        values[7, 3] = -size
+        with pytest.raises(CampaignError, match="no accelerometer"):
+            add_run(folder, replace(good, values=values), run_of("broken"))
+    assert len(read_campaign(folder).runs) == 1
 
 
 def test_sensors_elsewhere_must_say_where_they_are(tmp_path):
