@@ -47,7 +47,7 @@ def main() -> None:
     seconds, _ = timed(lambda: fit_modulus(model, data[0]).half_widths())
     line("one specimen, modified power law, intervals", seconds)
     seconds, _ = timed(lambda: [all_models(each) for each in data], 3)
-    line("8 specimens, 6 models, intervals", seconds)
+    line(f"8 specimens, {len(MODELS)} models, intervals", seconds)
     seconds, _ = timed(lambda: [candidates(each) for each in data], 1)
     line("the same, and five held-out fits of each", seconds)
     peer(data[0])

@@ -1,5 +1,6 @@
 """Recordings become a campaign that reads back; what fails leaves everything as it was."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,17 @@ from wheelhop.vehicle import read_nominal
 
 POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
 WASHBOARD = {"kind": "washboard", "amplitude_mm": 15, "pitch_mm": 400}
+
+SPECIMEN = """format = 1
+name = "mount"
+model = "generalized-maxwell"
+band_hz = [1.0, 30.0]
+times_s = [0.02]
+
+[parameters]
+E_inf = 8e4
+E1 = 6e4
+"""
 
 
 def recording_of(names=POINTS, rows=1024, rate_hz=100.0, unit="m/s²") -> Recording:
@@ -47,6 +59,43 @@ def test_a_campaign_of_two_runs_reads_back(folder):
     assert np.allclose(slow.record, recording.values, rtol=1e-5)
     assert np.allclose(fast.record, recording.values[200:601], rtol=1e-5)
     assert read_nominal(campaign)["body.mass_kg"] > 0
+
+
+@pytest.mark.parametrize("inside", ["mount.toml", "specimens/mount.toml"])
+def test_the_specimen_a_vehicle_stands_on_comes_along(tmp_path, folder, inside):
+    there = tmp_path / "other"
+    (there / inside).parent.mkdir(parents=True)
+    (there / inside).write_text(SPECIMEN)
+    numbers = (folder / "vehicle.toml").read_text()
+    (there / "vehicle.toml").write_text(f'mount = "{inside}"\n{numbers}')
+    new_campaign(tmp_path / "d", "t", recording_of(), {}, there / "vehicle.toml")
+    assert (tmp_path / "d" / inside).read_text() == SPECIMEN
+    add_run(tmp_path / "d", recording_of(), run_of())
+    values = read_nominal(read_campaign(tmp_path / "d")).values
+    assert values["mount.stiffness_N_m"] == pytest.approx(8e4, rel=0.01)
+
+
+@pytest.mark.parametrize("named", ["nowhere.toml", "../mount.toml"])
+def test_a_vehicle_without_its_specimen_begins_no_campaign(tmp_path, folder, named):
+    (tmp_path / "mount.toml").write_text(SPECIMEN)
+    there = tmp_path / "other"
+    there.mkdir()
+    numbers = (folder / "vehicle.toml").read_text()
+    (there / "vehicle.toml").write_text(f'mount = "{named}"\n{numbers}')
+    with pytest.raises(CampaignError, match="mount"):
+        new_campaign(tmp_path / "d", "t", recording_of(), {}, there / "vehicle.toml")
+    assert not (tmp_path / "d").exists()
+
+
+def test_a_sample_no_accelerometer_measures_is_refused(folder):
+    good = recording_of()
+    add_run(folder, good, run_of())
+    for size in (2e6, 1e160):
+        values = good.values.copy()
+        values[7, 3] = -size
+        with pytest.raises(CampaignError, match="no accelerometer"):
+            add_run(folder, replace(good, values=values), run_of("broken"))
+    assert len(read_campaign(folder).runs) == 1
 
 
 def test_sensors_elsewhere_must_say_where_they_are(tmp_path):

@@ -1,7 +1,7 @@
 """A vehicle whose struts stand on a specimen measured on a rig: an independent simulator hides the
 mount, with one relaxation of its own, and the specimen's file is beside vehicle.toml."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -43,8 +43,16 @@ class RelaxingMount(MountBushing):
         return force + own - direct
 
 
-def test_the_mount_is_recovered_from_a_vehicle_campaign(tmp_path):
-    """Once as stiff as measured, front and rear, within three standard deviations and 15 %."""
+RUNS = ("washboard-low-slow", "washboard-high-fast", "washboard-high-slow")
+
+
+def test_the_mount_is_recovered_from_a_vehicle_campaign(tmp_path, monkeypatch):
+    """Once as stiff as measured, front and rear, within three standard deviations and 15 %: from
+    two runs, and a third that is not fitted."""
+    planned = truth.planned_runs
+    monkeypatch.setattr(
+        truth, "planned_runs", lambda *a, **k: [r for r in planned(*a, **k) if r.id in RUNS]
+    )
     hidden = [RelaxingMount(stiffness_N_m=SPRING, damping_N_s_m=20.0)]
     folder = truth.write_campaign(tmp_path / "c", PRESETS["atv"], hidden, seed=7, short=True)
     model = GeneralizedMaxwell([TIME_S])
@@ -53,7 +61,7 @@ def test_the_mount_is_recovered_from_a_vehicle_campaign(tmp_path):
     vehicle = folder / "vehicle.toml"
     vehicle.write_text('mount = "specimen.toml"\n' + vehicle.read_text())
     campaign = read_campaign(folder)
-    campaign = replace(campaign, runs=(*campaign.fit_runs[:3], *campaign.validate_runs[:1]))
+    assert len(campaign.fit_runs) == 2 and len(campaign.validate_runs) == 1
     effect = load_effects()["mount-bushing"]
     before, after = steps_with(campaign, read_nominal(campaign), [effect], lambda text: None)
     assert after.rung.error < 0.5 * before.rung.error

@@ -1,20 +1,24 @@
 """The models against the published table, against each other, and against computer algebra."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.material.table import FREQUENCY, ROWS, data_of, polynomial, power_law
+from tests.material.table import FREQUENCY, POLYNOMIAL, POWER, ROWS, data_of, polynomial, power_law
 from wheelhop.material import (
     MODELS,
+    CausalPowerLaw,
     FractionalKelvinVoigt,
     FractionalZener,
     GeneralizedMaxwell,
     LogarithmicPolynomial,
     ModifiedPowerLaw,
     PowerLogarithm,
+    fit_modulus,
     log_error,
 )
 from wheelhop.material.models import loss_coefficients
@@ -22,6 +26,7 @@ from wheelhop.material.models import loss_coefficients
 OMEGA = 2 * np.pi * FREQUENCY
 EXAMPLES = {
     "modified-power-law": (ModifiedPowerLaw(), [5.3e5, 0.056, 4.9e5]),
+    "causal-power-law": (CausalPowerLaw(), [5.3e5, 0.056, 4.9e5]),
     "logarithmic-polynomial": (LogarithmicPolynomial(), [1.02e6, 2.7e4, 2.6e3]),
     "fractional-kelvin-voigt": (FractionalKelvinVoigt(), [6.2e5, 3.9e5, 0.09]),
     "fractional-zener": (FractionalZener(), [9e5, 1.8, 8e-6, 0.19]),
@@ -37,13 +42,40 @@ def test_every_model_has_its_example():
 
 @pytest.mark.parametrize("i", range(len(ROWS)))
 def test_both_columns_of_table_3_2_are_the_same_curve(i):
-    """Within 1.5 % in M_d and 6 % in M_l; specimen 2 of bushing 2, the poorest fit of the source,
-    within 1.8 % in M_d."""
+    """Within 1.5 % in M_d and 6 % in M_l; for specimen 2 of bushing 2 from 1.2 Hz on only."""
     ratio = power_law(i, OMEGA).real / polynomial(i, OMEGA).real
-    assert np.abs(ratio - 1).max() < (0.018 if ROWS[i][:2] == (2, 2) else 0.015)
+    first = 1 if ROWS[i][:2] == (2, 2) else 0
+    assert np.abs(ratio[first:] - 1).max() < 0.015
     assert np.abs(power_law(i, OMEGA).imag / polynomial(i, OMEGA).imag - 1).max() < 0.06
     # In hertz instead of rad/s nothing agrees.
     assert np.abs(power_law(i, FREQUENCY).imag / polynomial(i, OMEGA).imag - 1).max() > 0.06
+
+
+def test_no_digits_left_out_of_the_table_bring_its_poorest_row_within_1_5_per_cent():
+    """Specimen 2 of bushing 2 at 1 Hz: 1.73 % as printed, 1.6 % at best if every number may be
+    anything that rounds to what is printed. The source's two fits differ, not our formulas: with
+    three free numbers the power law comes within 0.8 % of the polynomial."""
+    i, half = 3, np.array([0.5, 0.5e-3, 0.5])  # half of the last digit: N/m, 1, N/m
+    omega = OMEGA[:1]
+    gaps = [
+        ModifiedPowerLaw().modulus(omega, POWER[i] + half * p).real[0]
+        / LogarithmicPolynomial().modulus(omega, POLYNOMIAL[i] + 0.5 * np.array(q)).real[0]
+        - 1
+        for p in product((-1, 0, 1), repeat=3)
+        for q in product((-1, 0, 1), repeat=3)
+    ]
+    assert 0.015 < min(gaps) < 0.0173 < max(gaps)
+    fit = fit_modulus(ModifiedPowerLaw(), data_of(lambda w: polynomial(i, w)))
+    assert np.abs(fit.modulus(OMEGA).real / polynomial(i, OMEGA).real - 1).max() < 0.008
+
+
+@pytest.mark.parametrize("beta", [0.05, 0.3, 0.5])
+def test_the_exact_form_has_the_published_dynamic_modulus(beta):
+    """And the loss modulus of the published form but for terms of order β⁴."""
+    p = np.array([5e5, beta, 3e5])
+    exact, published = CausalPowerLaw().modulus(OMEGA, p), ModifiedPowerLaw().modulus(OMEGA, p)
+    assert np.allclose(exact.real, published.real, rtol=1e-12)
+    assert np.abs(exact.imag / published.imag - 1).max() < 10 * beta**4
 
 
 def test_the_corrected_loss_coefficients_follow_from_the_operator():

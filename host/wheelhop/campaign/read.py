@@ -37,6 +37,7 @@ TOP_KEYS = (
     *("noise_rms_m_s2", "channels", "run"),
 )
 CONSTANTS_FILE = "calibration.toml"
+LARGEST_M_S2 = 1e6  # a hundred thousand g: a broken file, and powers of it overflow
 LONGEST_AVERAGING = 3.0  # sample periods
 NOT_RECORDED = "if it was not recorded, list under [channels] in campaign.toml those that were"
 
@@ -165,6 +166,12 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
             raise CampaignError(
                 f"{drive.file}: no channel ever changes: there is nothing to compare; "
                 "leave the run out"
+            )
+        largest = float(np.abs(values[:, wanted[1:]]).max())
+        if largest > LARGEST_M_S2:
+            raise CampaignError(
+                f"{drive.file}: a sample of {largest:g} m/s²: no accelerometer measures "
+                f"more than {LARGEST_M_S2:g}; leave the run out"
             )
         runs.append(Run(**vars(drive), time_s=time_s, record=frozen(values[:, wanted[1:]])))
     if constants is not None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
 from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
 from wheelhop.files import (
@@ -94,8 +95,9 @@ def new_campaign(
     """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
 
     Sample rate, averaging and channels are those of the recording `like`; `places` says where
-    channels sit that its points do not tell. `vehicle` and the sensors' `constants` are copied;
-    without `vehicle`, one that is there stays, or else a sample file is written. If anything fails,
+    channels sit that its points do not tell. `vehicle`, the specimen's file that it names as its
+    mount, and the sensors' `constants` are copied; without `vehicle`, one that is there stays, or
+    else a sample file is written. If anything fails,
     nothing is left behind. Raises CampaignError if there is a campaign already, or a channel has no
     place.
     """
@@ -116,6 +118,10 @@ def new_campaign(
     given = {} if constants is None else {folder / CONSTANTS_FILE: _text(constants)}
     if vehicle is not None:
         given[target] = _text(vehicle)
+        top = read_toml(vehicle, CampaignError)
+        if "mount" in top:
+            specimen = file_inside(vehicle.parent, top, "mount")
+            given[folder / specimen.relative_to(vehicle.parent)] = _text(specimen)
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
     given[file] = "\n".join(lines) + "\n"
@@ -129,7 +135,7 @@ def new_campaign(
             made += make_folder(folder / "runs")
             for path, text in given.items():
                 if not path.exists():
-                    made.append(path)
+                    made += [*make_folder(path.parent), path]
                     write_text(path, text, CampaignError)
                 elif _text(path) != text:
                     raise CampaignError(f"{path}: is there already, and differs: delete one")

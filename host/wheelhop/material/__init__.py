@@ -7,6 +7,7 @@ from wheelhop.material.fit import ModulusFit, fit_modulus, log_error
 from wheelhop.material.maxwell import GeneralizedMaxwell
 from wheelhop.material.model import ModulusModel
 from wheelhop.material.models import (
+    CausalPowerLaw,
     FractionalKelvinVoigt,
     FractionalZener,
     LogarithmicPolynomial,
@@ -21,6 +22,7 @@ from wheelhop.material.specimen import Specimen, read_specimen, specimen_of, wri
 __all__ = [
     "MODELS",
     "Candidate",
+    "CausalPowerLaw",
     "Consistency",
     "Elements",
     "FractionalKelvinVoigt",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from math import cos, pi, sin
+from collections.abc import Iterable, Sequence
+from math import cos, pi, sin, tan
 
 import numpy as np
 
@@ -76,12 +76,12 @@ class ModifiedPowerLaw(ModulusModel):
     def modulus(self, omega: Array, parameters: Array) -> ComplexArray:
         """(3.32) + i (3.33)."""
         a0, beta, m0 = parameters
-        return np.asarray(m0 + a0 * _published(omega, beta)[0])
+        return np.asarray(m0 + a0 * self._curve(omega, beta)[0])
 
     def derivatives(self, omega: Array, parameters: Array) -> ComplexArray:
         """By A₀, β, M₀."""
         a0, beta, _ = parameters
-        value, slope = _published(omega, beta)
+        value, slope = self._curve(omega, beta)
         return np.stack([value, a0 * slope, np.ones(len(omega))], axis=1)
 
     def shapes(self, omega: Array) -> Iterable[Array]:
@@ -90,7 +90,7 @@ class ModifiedPowerLaw(ModulusModel):
 
     def basis(self, omega: Array, shape: Array) -> ComplexArray:
         """What A₀ and M₀ are multiplied with."""
-        return np.stack([_published(omega, shape[0])[0], np.ones(len(omega))], axis=1)
+        return np.stack([self._curve(omega, shape[0])[0], np.ones(len(omega))], axis=1)
 
     def admits(self, shape: Array) -> bool:
         """0 < β < 0.6: (3.26) holds for small β only."""
@@ -99,6 +99,63 @@ class ModifiedPowerLaw(ModulusModel):
     def assembled(self, weights: Array, shape: Array) -> Array:
         """A₀, β, M₀."""
         return np.array([weights[0], shape[0], weights[1]])
+
+    @staticmethod
+    def _curve(omega: Array, beta: float) -> tuple[ComplexArray, ComplexArray]:
+        """(M − M₀)/A₀ (f,) and its derivative by β."""
+        a, a_rate = _ratios(beta)
+        first_rate = pi**3 * beta / 4
+        kappa_rate = pi / 2 + pi**3 * beta**2 / 8
+        b_rate = loss_coefficients(a_rate, beta) + np.array(
+            [
+                kappa_rate * a[0] + first_rate * a[1] + pi**3 / 4 * a[2],
+                kappa_rate * a[1] + 2 * first_rate * a[2],
+                kappa_rate * a[2],
+            ]
+        )
+        log = np.log(omega)
+        powers = np.stack([np.ones(len(omega)), log, log**2], axis=1) * (omega**beta)[:, None]
+        value = powers @ (a + 1j * loss_coefficients(a, beta))
+        return np.asarray(value), np.asarray(log * value + powers @ (a_rate + 1j * b_rate))
+
+
+class CausalPowerLaw(ModifiedPowerLaw):
+    """The member of the exact family whose dynamic modulus is that of the modified power law.
+
+    M_d = M₀ + (A₀ + A₁ log ω + A₂ log² ω) ω^β with (3.29) and (3.31), and the loss modulus that
+    causality demands beside it: M = M₀ + (G₀ + G₁ log s + G₂ log² s) s^β, where the G follow from
+    M_d = cos(πθ/2) G, θ = ω d/dω. Same parameters, and no expansion.
+    """
+
+    id = "causal-power-law"
+    title = "modified power law, exact"
+    equation = (
+        r"M = M_0 + (G_0 + G_1\ln s + G_2\ln^2 s)\,s^\beta,\quad"
+        r" \mathrm{Re}\,M = M_0 + (A_0 + A_1\ln\omega + A_2\ln^2\omega)\,\omega^\beta"
+    )
+    source = f"{THESIS}, (3.29), (3.31), (3.32); docs/bushings.md"
+
+    @staticmethod
+    def _curve(omega: Array, beta: float) -> tuple[ComplexArray, ComplexArray]:
+        a, a_rate = _ratios(beta)
+        # sec x and its derivatives: 1/cos(πθ/2) acts on a square of log ω by the first three.
+        sec, t = 1 / cos(pi * beta / 2), tan(pi * beta / 2)
+        secants = [sec, sec * t, sec * (t**2 + sec**2), sec * t * (t**2 + 5 * sec**2)]
+        g = _without_cosine(secants, a)
+        g_rate = _without_cosine(secants, a_rate) + pi / 2 * _without_cosine(secants[1:], a)
+        log = np.log(omega) + 0.5j * pi
+        powers = np.stack([np.ones(len(omega)), log, log**2], axis=1) * np.exp(beta * log)[:, None]
+        value = powers @ g
+        return np.asarray(value), np.asarray(log * value + powers @ g_rate)
+
+
+def _without_cosine(f: Sequence[float], a: Array) -> Array:
+    """Coefficients of f(π/2 (β + d/dℓ)) applied to a₀ + a₁ ℓ + a₂ ℓ², from f and its derivatives
+    at πβ/2."""
+    first, second = pi / 2 * f[1], (pi / 2) ** 2 * f[2]
+    return np.array(
+        [f[0] * a[0] + first * a[1] + second * a[2], f[0] * a[1] + 2 * first * a[2], f[0] * a[2]]
+    )
 
 
 def loss_coefficients(a: Array, beta: float) -> Array:
@@ -115,29 +172,18 @@ def loss_coefficients(a: Array, beta: float) -> Array:
     )
 
 
-def _published(omega: Array, beta: float) -> tuple[ComplexArray, ComplexArray]:
-    """(M − M₀)/A₀ (f,) of the modified power law and its derivative by β."""
+def _ratios(beta: float) -> tuple[Array, Array]:
+    """1, A₁/A₀ and A₂/A₀ of (3.31) and (3.29) as printed, and their derivatives by β."""
     d = 24 * pi**2 - 96 + 14 * pi**4 * beta**2 + pi**6 * beta**4
     d_rate = 28 * pi**4 * beta + 4 * pi**6 * beta**3
     a1 = 4 * pi**4 * beta**3 / d
     a2 = 8 * pi**2 * beta**2 / d  # (3.29): 2 A₁/(π²β)
-    a = np.array([1.0, a1, a2])
-    a_rate = np.array(
-        [0.0, 12 * pi**4 * beta**2 / d - a1 * d_rate / d, 16 * pi**2 * beta / d - a2 * d_rate / d]
-    )
-    first_rate = pi**3 * beta / 4
-    kappa_rate = pi / 2 + pi**3 * beta**2 / 8
-    b_rate = loss_coefficients(a_rate, beta) + np.array(
-        [
-            kappa_rate * a[0] + first_rate * a[1] + pi**3 / 4 * a[2],
-            kappa_rate * a[1] + 2 * first_rate * a[2],
-            kappa_rate * a[2],
-        ]
-    )
-    log = np.log(omega)
-    powers = np.stack([np.ones(len(omega)), log, log**2], axis=1) * (omega**beta)[:, None]
-    value = powers @ (a + 1j * loss_coefficients(a, beta))
-    return np.asarray(value), np.asarray(log * value + powers @ (a_rate + 1j * b_rate))
+    rate = [
+        0.0,
+        12 * pi**4 * beta**2 / d - a1 * d_rate / d,
+        16 * pi**2 * beta / d - a2 * d_rate / d,
+    ]
+    return np.array([1.0, a1, a2]), np.array(rate)
 
 
 class PowerLogarithm(ModulusModel):

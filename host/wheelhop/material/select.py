@@ -14,6 +14,7 @@ from wheelhop.material.fit import ModulusFit, fit_modulus, log_error
 from wheelhop.material.maxwell import GeneralizedMaxwell
 from wheelhop.material.model import Array, ModulusModel
 from wheelhop.material.models import (
+    CausalPowerLaw,
     FractionalKelvinVoigt,
     FractionalZener,
     LogarithmicPolynomial,
@@ -26,6 +27,7 @@ BLOCKS = 5
 
 MODELS: dict[str, Callable[[Array], ModulusModel]] = {
     ModifiedPowerLaw.id: lambda omega: ModifiedPowerLaw(),
+    CausalPowerLaw.id: lambda omega: CausalPowerLaw(),
     LogarithmicPolynomial.id: lambda omega: LogarithmicPolynomial(),
     FractionalKelvinVoigt.id: lambda omega: FractionalKelvinVoigt(),
     FractionalZener.id: lambda omega: FractionalZener(),

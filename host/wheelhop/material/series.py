@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelhop.material.model import Array
+from wheelhop.material.model import Array, ComplexArray
 from wheelhop.material.rational import Elements
 
 QUICKEST_S = 2e-6
@@ -22,6 +22,19 @@ class Series:
     damping_N_s_m: float
     gains_N_m: Array
     rates_1_s: Array
+
+    def modulus(self, omega: Array) -> ComplexArray:
+        """k₀ + iωc₀ + Σ gⱼ λⱼ/(λⱼ + iω) (f,), N/m."""
+        modes = self.rates_1_s / (self.rates_1_s + 1j * omega[:, None])
+        return np.asarray(
+            self.stiffness_N_m + 1j * omega * self.damping_N_s_m + modes @ self.gains_N_m
+        )
+
+
+def exactly_in_series(strut: ComplexArray, mount: ComplexArray, share: float) -> ComplexArray:
+    """D = S M/(M + share · S) (f,), N/m, of the dynamic stiffnesses (f,) of strut and mount: what
+    `in_series` is with the specimen's own modulus, at given frequencies."""
+    return strut * mount / (mount + share * strut)
 
 
 def in_series(

@@ -12,14 +12,21 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 
-def frequency_response(system: System, frequency_hz: ArrayLike) -> ComplexArray:
+def frequency_response(
+    system: System, frequency_hz: ArrayLike, port_stiffness: ComplexArray | None = None
+) -> ComplexArray:
     """Acceleration of every output per prescribed motion, (f, c, m), 1/s².
 
-    H(ω) = −ω² L (K − ω² M + iωC)⁻¹ (B + iωD), with exp(+iωt); force laws are left out.
+    H(ω) = −ω² L (K + Pᵀ Z P − ω² M + iωC)⁻¹ (B + iωD − Pᵀ Z R), with exp(+iωt). Force laws are left
+    out, unless `port_stiffness` Z (f, p), N/m, says how stiff each of their ports is.
     """
     omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))[:, None, None]
     dynamic = system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
     driven = system.input_stiffness + 1j * omega * system.input_damping
+    if port_stiffness is not None:
+        force = system.port.T * port_stiffness[:, None, :]
+        dynamic = dynamic + force @ system.port
+        driven = driven - force @ system.port_input
     return np.asarray(-(omega**2) * (system.output @ np.linalg.solve(dynamic, driven)))
 
 
