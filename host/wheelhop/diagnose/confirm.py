@@ -7,7 +7,7 @@ from math import inf, isfinite
 
 import numpy as np
 
-from wheelhop.diagnose.judge import nearly_all
+from wheelhop.diagnose.judge import all_noise, nearly_all
 from wheelhop.diagnose.placement import begun, placed_anew
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, with_variant
@@ -23,15 +23,19 @@ def confirm(
 
     Derivatives with respect to the base's parameters are taken from the base: a quick fit that
     ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
-    screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere;
-    the best one counts. A switch changes everything at once: where it makes things worse, the
-    derivatives have changed, and only a full fit does it justice. It gets none where one of the
-    models `beside` it explains nearly all.
+    screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere,
+    and so does one that leaves more than noise while another form is as likely: to first order a
+    strong effect shows little difference between its forms. The best one counts. A switch changes
+    everything at once: where it makes things worse, the derivatives have changed, and only a full
+    fit does it justice. It gets none where one of the models `beside` it explains nearly all.
     """
     benches = workshop.of_role("fit")
     settled = any(nearly_all(base, rung, workshop.noise) for rung in beside)
     best: Fit | None = None
-    for model in _starts(workshop, base, screened)[: len(SHARES)]:
+    believed = False
+    starts = _starts(workshop, base, screened)[: len(SHARES)]
+    forms = [choice for choice, _ in starts]
+    for i, (_, model) in enumerate(starts):
         effect = model.effects[-1]
         free = effect_parameters(workshop.parameters_of(effect), model, effect)
         # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
@@ -40,8 +44,10 @@ def confirm(
             model = fit(workshop, model, [*base.fit.shared, *amplitudes], benches, base.fit).model
         found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit)
         if best is None or found.evidence > best.evidence:
-            best = found
-        if best.error < ASTRAY * screened.error and _believable(best, free):
+            best, believed = found, _believable(found, free)
+        fine = best.error < ASTRAY * screened.error and believed
+        tried = all_noise(best, workshop.noise) or set(forms[i + 1 :]) <= set(forms[: i + 1])
+        if fine and tried:
             break
     assert best is not None
     rough = validate(workshop, best, base.update)
@@ -91,15 +97,15 @@ FAR = 3.0
 numbers: a gap that is never used up fits from any width above one that is."""
 
 
-def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[Model]:
-    """The models where the fit of an effect may begin: the likeliest variants, each as it fits best
-    at some share of what screening expects, the vehicle as it is or moved along; then more shares
-    of the likeliest."""
+def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[str, Model]]:
+    """The models where the fit of an effect may begin, each with its form: the likeliest variants,
+    each as it fits best at some share of what screening expects, the vehicle as it is or moved
+    along; then more shares of the likeliest."""
     by_variant = []
     for item in (screened, *screened.others):
         models = list(_starts_of(workshop, base, item))
         order = np.argsort(_misfits(workshop, base, models), kind="stable")
-        by_variant.append([models[i] for i in order])
+        by_variant.append([(item.variant.choice, models[i]) for i in order])
     return [*(models[0] for models in by_variant), *by_variant[0][1:]]
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from wheelhop.compare import Comparison, where_to_json
+from wheelhop.diagnose.judge import EXACT
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.diagnose.rung import Rung
 from wheelhop.gate import Finding
@@ -40,10 +41,6 @@ class Ranked:
     parameters: Mapping[str, float | str]
     reason: str  #: why it was accepted or not, in one line
 
-
-EXACT = 0.003
-"""Models of machines are exact to about this share of the signal: what is left beyond the noise is
-held against a model only if it is more."""
 
 UNLIKELY = 0.05
 """What noise leaves with less than this chance is said to be more than noise."""

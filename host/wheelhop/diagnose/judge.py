@@ -21,6 +21,10 @@ MATERIAL = 0.02
 """What takes less than this share of the noise's power out of the held-out residual is immaterial,
 however simple the model: a rounding of the simulation could be mistaken for physics."""
 
+EXACT = 0.003
+"""Models of machines are exact to about this share of the signal: what is left beyond the noise is
+held against a model, and taken for one more effect, only if it is more."""
+
 SIGNIFICANT = 0.05
 """An effect is accepted below this chance of being mistaken, all effects tried counted."""
 
@@ -72,11 +76,13 @@ def p_value(odds: float, tried: int) -> float:
 
 def holds_against(base: Rung, rival: Rung, odds: float, tried: int, noise: float) -> bool:
     """Whether a rival with these log-odds, one of `tried`, takes something material out of what
-    the base leaves, and not by chance."""
-    return (
-        relative_to_noise(base, rival, noise) > material(base)
-        and p_value(odds, tried) < SIGNIFICANT
-    )
+    the base leaves, and not by chance. Where both have effects and both leave something, it has to
+    be more than such models are exact to."""
+    least = material(base)
+    if noise > 0.0 and not at_noise(rival, noise) and base.model.effects:
+        energy = sum(run.bench.energy for run in rival.judging.runs)
+        least += EXACT**2 * energy / (rival.judging.size * noise**2)
+    return relative_to_noise(base, rival, noise) > least and p_value(odds, tried) < SIGNIFICANT
 
 
 def material(rung: Rung) -> float:

@@ -11,7 +11,14 @@ from wheelhop.diagnose.confirm import confirm, refit, without
 from wheelhop.diagnose.critic import criticism
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.exchange import Stand, exchange
-from wheelhop.diagnose.judge import at_noise, best_first, holds_against, log_odds, noticeable
+from wheelhop.diagnose.judge import (
+    at_noise,
+    best_first,
+    holds_against,
+    log_odds,
+    nearly_all,
+    noticeable,
+)
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.rung import Rung
@@ -100,7 +107,8 @@ def climb(
             look = look_for_several(workshop, look, effects, room, progress)
             first = origin = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
-        if better is None and alone and steps[-1].above_floor:
+        part = not nearly_all(first.rung, rung, workshop.noise)
+        if better is None and alone and part and steps[-1].above_floor:
             # The first may have been taken for what only several explain: it takes a place.
             alone = False
             anew = look_for_several(workshop, first, effects, max_effects, progress)
@@ -126,9 +134,9 @@ def _look(
 ) -> Look:
     """Screen what is not in the model yet, simulate the best in full, choose one or none."""
     rung = step.rung
-    if rung.model.effects and not step.above_floor:
-        return Look(rung, (), (), None)  # such models are no more exact
     done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
+    if done and not step.above_floor:
+        return Look(rung, (), (), None)
     present = {effect.id for effect in rung.model.effects}
     left = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening {len(left)} effects")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wheelhop.diagnose.judge import MATERIAL, all_noise, noticeable, unforeseen
+from wheelhop.diagnose.judge import all_noise, material, noticeable, unforeseen
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened
 from wheelhop.fit import Workshop
@@ -14,6 +14,12 @@ CONFIRMED = 5
 
 REACH = 0.5
 """And every one that screening expects to explain this share of what the best explains."""
+
+
+def least_gain(workshop: Workshop, rung: Rung) -> float:
+    """What screening must expect at least of an effect that could be material: to first order
+    strong effects are underrated by half their amplitude."""
+    return material(rung) / 4 * rung.fit.size
 
 
 def worth_simulating(
@@ -28,8 +34,7 @@ def worth_simulating(
 
     Effects that even by screening could take nothing material out of the residual are left alone.
     """
-    least = MATERIAL / 4 * rung.fit.size
-    promising = [s for s in screened if s.score > 0 and s.gain > least]
+    promising = [s for s in screened if s.score > 0 and s.gain > least_gain(workshop, rung)]
     enough = reach * promising[0].gain if promising else 0.0
     chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= enough]
     surprising = unforeseen(rung, workshop.noise)

@@ -18,7 +18,7 @@ from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm import confirm, refit
 from wheelhop.diagnose.judge import at_noise, holds_against, log_odds, nearly_all
 from wheelhop.diagnose.look import Candidate, Look, contradicted
-from wheelhop.diagnose.promising import worth_simulating
+from wheelhop.diagnose.promising import least_gain, worth_simulating
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.validate import Incumbent
@@ -83,7 +83,8 @@ def _promising(
         progress(f"screening the others beside {first.id}")
         others = [e for e in effects.values() if e.id not in present | {first.id}]
         screened = screen(workshop, first.rung.fit, others)
-        found += [(first, s) for s in screened if s.score > 0]
+        least = least_gain(workshop, first.rung)
+        found += [(first, s) for s in screened if s.score > 0 and s.gain > least]
     seen = set[frozenset[str]]()
     for first, second in sorted(found, key=lambda pair: pair[1].error):
         ids = frozenset((first.id, second.variant.effect.id))
