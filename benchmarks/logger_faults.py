@@ -73,6 +73,14 @@ def bad_replies(rng: Rng, one: Logger) -> Faults:
     return Faults(bounces=bounces(rng, one.board.time), bad_replies=bad)
 
 
+def loosens(rng: Rng, one: Logger) -> Faults:
+    """The card goes and comes, and its CSD cannot be read at once: scans find no room."""
+    start = one.board.time + float(rng.uniform(0.1, 1.5))
+    gap = (start, start + float(rng.uniform(2e-3, 30e-3)))
+    bad = [BadReply(9, nth, 0xFF) for nth in range(int(rng.integers(1, 3)))]
+    return Faults(bounces=[gap], bad_replies=bad)
+
+
 def no_checks(rng: Rng, one: Logger) -> Faults:
     """The same, with a card that checks nothing."""
     return Faults(bounces=bounces(rng, one.board.time), ignores_crc=True)
@@ -115,6 +123,7 @@ CAUSES: dict[str, Callable[[Rng, Logger], Faults]] = {
     "contact bounce": bounce,
     "slow CSD and CID": slow_sheets,
     "bad replies": bad_replies,
+    "CSD fails once": loosens,
     "CMD59 ignored": no_checks,
     "stalls to 0.9 s": stalls,
     "refused writes": rejects,
