@@ -17,8 +17,8 @@ REACH = 0.5
 
 
 def least_gain(workshop: Workshop, rung: Rung) -> float:
-    """What screening must expect at least of an effect that could be material: to first order
-    strong effects are underrated by half their amplitude."""
+    """What screening must expect at least of an effect that could be material: a quarter of that,
+    as it may see half the amplitude."""
     return material(rung) / 4 * rung.fit.size
 
 
