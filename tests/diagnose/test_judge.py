@@ -137,6 +137,25 @@ def test_what_a_simulation_may_be_wrong_by_is_no_physics():
     assert not holds_against(replace(base, inexact=0.15), rival, odds, 27, 1.0)
 
 
+class BesideEffects(Rung):
+    """A rung whose model has effects already."""
+
+    model = SimpleNamespace(effects=("any",))
+
+
+@pytest.mark.parametrize(("signal", "held"), [(200.0, True), (300.0, False)])
+def test_beside_effects_one_more_does_more_than_models_are_exact_to(signal, held):
+    """Both leave something; the drop is half the noise's power, 0.35 % of one signal and 0.24 % of
+    the other: models are exact to 0.3 %."""
+    rng = np.random.default_rng(6)
+    quiet = noise(rng, np.sqrt(2.0))
+    base, rival = rung([np.sqrt(1.25) * s for s in quiet]), rung(quiet)
+    for run in (*base.validation.runs, *rival.validation.runs):
+        run.bench.energy = signal**2 * run.bench.size
+    beside = BesideEffects(None, base.validation)
+    assert holds_against(beside, rival, 100.0, 27, 1.0) is held
+
+
 def test_noise_is_seldom_worth_another_look():
     """What is no more than noise and 2 % is left alone, three times as much is not."""
     rng, tries = np.random.default_rng(10), 300
