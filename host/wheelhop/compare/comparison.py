@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from wheelhop.campaign import Campaign
 from wheelhop.compare.describe import describe
 from wheelhop.compare.figures import ChannelFigures, channel_figures
 from wheelhop.compare.floor import Floor, noise_floor
-from wheelhop.compare.records import in_band, relative_error
+from wheelhop.compare.records import Record, in_band, relative_error
 from wheelhop.compare.slices import Slice
 from wheelhop.compare.where import Breakdown, breakdown
 
@@ -25,9 +26,8 @@ class Comparison:
     """A model's responses against a campaign's runs, in band.
 
     ``error_fit`` and ``error_validate`` are E over the runs of that role (NaN if
-    none was compared), with charged degrees of freedom; ``figures`` has one entry per run and
-    channel the model predicts. Figures and breakdown are of the residual as it is,
-    nothing charged.
+    none was compared), with charged degrees of freedom. Figures and breakdown are of the residual
+    as it is, nothing charged.
     """
 
     title: str
@@ -35,8 +35,15 @@ class Comparison:
     error_fit: float
     error_validate: float
     floor: Floor
-    figures: tuple[ChannelFigures, ...]
     breakdown: Breakdown
+    records: Sequence[Record]
+    channels: Sequence[str]
+
+    @cached_property
+    def figures(self) -> tuple[ChannelFigures, ...]:
+        """One entry per run and channel the model predicts; made when asked for, because rating
+        long records takes seconds."""
+        return channel_figures(self.records, self.channels, self.floor.noise_rms)
 
 
 def compare(
@@ -55,7 +62,6 @@ def compare(
     if not any(record.predicted.any() for record in records):
         raise ValueError("no response that predicts any channel")
     floor = noise_floor(campaign, records)
-    names = [channel.name for channel in campaign.channels]
     fit, validate = (
         relative_error([r for r in records if r.run.role == role], charged)
         for role in ("fit", "validate")
@@ -66,8 +72,9 @@ def compare(
         error_fit=fit,
         error_validate=validate,
         floor=floor,
-        figures=channel_figures(records, names, floor.noise_rms),
         breakdown=breakdown(campaign, records, floor),
+        records=records,
+        channels=[channel.name for channel in campaign.channels],
     )
 
 

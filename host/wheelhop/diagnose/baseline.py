@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelhop.campaign import Campaign, CampaignError, TrackSpec
+from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, TrackSpec
 from wheelhop.compare import Comparison, compare
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.validate import validate
-from wheelhop.fit import Free, Workshop, find_start, fit, initial_model, vehicle_parameters
+from wheelhop.fit import (
+    Free,
+    Workshop,
+    begin_component,
+    find_start,
+    fit,
+    initial_model,
+    vehicle_parameters,
+)
 from wheelhop.simulate import Model, frequency_response
 from wheelhop.vehicle import CORNERS, Vehicle
 
@@ -42,8 +50,8 @@ def fit_baseline(
     campaign = _with_input_noise(campaign, model)
     workshop = Workshop(campaign, model, jobs=jobs)
     progress("finding each run's start and speed")
-    model = _started(workshop, model)
     free = tuple(vehicle_parameters(campaign, vehicle))
+    model = _started(workshop, model, free)
     fitted = fit(
         workshop,
         model,
@@ -88,7 +96,9 @@ def charged(rung: Rung) -> dict[str, float]:
     return {run.bench.run.id: run.freedom for run in rung.validation.runs}
 
 
-def _started(workshop: Workshop, model: Model) -> Model:
+def _started(workshop: Workshop, model: Model, free: Sequence[Free]) -> Model:
+    if isinstance(workshop.campaign, ComponentCampaign):
+        return begin_component(workshop.campaign, model, free)
     systems = workshop.systems(model)
     benches = [b for b in workshop.benches.values() if b.drive == "road"]
     starts = workshop.each(

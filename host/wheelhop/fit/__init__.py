@@ -14,6 +14,7 @@ from wheelhop.fit.parameters import (
     vehicle_parameters,
 )
 from wheelhop.fit.result import Fit, RunFit
+from wheelhop.fit.rig_start import begin_component
 from wheelhop.fit.start import find_start, seek_again
 from wheelhop.fit.workshop import Bench, Trial, Workshop
 
@@ -30,6 +31,7 @@ __all__ = [
     "Spectrum",
     "Trial",
     "Workshop",
+    "begin_component",
     "effect_parameters",
     "effect_run_parameters",
     "explained",
