@@ -36,8 +36,12 @@ def rung(signals, own=2):
         run = SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0)
         bench = SimpleNamespace(run=run, band=BAND, size=residual.size)
         runs.append(RunFit(bench, (None,) * own, residual, None, np.ones(len(residual))))
-    held_out = Fit(None, (), tuple(runs), np.zeros((0, 0)), 1.0, 0.0, 0.0)
-    return Rung(None, held_out)
+    return Rung(fit_of(()), fit_of(runs))
+
+
+def fit_of(runs):
+    """Runs whose model shares nothing."""
+    return Fit(None, (), tuple(runs), np.zeros((0, 0)), 1.0, 0.0, 0.0)
 
 
 def noise(rng, size=1.0):

@@ -8,6 +8,7 @@ from math import erfc, hypot, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.diagnose.rotate import left_out
 from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Fit, RunFit
 
@@ -53,12 +54,13 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     Λ = Σ (S_base − S_rival) / 2 noise², unknown heights integrated out with the density that the
     fitted runs gave them. Negative if the rival is worse.
 
-    The runs with role "validate" judge; a campaign without any is judged by its fitted runs.
+    The runs with role "validate" judge; a campaign without any is judged by its fitted runs. Where
+    something is left, every fitted run judges, too, as a fit to the others foresees it.
     """
-    before, after = base.judging, rival.judging
     if at_noise(rival, noise):
         return 0.5 * (_cost(base, noise) - _cost(rival, noise))
-    gains = np.concatenate([_gains(a, b) for a, b in zip(before.runs, after.runs, strict=True)])
+    pairs = zip(_foreseen(base), _foreseen(rival), strict=True)
+    gains = np.concatenate([_gains(before, after) for before, after in pairs])
     total, squares = float(gains.sum()), float(gains @ gains)
     by_chance = total * abs(total) / (2.0 * squares) if squares > 0.0 else 0.0
     return min(total, by_chance, key=abs)
@@ -209,6 +211,12 @@ def _cost(rung: Rung, noise: float) -> float:
         total += rung.fit.posterior.distance(rung.update.model.values)
         total += rung.update.posterior.log_precision - rung.fit.posterior.log_precision
     return total
+
+
+def _foreseen(rung: Rung) -> tuple[RunFit, ...]:
+    """All runs, none of them fitted to itself."""
+    held_out = () if rung.judging is rung.fit else rung.judging.runs
+    return (*held_out, *left_out(rung.fit))
 
 
 def _gains(base: RunFit, rival: RunFit) -> Array:
