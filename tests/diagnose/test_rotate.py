@@ -1,6 +1,5 @@
 """A run that a fit leaves out: to first order, against the fit that is made without it."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given

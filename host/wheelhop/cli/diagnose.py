@@ -13,6 +13,7 @@ from wheelhop.cli.progress import stages
 from wheelhop.cli.show import (
     print_findings,
     print_ladder,
+    print_limits,
     print_parameters,
     print_ranking,
     print_verdict,
@@ -56,5 +57,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     print_ranking(diagnosis.ranking, console)
     print_ladder(diagnosis.ladder, console)
     print_parameters(diagnosis.ladder[-1], console)
+    if diagnosis.verdict == ("none",):
+        print_limits(diagnosis.limits, console)
     if diagnosis.next_run is not None:
         console.print(next_run_words(diagnosis.next_run), markup=False)

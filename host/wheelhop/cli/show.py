@@ -10,12 +10,13 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from wheelhop.diagnose import Diagnosis, Ranked, Step
+from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
 from wheelhop.gate import Finding
 from wheelhop.report.words import (
     chance,
     headline,
     interval,
+    limit_words,
     over_floor,
     percent,
     signed,
@@ -81,6 +82,16 @@ def print_parameters(step: Step, console: Console) -> None:
             spread = " (2 sd)" if isfinite(deviation) else ""
             words = f"{interval(value, deviation)} {unit_of(name)}".rstrip()
             console.print(Text(f"  {name} = {words}{spread}"))
+
+
+def print_limits(limits: Sequence[Limit], console: Console) -> None:
+    """From where on these runs would have shown what is not in the model."""
+    console.print("These runs would have shown, from so much on (to first order):")
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for limit in limits:
+        form = f" ({limit.form})" if limit.form else ""
+        table.add_row(Text(f"  {limit.effect}{form}"), Text(limit_words(limit)))
+    console.print(table)
 
 
 def print_findings(findings: Sequence[Finding], console: Console) -> None:

@@ -1,7 +1,7 @@
 """Diagnosis: which physics a model is missing."""
 
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, comparison_of, fit_baseline
-from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step, to_json
+from wheelhop.diagnose.diagnosis import Diagnosis, Limit, Ranked, Step, to_json
 from wheelhop.diagnose.explain import caveats
 from wheelhop.diagnose.ladder import climb, diagnose
 from wheelhop.diagnose.next_run import NextRun
@@ -10,6 +10,7 @@ from wheelhop.diagnose.rung import Rung
 __all__ = [
     "Baseline",
     "Diagnosis",
+    "Limit",
     "NextRun",
     "Progress",
     "Ranked",

@@ -20,6 +20,18 @@ FORMAT = 1
 
 
 @dataclass(frozen=True)
+class Limit:
+    """The smallest amplitudes of an effect that these runs would show, under their names, in the
+    form it was screened in; ``shown`` is False where they would not show it at any strength that it
+    may have. An effect that is there in full or not at all has no amplitudes."""
+
+    effect: str
+    form: str
+    amplitudes: Mapping[str, float]
+    shown: bool
+
+
+@dataclass(frozen=True)
 class Ranked:
     """One effect on the first rung.
 
@@ -120,6 +132,7 @@ class Diagnosis:
     next_run: NextRun | None
     explanation: tuple[str, ...]
     axle_to_body: Linearity | None = None
+    limits: tuple[Limit, ...] = ()  #: what else these runs would have shown, and from where on
     findings: tuple[Finding, ...] = ()  #: of the gate before the fit and of the critic after it
 
 
@@ -155,6 +168,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "last": where_to_json(last.breakdown),
         },
         "next_run": _next_run(diagnosis.next_run),
+        "limits": [asdict(limit) for limit in diagnosis.limits],
         "axle_to_body": _linearity(diagnosis.axle_to_body),
         "findings": findings_to_json(diagnosis.findings),
     }

@@ -64,7 +64,8 @@ class Screened:
     the cost, the number of parameters that bought it and their price, and the error E that
     would be left. ``signatures`` (size, a) per run are free of what the run itself could absorb;
     ``along`` is how the base's shared parameters would move with it, and ``others`` are further
-    variants that screening cannot dismiss."""
+    variants that screening cannot dismiss. ``information`` (a, a) is the amplitudes' precision if
+    nothing but noise is left."""
 
     variant: Variant
     amplitudes: Mapping[str, float]
@@ -73,6 +74,7 @@ class Screened:
     price: float
     error: float
     signatures: Mapping[str, Array]
+    information: Array
     along: Mapping[str, float] = field(default_factory=dict)
     others: tuple[Screened, ...] = ()
 
@@ -187,6 +189,7 @@ def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened
         price=heights.gain - heights.worth,
         error=float(np.sqrt(heights.rss / sum(run.bench.energy for run in base.runs))),
         signatures={run.bench.run.id: np.zeros((len(run.residual), 0)) for run in base.runs},
+        information=np.zeros((0, 0)),
     )
 
 
@@ -305,8 +308,17 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
         price=numbers * float(np.log(base.size)) + sum(t.price for t in tables),
         error=float(np.sqrt(rss / energy)),
         signatures={r.bench.run.id: t.signatures for r, t in zip(base.runs, tables, strict=True)},
+        information=_information(np.sum([t.at_noise for t in tables], axis=0), weight, base.sigma),
         along=along,
     )
+
+
+def _information(matrix: Array, weight: Array, sigma: float) -> Array:
+    """Precision (a, a) of the amplitudes, the shared parameters with this `weight` eliminated."""
+    g = len(weight)
+    shared = matrix[:g, :g] + np.diag(weight + 1e-9 * (sigma**2 + weight))
+    back = np.linalg.solve(shared, matrix[:g, g:])
+    return np.asarray((matrix[g:, g:] - matrix[g:, :g] @ back) / sigma**2)
 
 
 def _bounded(

@@ -39,6 +39,7 @@ class Table:
     signatures: Array  # (size, a), per spread
     back: Array  # (n, g + a + 1): own parameters per step of the others, and by themselves
     products: Array  # (c, n + g + a + 1, …): of all columns and the residual, channel by channel
+    at_noise: Array  # the matrix as it would be if nothing but noise were left
 
     def left(self, x: Array) -> Array:
         """Σ residual² (c,) of every channel after a step of shared parameters and amplitudes."""
@@ -93,9 +94,9 @@ def run_table(run: RunFit, base: Fit, signatures: Columns, products: Array) -> T
     r, q, g = len(run.own), own_columns.shape[1], len(base.shared)
     n = r + q
     prior = np.array([(f.scale / f.sigma) ** 2 for f in run.own] + [1.0] * q) * base.sigma**2
-    inner = whole[:n, :n] + np.diag(prior + 1e-9 * (base.sigma**2 + prior))
-    back = np.linalg.solve(inner, whole[:n, n:])
-    rest = whole[n:, n:] - whole[n:, :n] @ back
+    firm = np.diag(prior + 1e-9 * (base.sigma**2 + prior))
+    inner = whole[:n, :n] + firm
+    back, rest = _eliminated(whole, firm)
     nuisance = np.hstack([run.weighed[:, g:], own_columns])
     return Table(
         rest[:-1, :-1],
@@ -104,9 +105,18 @@ def run_table(run: RunFit, base: Fit, signatures: Columns, products: Array) -> T
         q,
         _log_det(inner) - _log_det(inner[:r, :r]) - q * float(np.log(base.sigma**2)),
         columns - nuisance @ back[:, g:-1],
-        np.asarray(back),
+        back,
         products,
+        _eliminated(products.sum(axis=0), firm)[1][:-1, :-1],
     )
+
+
+def _eliminated(whole: Array, firm: Array) -> tuple[Array, Array]:
+    """A run's own numbers, the first of the columns, per step of the others; and what is left of
+    the products of these."""
+    n = len(firm)
+    back = np.linalg.solve(whole[:n, :n] + firm, whole[:n, n:])
+    return np.asarray(back), np.asarray(whole[n:, n:] - whole[n:, :n] @ back)
 
 
 def _log_det(matrix: Array) -> float:

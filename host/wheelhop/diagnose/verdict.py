@@ -10,6 +10,7 @@ from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.exchange import Stand
 from wheelhop.diagnose.explain import explanation
 from wheelhop.diagnose.judge import lead
+from wheelhop.diagnose.limits import limits
 from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.next_run import NextRun, propose
 from wheelhop.diagnose.ranking import ranking
@@ -43,6 +44,7 @@ def conclude(
         ladder=tuple(steps),
         next_run=_next_run(workshop, accepted, first, angles),
         explanation=explanation(verdict, steps, last, stands_on),
+        limits=limits(last if last.screened else first, accepted),
     )
 
 

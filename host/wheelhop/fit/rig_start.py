@@ -36,6 +36,8 @@ def begin_component(campaign: ComponentCampaign, model: Model, free: Sequence[Fr
     frequency, moved, force = (np.concatenate(part) for part in zip(*parts, strict=True))
     names = [f"component.{term}" for term in TERMS]
     bounds = {one.name: (one.lower, one.upper) for one in free}
+    if not force.any():  # free decays show nothing but ratios
+        bounds.pop("component.mass_kg", None)
     moving = [i for i, name in enumerate(names) if name in bounds]
     if not moving:
         return model

@@ -42,6 +42,7 @@ def write_diagnosis_report(
         sections.ranking(diagnosis, effects),
         sections.model(campaign, steps),
         sections.next_run(diagnosis),
+        sections.limits(diagnosis),
         sections.method(campaign, steps),
     ]
     write_page(path, f"{campaign.title}: {', '.join(diagnosis.verdict)}", body)

@@ -191,6 +191,20 @@ def next_run(diagnosis: Diagnosis) -> str:
     return section("What to record next", paragraph(next_run_words(diagnosis.next_run)))
 
 
+def limits(diagnosis: Diagnosis) -> str:
+    """What else these runs would have shown, and from where on."""
+    if not diagnosis.limits:
+        return ""
+    return section(
+        "What these runs would have shown",
+        paragraph(
+            "The smallest amplitudes of every effect not in the model with which it would have been"
+            " found, to first order; all amplitudes of an effect together."
+        ),
+        tables.limits_table(diagnosis.limits),
+    )
+
+
 def method(campaign: Campaign, steps: Sequence[Step]) -> str:
     """What was computed from what."""
     low, high = campaign.band_hz

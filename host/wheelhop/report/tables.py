@@ -9,7 +9,7 @@ from math import isfinite
 import numpy as np
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
-from wheelhop.diagnose import Ranked, Step
+from wheelhop.diagnose import Limit, Ranked, Step
 from wheelhop.effects import Effect
 from wheelhop.fit import Free
 from wheelhop.report.page import table
@@ -17,6 +17,7 @@ from wheelhop.report.words import (
     chance,
     interval,
     label_of,
+    limit_words,
     listed,
     percent,
     signed,
@@ -101,6 +102,12 @@ def _ranking_row(number: int, item: Ranked, effects: Mapping[str, Effect]) -> li
         "–" if item.p_value is None else chance(item.p_value),
         escape(item.reason.replace("e-", "e\u2011")) + doubt,
     ]
+
+
+def limits_table(limits: Sequence[Limit]) -> str:
+    """Effects, the form they were screened in, and from where on they would have been found."""
+    rows = [[escape(part) for part in (x.effect, x.form, limit_words(x))] for x in limits]
+    return table(["effect", "form", "from"], rows, "lll")
 
 
 def effect_parameters_table(effect: Effect, step: Step, campaign: Campaign) -> str:

@@ -7,7 +7,7 @@ from math import exp, floor, isfinite, log, log10, nan
 
 from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.compare import explains_nothing
-from wheelhop.diagnose import Diagnosis, NextRun, Step
+from wheelhop.diagnose import Diagnosis, Limit, NextRun, Step
 from wheelhop.effects import Effect
 
 UNITS = {
@@ -20,6 +20,7 @@ UNITS = {
     "_1_m2": "1/m²",
     "_kg_m": "kg m",
     "_1_m": "1/m",
+    "_m_N": "m/N",
     "_hz": "Hz",
     "_kg": "kg",
     "_N": "N",
@@ -130,6 +131,19 @@ def next_run_words(run: NextRun) -> str:
         f" {run.present_angle_deg:.0f}° on the runs at hand; expected to change the odds by a"
         f" factor of {_factor(run.expected_log_odds)}."
     )
+
+
+def limit_words(limit: Limit) -> str:
+    """From where on these runs would have shown an effect."""
+    if not limit.shown:
+        return "not shown by these runs at any strength"
+    return listed([_amplitude(*item) for item in limit.amplitudes.items()]) or "if it is there"
+
+
+def _amplitude(name: str, value: float) -> str:
+    label = label_of(name)
+    number = f"{significant(value, 2)} {unit_of(name)}".rstrip()
+    return f"{label} {number}" if label else number
 
 
 def _factor(log_odds: float) -> str:

@@ -1,0 +1,46 @@
+"""What a clean campaign says it would have shown, it shows; what it says it would not, it does not.
+
+`python -m benchmarks.limits` asks more effects at more strengths.
+"""
+
+import json
+
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import diagnosed
+from wheelhop.diagnose import to_json
+from wheelhop.report.words import limit_words
+
+SEED = 101
+
+
+@pytest.fixture(scope="module")
+def clean(tmp_path_factory):
+    folder = truth.make_campaign(
+        tmp_path_factory.mktemp("clean"), seed=SEED, effects={}, short=True
+    )
+    return diagnosed(folder)
+
+
+def test_none_says_what_it_would_have_shown(clean):
+    named = {limit.effect: limit for limit in clean.limits}
+    assert {"dry-friction", "driver-seat", "tyre-lift-off"} <= set(named)
+    # An effect that leaves every run numbers of its own and no other has no limit of its own.
+    assert "speed-fluctuation" not in named
+    assert 0.0 < named["dry-friction"].amplitudes["front_N"] < 5.0  # the vehicle weighs 2.3 kN
+    assert limit_words(named["dry-friction"]).startswith("front ")
+    document = to_json(clean)
+    assert json.loads(json.dumps(document))["limits"] == document["limits"]
+
+
+@pytest.mark.parametrize(("factor", "shown"), [(0.4, False), (2.5, True)])
+def test_the_limit_holds(clean, tmp_path, factor, shown):
+    """An anti-roll bar well below and well above its limit, on the same drives."""
+    least = {limit.effect: limit.amplitudes for limit in clean.limits}["anti-roll-bar"]
+    hidden = {f"stiffness_{end}_N_m": factor * least[f"{end}_N_m"] for end in ("front", "rear")}
+    effects = {"anti-roll-bar": hidden}
+    folder = truth.make_campaign(tmp_path, seed=SEED, effects=effects, short=True)
+    found = diagnosed(folder)
+    assert found.verdict == (("anti-roll-bar",) if shown else ("none",))
+    assert ("anti-roll-bar" in {limit.effect for limit in found.limits}) is not shown
