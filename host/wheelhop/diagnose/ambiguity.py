@@ -27,10 +27,9 @@ class Angles:
         inner = np.linalg.pinv(stack.T @ stack + np.diag(weight), hermitian=True)
         self._parts: dict[str, list[Array]] = {}
         for item in screened:
-            strength = np.array([item.amplitudes[p.name] for p in item.variant.amplitudes])
-            if not strength.any():
+            if not any(part.any() for part in item.contribution.values()):
                 continue
-            parts = [item.signatures[run.bench.run.id] @ strength for run in base.runs]
+            parts = [item.contribution[run.bench.run.id] for run in base.runs]
             absorbed = inner @ (stack.T @ np.concatenate(parts))
             self._parts[item.variant.effect.id] = [
                 part - run.weighed[:, : run.derivatives.shared] @ absorbed

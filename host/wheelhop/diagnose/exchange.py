@@ -7,12 +7,13 @@ library tried in its place, so that the order of acceptance does not decide the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm import confirm, refit, without
 from wheelhop.diagnose.judge import best_first, lead
+from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import screen
@@ -50,21 +51,29 @@ def exchange(
     workshop: Workshop,
     rung: Rung,
     shorter: Mapping[str, Rung],
+    looks: Sequence[Look],
     effects: Mapping[str, Effect],
     progress: Progress,
 ) -> Exchange:
     """Try the library in the place of each effect of `rung`; `shorter` holds the models fitted
-    without one of them, as far as they are known."""
+    without one of them, as far as they are known. What one of the `looks` has tried beside the same
+    effects is not tried again."""
     present = {effect.id for effect in rung.model.effects}
     absent = [effect for effect in effects.values() if effect.id not in present]
     stands: dict[str, Stand] = {}
     incumbent = Incumbent(workshop, rung)
     for accepted in rung.model.effects:
-        progress(f"could another effect stand for {accepted.id}?")
-        base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
-        found = screen(workshop, base.fit, absent)
-        screened = worth_simulating(workshop, base, found, at_least=RIVALS, reach=1.0)
-        rivals = [confirm(workshop, base, item, beside=[rung]) for item in screened]
+        others = present - {accepted.id}
+        seen = next((k for k in looks if {e.id for e in k.rung.model.effects} == others), None)
+        if seen is not None:
+            base = seen.rung
+            rivals = [c.rung for c in seen.candidates if c.id not in present]
+        else:
+            progress(f"could another effect stand for {accepted.id}?")
+            base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
+            found = screen(workshop, base.fit, absent)
+            screened = worth_simulating(workshop, base, found, at_least=RIVALS, reach=1.0)
+            rivals = [confirm(workshop, base, item, beside=[rung]) for item in screened]
         as_free = Incumbent(workshop, base).against(rung)
         if not rivals:
             stands[accepted.id] = Stand(as_free, as_free)

@@ -94,6 +94,7 @@ def climb(
     steps = [step_of(workshop, rung)]
     look = _look(workshop, steps[0], effects, progress)
     first = origin = look
+    looks = [look]
     alone = look.chosen is not None
     shorter: Mapping[str, Rung] = {}
     stands: Mapping[str, Stand] = {}
@@ -101,7 +102,7 @@ def climb(
         room = max_effects - len(rung.model.effects)
         better = look.chosen.rung if look.chosen is not None and room > 0 else None
         if better is None and len(rung.model.effects) > 1:
-            exchanged = exchange(workshop, rung, shorter, effects, progress)
+            exchanged = exchange(workshop, rung, shorter, looks, effects, progress)
             stands, better = exchanged.stands, exchanged.rung
         if better is None and room > 1 and steps[-1].above_floor:
             look = look_for_several(workshop, look, effects, room, progress)
@@ -126,6 +127,7 @@ def climb(
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
         look = _look(workshop, step, effects, progress)
+        looks.append(look)
     return conclude(workshop, steps, first, look, stands, list(effects.values()))
 
 
@@ -153,14 +155,18 @@ def _look(
 def _confirm_best(
     incumbent: Incumbent, screened: Sequence[Screened], progress: Progress
 ) -> list[Candidate]:
-    """Full simulation of the most promising effects, the best first. Once one reaches the noise,
+    """Full simulation of the most promising effects, the best first. Once one explains nearly all,
     only what screening puts beside it is a rival."""
     workshop, rung = incumbent.workshop, incumbent.rung
+
+    def enough(found: Rung) -> bool:
+        return at_noise(found, workshop.noise) or nearly_all(rung, found, workshop.noise)
+
     chosen = worth_simulating(workshop, rung, screened)
     near = worth_simulating(workshop, rung, screened, at_least=1)
     found: list[Candidate] = []
     for i, item in enumerate(chosen):
-        if item not in near and any(at_noise(c.rung, workshop.noise) for c in found):
+        if item not in near and any(c.holds and enough(c.rung) for c in found):
             continue
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
         confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])

@@ -62,7 +62,7 @@ class Variant:
 class Screened:
     """An effect's best variant: the amplitudes (and per-run values) it would take, the drop of
     the cost, the number of parameters that bought it and their price, and the error E that
-    would be left. ``signatures`` (size, a) per run are free of what the run itself could absorb;
+    would be left. ``contribution`` (size,) per run is free of what the run itself could absorb;
     ``along`` is how the base's shared parameters would move with it, and ``others`` are further
     variants that screening cannot dismiss. ``information`` (a, a) is the amplitudes' precision if
     nothing but noise is left."""
@@ -73,7 +73,7 @@ class Screened:
     freedom: float
     price: float
     error: float
-    signatures: Mapping[str, Array]
+    contribution: Mapping[str, Array]
     information: Array
     along: Mapping[str, float] = field(default_factory=dict)
     others: tuple[Screened, ...] = ()
@@ -171,7 +171,8 @@ def _best_of(variants: Sequence[Screened]) -> Screened:
     others = [s for s in others if s.score > 0]
     near = [s for s in others if s.gain > NEAR * best.gain][:FEW]
     same = [s for s in others if s.variant.choice == best.variant.choice and s not in near]
-    return replace(best, others=(*near, *same[:FEW]))
+    # Only the best is held against other effects: the others' contributions are not kept.
+    return replace(best, others=tuple(replace(s, contribution={}) for s in (*near, *same[:FEW])))
 
 
 def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:
@@ -188,7 +189,7 @@ def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened
         max(heights.freedom, 1.0),
         price=heights.gain - heights.worth,
         error=float(np.sqrt(heights.rss / sum(run.bench.energy for run in base.runs))),
-        signatures={run.bench.run.id: np.zeros((len(run.residual), 0)) for run in base.runs},
+        contribution={},
         information=np.zeros((0, 0)),
     )
 
@@ -307,7 +308,10 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
         # What all runs share has no firm prior: as in BIC, it is worth one datum.
         price=numbers * float(np.log(base.size)) + sum(t.price for t in tables),
         error=float(np.sqrt(rss / energy)),
-        signatures={r.bench.run.id: t.signatures for r, t in zip(base.runs, tables, strict=True)},
+        contribution={
+            r.bench.run.id: t.signatures @ np.array(list(amplitudes.values()))
+            for r, t in zip(base.runs, tables, strict=True)
+        },
         information=_information(np.sum([t.at_noise for t in tables], axis=0), weight, base.sigma),
         along=along,
     )

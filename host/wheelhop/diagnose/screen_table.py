@@ -36,7 +36,7 @@ class Table:
     gain: float  # what the run's own parameters gain by themselves
     freedom: int  # how many of them the effect brought
     price: float  # of these: the logarithm of prior over posterior volume, twice
-    signatures: Array  # (size, a), per spread
+    signatures: NDArray[np.float32]  # (size, a), per spread
     back: Array  # (n, g + a + 1): own parameters per step of the others, and by themselves
     products: Array  # (c, n + g + a + 1, …): of all columns and the residual, channel by channel
     at_noise: Array  # the matrix as it would be if nothing but noise were left
@@ -104,7 +104,7 @@ def run_table(run: RunFit, base: Fit, signatures: Columns, products: Array) -> T
         float(whole[-1, :n] @ back[:, -1]),
         q,
         _log_det(inner) - _log_det(inner[:r, :r]) - q * float(np.log(base.sigma**2)),
-        columns - nuisance @ back[:, g:-1],
+        (columns - nuisance @ back[:, g:-1]).astype(np.float32),
         back,
         products,
         _eliminated(products.sum(axis=0), firm)[1][:-1, :-1],

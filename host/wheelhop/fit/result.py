@@ -49,7 +49,7 @@ class RunFit:
         """Derivatives (size, r) with respect to the run's own parameters, per `Free.scale`."""
         return self.derivatives.matrix[:, self.derivatives.shared :]
 
-    @cached_property
+    @property
     def weighed(self) -> Array:
         """Derivatives (size, g + r) per spread."""
         return np.asarray(self.derivatives.matrix / self.spread[:, None])
