@@ -22,8 +22,9 @@ Array = NDArray[np.float64]
 Law = Callable[[float, float, float, float, float, Array], tuple[float, float]]
 """A force law, compiled with :func:`wheelhop.effects.law`: see there."""
 
-LAW_PARAMETERS = 6
-"""How many numbers a force law may use; a fixed width keeps the compiled integrator general."""
+LAW_PARAMETERS = 256
+"""How many numbers a force law may use, a spline's among them; a fixed width keeps the compiled
+integrator general."""
 
 
 @dataclass(frozen=True)
