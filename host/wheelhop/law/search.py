@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 COUNTS = {True: (5, 9, 17, 33), False: (5,)}
 """Knots of a spline where an imposed motion gives the force at once; and elsewhere, where each knot
 is an integration of every run."""
+MOST_OF_BOTH = 9
+"""More knots than that belong to a law with a kink, which is one of extension or of rate alone."""
 MOST_TERMS = 4
 NAMED = 3
 """So many named laws are fitted in full beside the free one."""
@@ -139,8 +141,10 @@ def _forms(
             forms += [
                 Form(f"{count} knots of extension", x),
                 Form(f"{count} knots of rate", (), v),
-                Form(f"{count} knots each of extension and rate", x, v),
             ]
+            if count > MOST_OF_BOTH:
+                continue
+            forms.append(Form(f"{count} knots each of extension and rate", x, v))
             if quick:
                 ways = slips(moved.extension)
                 both = f"{count} knots each of extension and rate, and sliders"
