@@ -106,7 +106,7 @@ def test_frequency_responses_without_a_model(tmp_path, capsys):
     assert (found["inputs"], found["outputs"]) == (
         ["A1", "A2", "A3", "A4"], ["B1", "B2", "B3", "B4"],
     )  # fmt: skip
-    assert ((0.0 <= coherence) & (coherence <= 1.0)).all() and frequency[-1] <= 30.0
+    assert ((coherence >= 0.0) & (coherence <= 1.0)).all() and frequency[-1] <= 30.0
     exported = loadmat(files[1])
     assert exported["H"].transpose(2, 0, 1) == pytest.approx(matrix)
     assert files[2].stat().st_size > 20_000
