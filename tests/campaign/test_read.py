@@ -214,7 +214,7 @@ def recordings(draw):
 @given(
     recordings(),
     names,
-    st.floats(0.0, 200.0),
+    st.one_of(st.just(0.0), st.floats(0.01, 200.0)),
     st.floats(0.1, 20.0),
     st.floats(1.0, 10.0),
     st.floats(20.0, 5000.0),

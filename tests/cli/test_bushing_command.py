@@ -90,3 +90,34 @@ def test_a_specimen_that_is_wrong_is_one_line(tmp_path, old, new, says):
     with pytest.raises(MaterialError) as caught:
         read_specimen(file)
     assert says in str(caught.value) and str(caught.value).startswith(str(file))
+
+
+def rubber(folder, temperatures):
+    """Files of one specimen at several temperatures, a decade apart each 20 °C."""
+    names = []
+    for temperature in temperatures:
+        lines = ["frequency_hz,dynamic_N_m,loss_N_m"]
+        for f in np.geomspace(1.0, 50.0, 12):
+            z = (2j * np.pi * f * 10 ** (-temperature / 20) * 2e-3) ** 0.35
+            modulus = 8e5 * (1 + 4.0 * z / (1 + z))
+            lines.append(f"{f},{modulus.real},{modulus.imag}")
+        file = folder / f"t{temperature}.csv"
+        file.write_text("\n".join(lines) + "\n")
+        names.append(f"{file}={temperature}")
+    return names
+
+
+def test_shift_writes_the_specimen_at_the_reference(tmp_path, capsys):
+    names = rubber(tmp_path, (0, 10, 23))
+    target, answer = tmp_path / "m.toml", tmp_path / "m.json"
+    arguments = ["--reference", "10", "--out", str(target), "--json", str(answer)]
+    assert main(["bushing", "shift", *names, *arguments]) == 0
+    assert "master curve leaves" in capsys.readouterr().out
+    found = json.loads(answer.read_text())
+    assert found["log10_shift"] == pytest.approx([0.5, 0.0, -0.65], abs=0.01)
+    assert read_specimen(target).name == "m"
+
+
+def test_shift_says_how_a_file_is_given(tmp_path, capsys):
+    assert main(["bushing", "shift", "cold.csv"]) == 2
+    assert "FILE=TEMPERATURE" in capsys.readouterr().err

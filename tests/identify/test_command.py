@@ -91,3 +91,27 @@ def test_bad_input_is_one_line_and_exit_2(words, line, capsys):
     assert main(["identify", str(CLEAN), *words]) == 2
     error = capsys.readouterr().err
     assert line in error and error.count("\n") == 1
+
+
+def test_frequency_responses_without_a_model(tmp_path, capsys):
+    """The numbers, the same for MATLAB, and a picture."""
+    files = [tmp_path / name for name in ("frf.json", "frf.mat", "frf.png")]
+    options = [f"--{file.suffix[1:]}".replace("png", "figure") for file in files]
+    arguments = [str(x) for pair in zip(options, files, strict=True) for x in pair]
+    assert main(["identify", str(CLEAN), "--frf", "H1", *arguments]) == 0
+    assert "coherence" in capsys.readouterr().out
+    found = json.loads(files[0].read_text())
+    matrix = np.array(found["real"]) + 1j * np.array(found["imag"])
+    frequency, coherence = np.array(found["frequency_hz"]), np.array(found["coherence"])
+    assert (found["inputs"], found["outputs"]) == (
+        ["A1", "A2", "A3", "A4"], ["B1", "B2", "B3", "B4"],
+    )  # fmt: skip
+    assert ((coherence >= 0.0) & (coherence <= 1.0)).all() and frequency[-1] <= 30.0
+    exported = loadmat(files[1])
+    assert exported["H"].transpose(2, 0, 1) == pytest.approx(matrix)
+    assert files[2].stat().st_size > 20_000
+
+
+def test_frf_of_too_few_lines(capsys):
+    assert main(["identify", str(CLEAN), "--frf", "H1", "--frf-lines", "4"]) == 2
+    assert "odd number" in capsys.readouterr().err

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from functools import partial
+from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
@@ -20,6 +21,7 @@ from wheelhop.hil_sim.double.wire import Wire
 from wheelhop.logger import LoggerError
 from wheelhop.logger.block import pack_scans, scan_bytes
 from wheelhop.logger.frames import Frame, FrameReader, pack_command, pack_scan_frame
+from wheelhop.logger.link_find import connect
 from wheelhop.logger.live import Live
 from wheelhop.logger.record import RecordOptions, free_path, record
 from wheelhop.logger.record_file import LogWriter
@@ -369,3 +371,29 @@ def test_the_clock_error_is_stored_in_the_logger(monkeypatch, card, out):
         result = go(double, out, start=True, seconds=3.5)
         stored = int(card_log(card, result.files[0]).summary["clock_ppm"])
     assert stored == round(result.clock.ppm) and abs(stored - 15_000) < 6000
+
+
+@pytest.fixture
+def small_files(monkeypatch):
+    """A file is full after 20 blocks: 7 s of eight channels."""
+    monkeypatch.setattr("wheelhop.hil_sim.double.session.MEBIBYTE", 20 * 512 // 128)
+
+
+def test_a_file_that_is_full_does_not_cut_the_recording(card, out, small_files):
+    """The logger goes on in the next file, and so does the host, until the time is over."""
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        files = go(double, out, start=True, seconds=20).files
+    assert len(files) >= 3 and sum(one.written for one in files) >= 19 * 100
+    for before, after in pairwise(files):
+        log, told = log_of(after), card_log(card, after)
+        assert log.header["continues"] == f"{before.session:08X}" == told.header["continues"]
+        assert log.scans == told.scans and after.lost == 0
+    assert log_of(files[0]).summary["end"] == "full"
+
+
+def test_a_full_file_ends_the_recording_where_nothing_goes_on(card, out, small_files):
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        with connect(double.url) as link:
+            link.set("resume", "off")
+        (one,) = go(double, out, start=True, seconds=60).files
+    assert log_of(one).summary["end"] == "full" and one.lost == 0

@@ -53,6 +53,21 @@ def test_download_says_what_is_here(tmp_path, out, capsys):
     assert "was here already" in lines[3]
 
 
+def test_download_fetches_what_the_last_file_goes_on_with(tmp_path, out, capsys, monkeypatch):
+    """A recording in three files is fetched whole, the one before it is not."""
+    monkeypatch.setattr("wheelhop.hil_sim.double.session.MEBIBYTE", 40 * 512 // 128)
+    with SerialDouble(card=tmp_path / "card", factor=20) as double:
+        record.run(recording(double, tmp_path, seconds=2.0))
+        record.run(recording(double, tmp_path, seconds=30.0))
+        arguments = Namespace(port=double.url, baud=BAUD, out=out, names=[], all=False)
+        capsys.readouterr()
+        assert download.run(arguments) == 0
+    names = sorted(path.name for path in out.iterdir())
+    assert names == ["HOP00002.HOP", "HOP00003.HOP", "HOP00004.HOP"]
+    told = capsys.readouterr().out
+    assert f"{out / 'HOP00004.HOP'} goes on with HOP00003.HOP" in told
+
+
 def test_logger_asks_and_sets(tmp_path, capsys):
     with SerialDouble(card=tmp_path / "card", factor=20) as double:
 

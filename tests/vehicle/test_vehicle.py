@@ -118,7 +118,7 @@ def test_missing_file(tmp_path):
 @given(st.data())
 def test_what_is_written_is_what_is_read(data):
     shape = read_vehicle_text(VEHICLE)
-    positive = st.floats(1e-3, 1e6)
+    positive = st.floats(0.01, 1e4)  # of a mass, a length, a stiffness alike
     values = {key: data.draw(positive, key) for key in shape.values}
     values["geometry.wheelbase_m"] = values["geometry.cg_to_front_axle_m"] * 2.0
     values["body.mass_kg"] = values["driver.mass_kg"] * 1.5
@@ -135,3 +135,20 @@ def read_vehicle_text(text: str) -> Vehicle:
         file = Path(folder) / "vehicle.toml"
         file.write_text(text)
         return read_vehicle(file)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("body.mass_kg", 1e12, "too large to be believed: 0.0001 to 1e+06 kilograms"),
+        ("suspension.front.stiffness_N_m", 1e-12, "too small to be believed"),
+        ("wheel.rear.radius_m", 1e-4, "must not be below 0.005"),
+    ],
+)
+def test_numbers_that_nothing_on_wheels_has_are_refused(file, key, value, words):
+    """They once ended as overflow, or as memory for 28 PiB."""
+    table, name = key.rsplit(".", 1)
+    text = file.read_text()
+    at = text.index(f"{name} =", text.index(f"[{table}]"))
+    file.write_text(f"{text[:at]}{name} = {value!r}\n#{text[at:]}")
+    assert f"{name} = {value:g} " in complaint(file) and words in complaint(file)

@@ -10,6 +10,8 @@ from wheelhop.files import Table
 
 REQUIRED = None
 WAVE = {"amplitude_mm": REQUIRED, "pitch_mm": REQUIRED}
+PITCHES = ("pitch_mm", "pitch_start_mm", "pitch_end_mm")
+LEAST_PITCH_MM = 1.0
 SIDES = ("both", "left", "right")
 
 # The keys each kind of track takes, and their defaults.
@@ -64,10 +66,16 @@ def _value(table: Table, key: str, default: Any, folder: Path) -> tuple[str, flo
 
 
 def _check_slope(table: Table, keys: dict[str, float | str | None]) -> None:
-    """No wave is steeper than 1 in 1; if it is, one of the two lengths has another unit."""
-    for key in ("pitch_mm", "pitch_start_mm", "pitch_end_mm"):
+    """No wave is steeper than 1 in 1, or finer than a millimetre: else a length has another
+    unit."""
+    for key in PITCHES:
         if key in keys and 2 * math.pi * table.values["amplitude_mm"] > table.values[key]:
             raise table.error(
                 f"track.amplitude_mm = {table.values['amplitude_mm']:g} on track.{key} = "
                 f"{table.values[key]:g} is steeper than 45 degrees: give both in millimetres"
+            )
+        if key in keys and table.values[key] < LEAST_PITCH_MM:
+            raise table.error(
+                f"track.{key} = {table.values[key]:g} is shorter than {LEAST_PITCH_MM:g} mm, finer"
+                " than any wheel feels: give it in millimetres"
             )

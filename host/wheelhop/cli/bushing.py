@@ -1,4 +1,4 @@
-"""`wheelhop bushing fit`: from rig data to a model of each specimen's complex modulus."""
+"""`wheelhop bushing`: from rig data to a model of each specimen's complex modulus."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from wheelhop.cli import bushing_shift
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.files import did_you_mean
@@ -32,7 +33,9 @@ from wheelhop.report import BushingResult, write_bushing_report
 
 
 def run(arguments: Namespace) -> int:
-    """Fit every file, print what was found, write report, JSON and specimens."""
+    """Fit every file, print what was found, write report, JSON and specimens; or shift."""
+    if arguments.action == "shift":
+        return bushing_shift.run(arguments)
     files = _files(arguments.data)
     if arguments.out is not None:
         _check_folder(arguments.out)

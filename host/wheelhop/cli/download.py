@@ -10,15 +10,18 @@ from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TimeRemainingColumn
 from rich.progress import TransferSpeedColumn as SpeedColumn
 
+from wheelhop.logger import read_log
 from wheelhop.logger.download import Downloaded, Downloader
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.link_find import connect
+from wheelhop.logger.record import log_name
 
 DAMAGED = 1
 
 
 def run(arguments: Namespace) -> int:
-    """Fetch the named files, all that are not here, or else the last; raises LoggerError.
+    """Fetch the named files, all that are not here, or else the last and those that it goes on
+    with; raises LoggerError.
 
     The exit status is 1 where a file is damaged on the card.
     """
@@ -30,6 +33,11 @@ def run(arguments: Namespace) -> int:
         sizes = downloader.link.files()
         names = choose(arguments.names, arguments.all, sizes, downloader.link.port.name)
         files = [_fetch(downloader, name, sizes[name], folder) for name in names]
+        if not arguments.names:
+            while (before := goes_on(files[-1].path)) in sizes and before not in names:
+                print(f"{files[-1].path} goes on with {before}")
+                files.append(_fetch(downloader, before, sizes[before], folder))
+                names.append(before)
     finally:
         downloader.close()
     return DAMAGED if any(file.damaged for file in files) else 0
@@ -46,6 +54,15 @@ def choose(names: list[str], every: bool, sizes: dict[str, int], port: str) -> l
         if name.upper() not in known:
             raise LoggerError(f"{name}: not on the card, there are {', '.join(sorted(sizes))}")
     return [known[name.upper()] for name in names] or [max(sizes)]
+
+
+def goes_on(path: Path) -> str:
+    """The card's name of the file that this one goes on with; empty: it stands alone."""
+    try:
+        before = read_log(path).header.get("continues", "")
+        return log_name(int(before, 16)) if before else ""
+    except (LoggerError, ValueError):
+        return ""  # damaged: `wheelhop info` says where
 
 
 def _fetch(downloader: Downloader, name: str, size: int, folder: Path) -> Downloaded:

@@ -14,6 +14,7 @@ from rich.table import Table
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, read_campaign
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
+from wheelhop.cli.identify_frf import run_frf
 from wheelhop.cli.identify_steps import run_steps
 from wheelhop.cli.identify_study import print_study
 from wheelhop.identify import (
@@ -52,6 +53,8 @@ def run(arguments: Namespace) -> int:
         )
     vehicle = read_vehicle(campaign.vehicle_file)
     measured = measure(campaign)
+    if arguments.frf:
+        return run_frf(arguments, campaign, measured, open_console())
     belief = suspensions(vehicle.values, vehicle.uncertainty)
     structure = Structure(
         arguments.structure, arguments.left_right, arguments.rigid, arguments.stable

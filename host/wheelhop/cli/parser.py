@@ -268,6 +268,18 @@ def _make_bushing(command: argparse.ArgumentParser) -> None:
     fit.add_argument("--out", metavar="FOLDER", type=Path, help="write SPECIMEN.toml into it")
     fit.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
     fit.add_argument("--report", metavar="FILE.html", type=Path, help="write a report")
+    shift = actions.add_parser("shift", help="bring one specimen's temperatures onto one curve")
+    shift.add_argument(
+        "data", metavar="FILE=DEGC", nargs="+", help="moduli or signals, and the temperature, °C"
+    )
+    shift.add_argument(
+        "--reference", metavar="DEGC", type=float, default=23.0, help="of the curve (default 23)"
+    )
+    shift.add_argument(
+        "--model", metavar="MODEL", default="fractional-zener", help="default fractional-zener"
+    )
+    shift.add_argument("--out", metavar="SPECIMEN.toml", type=Path, help="write the specimen")
+    shift.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
 
 
 def _make_campaign(command: argparse.ArgumentParser) -> None:

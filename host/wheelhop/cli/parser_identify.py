@@ -45,6 +45,14 @@ def add_identify(commands: Any) -> None:
         type=_study,
         help="vary the car, such as front-stiffness=1,1.25,1.5",
     )
+    identify.add_argument(
+        "--frf",
+        choices=("H1", "H2", "Hv"),
+        help="estimate frequency responses without a model: noise on outputs, inputs, both",
+    )
+    identify.add_argument(
+        "--frf-lines", metavar="N", type=_count, default=9, help="lines averaged over (default 9)"
+    )
     identify.add_argument("--study-figure", metavar="FILE.png", type=Path, help="draw the study")
     identify.add_argument("--figure", metavar="FILE.png", type=Path, help="draw H with its bands")
     identify.add_argument("--mat", metavar="FILE.mat", type=Path, help="write H for MATLAB")

@@ -70,7 +70,7 @@ class Grid:
     @property
     def ratio(self) -> Array:
         """Residual over noise in each cell, as amplitudes; NaN where nothing was compared."""
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return np.asarray(
                 np.sqrt(np.where(self.noise > 0.0, self.residual / self.noise, np.nan))
             )

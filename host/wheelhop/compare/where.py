@@ -188,7 +188,7 @@ def _amplitude(records: Sequence[Record], noise: Array) -> tuple[Slice, ...]:
 
 def _growth(amplitude: Sequence[Slice], tolerance: float) -> float:
     """Slope of log excess over log measured power, over quarters where the excess is certain."""
-    certain = [s for s in amplitude if s.ratio > 1.0 + 2.0 * tolerance]
+    certain = [s for s in amplitude if s.ratio > 1.0 + 2.0 * tolerance and s.measured > 0.0]
     if len(certain) < 3:
         return float("nan")
     return float(

@@ -9,6 +9,7 @@ import numpy as np
 
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, TrackSpec
 from wheelhop.compare import Comparison, compare
+from wheelhop.compare.band import InBand
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.validate import validate
 from wheelhop.fit import (
@@ -24,6 +25,9 @@ from wheelhop.simulate import Model, frequency_response
 from wheelhop.vehicle import CORNERS, Vehicle
 
 Progress = Callable[[str], None]
+
+STILL = 1e-9
+"""In-band coefficients of this size, m/s² (N, m on a rig), are rounding: nothing moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +63,19 @@ def fit_baseline(
         workshop.of_role("fit"),
         progress=lambda text: progress(f"fitting the baseline: {text}"),
     )
+    if not np.isfinite(fitted.rss):
+        raise CampaignError(
+            f"{campaign.vehicle_file}: a vehicle with these numbers runs away from the road: one of"
+            " them is far off, in a wrong unit perhaps"
+        )
     rung = validate(workshop, fitted)
+    for run in (*fitted.runs, *rung.judging.runs):
+        if run.freedom >= run.bench.size:
+            raise CampaignError(
+                f'{campaign.folder / "campaign.toml"}: run "{run.bench.run.id}": {run.bench.size}'
+                f" numbers in band do not tell the {run.freedom:g} that are free in it: widen"
+                " band_hz, or record longer"
+            )
     if campaign.noise_rms is None:
         # Only now is there a residual from which the noise can be told.
         noise = comparison_of(workshop, rung).floor.noise_rms
@@ -69,9 +85,10 @@ def fit_baseline(
 
 def axle_driven(campaign: Campaign) -> Campaign | None:
     """The same records, the measured axle motion driving the body: track, speed and tyres no
-    longer matter. None without all four axles or without a channel on the body."""
+    longer matter. None without all four axles or without a channel on the body that moves."""
     corners = {c.corner for c in campaign.channels if c.is_axle}
-    if corners != set(CORNERS) or all(c.is_axle for c in campaign.channels):
+    body = [i for i, c in enumerate(campaign.channels) if not c.is_axle]
+    if corners != set(CORNERS) or not body or _resting(campaign, body):
         return None
     unknown = TrackSpec("unknown", {})
     return replace(campaign, runs=tuple(replace(run, track=unknown) for run in campaign.runs))
@@ -109,6 +126,16 @@ def _started(workshop: Workshop, model: Model, free: Sequence[Free]) -> Model:
     return model
 
 
+def _resting(campaign: Campaign, channels: list[int]) -> list[str]:
+    """Roles in whose runs none of these channels holds more in band than rounding."""
+    moves = dict[str, bool]()
+    for run in campaign.runs:
+        band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
+        largest = np.abs(band.coefficients(run.record[:, channels])).max()
+        moves[run.role] = moves.get(run.role, False) or bool(largest > STILL)
+    return [role for role, any_moves in moves.items() if not any_moves]
+
+
 def _with_input_noise(campaign: Campaign, model: Model) -> Campaign:
     """Where measured axles drive every run, their noise reaches the prediction too: the stated
     noise of one channel grows by the nominal vehicle's mean power transmission in band."""
@@ -124,6 +151,11 @@ def _with_input_noise(campaign: Campaign, model: Model) -> Campaign:
 
 def _check(campaign: Campaign) -> None:
     where = campaign.folder / "campaign.toml"
+    for role in _resting(campaign, list(range(len(campaign.channels)))):
+        raise CampaignError(
+            f"{where}: nothing moves between {campaign.band_hz[0]:g} and {campaign.band_hz[1]:g} Hz"
+            f' in the runs with role = "{role}": are the sensors connected, and the units right?'
+        )
     corners = {c.corner for c in campaign.channels if c.is_axle}
     unknown = [run.id for run in campaign.runs if run.track.kind == "unknown"]
     if unknown and corners != set(CORNERS):

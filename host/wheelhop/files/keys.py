@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wheelhop.files.error import InputError
-from wheelhop.files.units import UNITS, split_unit
+from wheelhop.files.units import UNITS, beyond, split_unit
 
 LONGEST_WORD = 200  # that may be a misspelt one
 
@@ -98,6 +98,8 @@ class Table:
         if key not in self.values and default is not None:
             return default
         number = self._as_number(key, self._required(key, "a number"))
+        if wrong := beyond(key, number):
+            raise self.error(f"{self.prefix}{key} = {number:g} {wrong}")
         if above is not None and not number > above:
             raise self.error(f"{self.prefix}{key} = {number:g} must be greater than {above:g}")
         if at_least is not None and not number >= at_least:

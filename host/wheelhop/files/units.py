@@ -57,6 +57,35 @@ UNITS = {
 }
 
 
+SIZES = {
+    "length": (1e-6, 1e5),
+    "speed": (1e-4, 1e3),
+    "angle": (1e-6, 10.0),
+    "time": (1e-9, 1e9),
+    "frequency": (1e-6, 1e7),
+    "mass": (1e-4, 1e6),
+    "inertia": (1e-6, 1e7),
+    "acceleration": (1e-9, 1e6),
+    "stiffness": (1e-3, 1e10),
+    "damping": (1e-4, 1e8),
+}
+"""The least and the largest number, in SI, that anything on wheels has of a dimension: beyond that
+a file is broken, and powers of it overflow."""
+
+
+def beyond(key: str, value: float) -> str:
+    """What is too small or too large about a number with a unit in its name; empty if nothing is,
+    as of 0."""
+    _, name = split_unit(key)
+    if name is None or value == 0.0 or (unit := UNITS[name]).dimension not in SIZES:
+        return ""
+    least, largest = (size / unit.in_si for size in SIZES[unit.dimension])
+    if least <= abs(value) <= largest:
+        return ""
+    word = "small" if abs(value) < least else "large"
+    return f"is too {word} to be believed: {least:.3g} to {largest:.3g} {unit.words} are"
+
+
 def split_unit(key: str) -> tuple[str, str | None]:
     """Split "stiffness_N_mm" into ("stiffness", "N_mm"), keeping a trailing "_uncertainty" apart.
 

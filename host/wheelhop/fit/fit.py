@@ -21,7 +21,7 @@ from wheelhop.fit.heights import Heights
 from wheelhop.fit.moves import moves
 from wheelhop.fit.parameters import Free, run_parameters
 from wheelhop.fit.result import Derivatives, Fit, RunFit
-from wheelhop.fit.workshop import Bench, Trial, Workshop
+from wheelhop.fit.workshop import RUNS_AWAY, Bench, Trial, Workshop
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
@@ -98,6 +98,7 @@ def update(
     return _solved(problem, model)
 
 
+@RUNS_AWAY
 def _solved(
     problem: _Problem,
     model: Model,

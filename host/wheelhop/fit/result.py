@@ -166,4 +166,5 @@ class Fit:
     def uncertainty(self, name: str) -> float:
         """Standard deviation of a shared parameter, in its unit."""
         i = [free.name for free in self.shared].index(name)
-        return float(np.sqrt(self.covariance[i, i]))
+        with np.errstate(invalid="ignore"):  # what the runs do not tell at all has none
+            return float(np.sqrt(self.covariance[i, i]))

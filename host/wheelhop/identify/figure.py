@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign
 from wheelhop.fit import initial_model
+from wheelhop.identify.frf import Frf
 from wheelhop.identify.identify import TransferMatrix
+from wheelhop.identify.spectra import Measured
 from wheelhop.identify.study import Variant
 from wheelhop.simulate import frequency_response
 from wheelhop.vehicle import Vehicle
@@ -69,6 +71,38 @@ def draw_matrix(
     for i in range(rows):
         axes[i, 0].set_ylabel("|H|")
     axes[0, 0].legend(fontsize=7, loc="lower left")
+    figure.savefig(path, dpi=130)
+
+
+def draw_frf(found: Frf, measured: Measured, lines: NDArray[np.bool_], path: Path) -> None:
+    """Magnitudes of an estimate with twice its standard error, and below them the multiple
+    coherence of each output, at these lines (k,); raises OSError."""
+    from matplotlib.figure import Figure
+
+    frequency = found.omega[lines] / (2 * np.pi)
+    h, error = np.abs(found.matrix[lines]), found.standard_error[lines]
+    rows, columns = h.shape[1:]
+    figure = Figure(figsize=(2.6 * columns + 3.2, 2.1 * rows + 0.6), layout="constrained")
+    axes: Any = figure.subplots(rows, columns + 1, sharex=True, squeeze=False)
+    for i in range(rows):
+        output = BODY_POINTS[measured.outputs[i]]
+        for j in range(columns):
+            axis = axes[i, j]
+            low, high = h[:, i, j] - 2 * error[:, i, j], h[:, i, j] + 2 * error[:, i, j]
+            axis.fill_between(
+                frequency, np.maximum(low, 1e-6), high, color=IDENTIFIED, alpha=0.25, lw=0
+            )
+            axis.plot(frequency, h[:, i, j], color=IDENTIFIED, lw=1.2)
+            axis.set_title(f"{AXLE_POINTS[measured.inputs[j]]} → {output}", fontsize=9)
+            _frequency_axis(axis, frequency, i == rows - 1)
+            axis.set_yscale("log")
+            axis.set_ylim(0.002, 3 * max(1.0, float(h.max()) / 2))
+        last = axes[i, columns]
+        last.plot(frequency, found.coherence[lines, i], color="0.3", lw=1.2)
+        last.set_title(f"coherence of {output}", fontsize=9)
+        last.set_ylim(0.0, 1.02)
+        _frequency_axis(last, frequency, i == rows - 1)
+        axes[i, 0].set_ylabel("|H|")
     figure.savefig(path, dpi=130)
 
 

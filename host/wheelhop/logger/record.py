@@ -107,6 +107,7 @@ class _Run:
             live,
         )
         self._ours = False  # whether we have started the session
+        self._followed = 0  # sessions ended there that we have asked about
         self._stored: ClockError | None = None
         self._heard_s = time.monotonic()
         live.port = self._link.port.name
@@ -145,13 +146,25 @@ class _Run:
     def _done(self) -> bool:
         if self._wanted_to_stop():
             return True
-        if self._options.start and self._stream.recorded and self._stream.recorded[-1].card:
-            return True  # it has been ended there; one that was cut off is followed by another
+        if self._options.start and self._ended_there():
+            return True
         seconds = self._options.seconds
         if seconds is None:
             return False
         past = sum(one.written + one.lost for one in self._stream.recorded)
         return past + self._stream.due >= seconds * self._live.rate_hz
+
+    def _ended_there(self) -> bool:
+        """Whether the session was ended at the logger. One whose file is full goes on in the next,
+        and one that was cut off is followed by another."""
+        ended = self._stream.recorded
+        if len(ended) == self._followed or not ended[-1].card:
+            return False
+        self._followed = len(ended)
+        try:
+            return self._link.status().get("state") != "recording"
+        except NO_ANSWER:
+            return False  # the line is lost: who comes back finds out
 
     def _wanted_to_stop(self) -> bool:
         return self._stopped() or self._interrupted()

@@ -17,6 +17,7 @@ from wheelhop.material.models import (
 from wheelhop.material.rational import Elements, approximate
 from wheelhop.material.read import RigData, read_rig_data
 from wheelhop.material.select import MODELS, Candidate, candidates
+from wheelhop.material.shift import TemperatureShift, shift_temperatures
 from wheelhop.material.specimen import Specimen, read_specimen, specimen_of, write_specimen
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "PowerLogarithm",
     "RigData",
     "Specimen",
+    "TemperatureShift",
     "approximate",
     "candidates",
     "checked",
@@ -46,6 +48,7 @@ __all__ = [
     "passive_range_hz",
     "read_rig_data",
     "read_specimen",
+    "shift_temperatures",
     "specimen_of",
     "violation",
     "write_specimen",

@@ -26,6 +26,7 @@ OPTIONAL = ("driver", "engine")
 MAY_BE_ZERO = ("damping_N_s_m", "tyre_damping_N_s_m")
 POSITIONS = ("x_m", "y_m")
 LEAST_POSITION_UNCERTAINTY_M = 0.02
+LEAST_LENGTH_M = 0.005  # of wheelbase, track and wheel: a toy's
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,8 @@ def _value(table: Table, key: str) -> float:
         return table.number(key)
     if key in MAY_BE_ZERO:
         return table.number(key, at_least=0.0)
+    if key.endswith("_m") and not key.endswith("_N_m"):
+        return table.number(key, at_least=LEAST_LENGTH_M)
     return table.number(key, above=0.0)
 
 

@@ -46,6 +46,11 @@ uint8_t Card::exchange(uint8_t sent) {
     now_us += 2;
     if (!inserted || !selected_) return 0xFF;
     uint8_t reply = 0xFF;
+    // A command into an answer that was not read to its end; a block without a byte's pause before.
+    const bool quiet = out_.empty();
+    if (!receiving_ && in_.empty() && (sent & 0xC0) == 0x40 && !quiet) ++rude;
+    if (receiving_ && in_.empty() && sent == 0xFE && !pause_) ++rude;
+    if (receiving_ && quiet) pause_ = true;
     if (!out_.empty()) {
         reply = out_.front();
         out_.pop_front();
@@ -148,6 +153,7 @@ void Card::command() {
         case 24:
             answer(idle_ ? 5 : inside ? 0 : 0x40);
             receiving_ = !idle_ && inside;
+            pause_ = false;
             break;
         case 41:
             if (application) idle_ = false;

@@ -38,7 +38,9 @@ struct Card {
     bool knows_checks = true;       // CMD59
     int disturb = 0;                // so many of the next blocks arrive with a wrong bit,
     int disturb_read = 0;           // or are read with one
+    int rude = 0;                   // what a real card may take amiss: see exchange()
     bool checks() const { return checks_; }
+    bool selected() const { return selected_; }
 
     void select(bool selected);
     uint8_t exchange(uint8_t sent);
@@ -56,6 +58,7 @@ struct Card {
     std::deque<uint8_t> out_;
     bool selected_ = false, idle_ = true, receiving_ = false, application_ = false;
     bool checks_ = false;
+    bool pause_ = false;  // since the answer to CMD24
     uint8_t status_ = 0;
     size_t sector_ = 0;
     uint32_t busy_until_us_ = 0;

@@ -17,6 +17,7 @@ int main(int count, char** arguments) {
         fake::power_on();
         const int before = failures;
         test->body();
+        if (fake::card.rude) ++failures, std::printf("the card was spoken to rudely\n");
         const bool passed = failures == before;
         failed += !passed;
         std::printf("%s:%s\n", test->name, passed ? "PASSED" : "FAILED");

@@ -30,6 +30,7 @@ TEST(sectors_are_written_and_read_on_both_kinds_of_card) {
         CHECK(card.read(5, data) && data[0] == 0xA5 && data[511] == 0xA5);
         CHECK(!card.read(64, data));  // there is no such sector
         CHECK(!write(64, 1) && write(63, 1));
+        CHECK(!fake::card.selected());  // others may use the bus
     }
 }
 
@@ -117,6 +118,30 @@ TEST(a_bad_reply_while_the_card_starts_is_card_down_and_never_another_addressing
             }
         }
     }
+}
+
+TEST(a_card_never_seen_that_does_not_say_how_it_counts_is_asked_again) {
+    for (bool by_sector : {true, false}) {
+        for (uint8_t reply : {0xFF, 0x08, 0x04, 0x7F, 0x01}) {
+            fake::power_on();
+            fake::card.by_sector = by_sector;
+            fake::card.bad_command = 58;
+            fake::card.bad_reply = reply;
+            fake::card.bad_replies = 1;
+            CHECK(!wake() && card.state() == SdCard::Down);
+            CHECK(wake() && fake::card.checks());
+            CHECK(write(5, 0xA5) && fake::card.content[5 * 512] == 0xA5);
+        }
+    }
+}
+
+TEST(a_card_that_starts_leaves_the_bus_between_questions) {
+    card.begin();
+    while (card.state() == SdCard::Starting) {
+        card.poll();
+        CHECK(!fake::card.selected() || fake::card.commands[9]);
+    }
+    CHECK(!fake::card.selected());
 }
 
 TEST(a_card_that_counts_otherwise_than_its_sheet_says_is_refused) {

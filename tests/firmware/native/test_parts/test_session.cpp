@@ -4,9 +4,14 @@
 #include <map>
 #include <string>
 
+#include <ff.h>
+
+#include <diskio.h>
+
 #include "board.h"
 #include "check.h"
 #include "fake_board.h"
+#include "files.h"
 #include "identity.h"
 #include "sdcard.h"
 #include "session.h"
@@ -313,4 +318,56 @@ TEST(trouble_has_its_name) {
     fake::card.write_protected = false;
     fake::card.lose_power();
     CHECK(rig.session.start() == kNoTrouble && rig.session.running());
+}
+
+TEST(a_block_is_written_three_times_before_it_is_given_up) {
+    const BYTE block[512] = {1, 2, 3};
+    CHECK(disk_initialize(0) == 0);
+    fake::card.refuse = 2;
+    CHECK(disk_write(0, block, 5, 1) == RES_OK && fake::card.writes == 3);
+    CHECK(fake::card.content[5 * 512 + 2] == 3);
+    fake::card.refuse = 1000;
+    CHECK(disk_write(0, block, 6, 1) == RES_ERROR && fake::card.writes == 6);
+}
+
+TEST(a_file_that_is_not_there_is_told_from_a_card_that_is_not) {
+    if (!insert_card()) return;
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.run(50);
+    CHECK(rig.stop() == kNoTrouble);
+    FATFS volume;
+    logfile::Work work;
+    CHECK(logfile::mount(volume) == kNoTrouble);
+    fake::card.inserted = false;  // the directory has not been read yet
+    const Trouble trouble = logfile::open_file(work, "HOP00001.HOP", 0);
+    CHECK(trouble != kNoFile && trouble != kNoTrouble);
+    fake::card.inserted = true;
+    CHECK(logfile::mount(volume) == kNoTrouble);
+    CHECK(logfile::open_file(work, "HOP00099.HOP", 0) == kNoFile);
+    CHECK(logfile::open_file(work, "HOP00001.HOP", 0) == kNoTrouble);
+    f_mount(nullptr, "", 0);
+}
+
+TEST(the_longest_run_of_free_clusters_is_found) {
+    if (!insert_card()) return;
+    FATFS volume;
+    CHECK(logfile::mount(volume) == kNoTrouble);
+    const logfile::Run runs[] = {{500, 50}, {2000, 120}, {5000, 80}};
+    uint8_t* table = &fake::card.content[volume.fatbase * 512];
+    for (uint32_t k = 2; k < volume.n_fatent; ++k) {
+        bool is_free = false;
+        for (const logfile::Run& run : runs) is_free |= k - run.start < run.length;
+        table[2 * k] = table[2 * k + 1] = is_free ? 0 : 0xFF;
+    }
+    uint8_t sector[512];
+    logfile::Run found;
+    CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
+    CHECK(found.start == 2000 && found.length == 120);
+    volume.last_clst = 4900;  // the search begins behind, and comes round
+    CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
+    CHECK(found.start == 2000 && found.length == 120);
+    CHECK(logfile::find_room(volume, 60, sector, found) == FR_OK);
+    CHECK(found.start == 5000 && found.length == 60);
+    f_mount(nullptr, "", 0);
 }
