@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wheelhop.law.search import Found, Rival
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Assembly, Law, is_component
-from wheelhop.vehicle.assembly import LAW_PARAMETERS, Row
+from wheelhop.vehicle.assembly import Row
 
 Array = NDArray[np.float64]
 
@@ -69,8 +69,7 @@ def _along(found: Found, model: Model) -> Array:
     for length in moved.stretches:
         part = slice(begin, begin + length)
         for law, parameters in at.found:
-            numbers = np.zeros(LAW_PARAMETERS)
-            numbers[: len(parameters)] = parameters
+            numbers = np.array(parameters)
             total[part] += _follow(law, moved.extension[part], moved.rate[part], dt, numbers)
         begin += length
     return total
