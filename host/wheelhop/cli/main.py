@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 BAD_INPUT = 2
 INTERRUPTED = 130
-COMPUTING = ("compare", "diagnose", "add", "demo")
+COMPUTING = ("compare", "diagnose", "law", "add", "demo")
 BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
 
 
@@ -90,7 +90,7 @@ def _call(arguments: Namespace) -> int:
     from wheelhop.files import InputError, check_target
 
     try:
-        for key in ("json", "report", "figure", "mat", "study_figure"):
+        for key in ("json", "report", "figure", "mat", "study_figure", "save"):
             if vars(arguments).get(key) is not None:  # better to know before a long computation
                 check_target(vars(arguments)[key])
         if arguments.command in COMPUTING:

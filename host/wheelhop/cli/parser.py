@@ -91,6 +91,21 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _library(diagnose)
     _outputs(diagnose)
 
+    law = commands.add_parser("law", help="find the force a model is missing: curve and formula")
+    _campaign(law)
+    law.add_argument(
+        "--with",
+        dest="accepted",
+        metavar="EFFECT",
+        nargs="+",
+        default=[],
+        help="effects that are part of the model",
+    )
+    law.add_argument("--save", metavar="FILE.py", type=Path, help="keep the formula as an effect")
+    law.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+    law.add_argument("--figure", metavar="FILE.png", type=Path, help="draw the law")
+    _library(law)
+
     add = commands.add_parser("add", help="add effects, refit, and store the model in CAMPAIGN")
     _campaign(add)
     add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")

@@ -313,10 +313,16 @@ def _arguments(tasks: Sequence[Task]) -> list[object]:
         *(_sparse(motion), _sparse(extension), _sparse(output)),
         _groups(tasks[0].system.port_law),
         tuple(for_all_ports(law) for law in padded(laws)) if laws else None,
-        np.stack([task.system.law_parameters for task in tasks]),
+        _side_by_side_laws([task.system.law_parameters for task in tasks]),
         *(_alike([getattr(task, name) for task in tasks]) for name in ("height", "rate", "force")),
         side_by_side([task.initial for task in tasks]),
     ]
+
+
+def _side_by_side_laws(parameters: Sequence[Array]) -> Array:
+    """The laws' numbers (lanes, p, width): a spline of more knots takes more of them."""
+    width = max(one.shape[1] for one in parameters)
+    return np.stack([np.pad(one, ((0, 0), (0, width - one.shape[1]))) for one in parameters])
 
 
 def _room(task: Task) -> tuple[Array, ...]:

@@ -23,7 +23,7 @@ Law = Callable[[float, float, float, float, float, Array], tuple[float, float]]
 """A force law, compiled with :func:`wheelhop.effects.law`: see there."""
 
 LAW_PARAMETERS = 6
-"""How many numbers a force law may use; a fixed width keeps the compiled integrator general."""
+"""Room for so many numbers of each force law; more if one of them, a spline, takes more."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class System:
     port_input: Array  #: (p, m) R
     port_law: tuple[int, ...]  #: (p,) index into `laws` for each port
     laws: tuple[Law, ...]
-    law_parameters: Array  #: (p, LAW_PARAMETERS)
+    law_parameters: Array  #: (p, LAW_PARAMETERS or more)
     output: Array  #: (c, n) output displacement = output @ q; NaN row: not predicted
 
     def poles(self) -> NDArray[np.complex128]:
@@ -165,7 +165,8 @@ class Assembly:
         c = springs.T @ (np.array([value for _, _, value in self._springs])[:, None] * springs)
         ports = self._stack([row for row, _, _ in self._laws])
         laws = tuple(dict.fromkeys(law for _, law, _ in self._laws))
-        parameters = np.zeros((len(self._laws), LAW_PARAMETERS))
+        width = max([LAW_PARAMETERS, *(len(values) for _, _, values in self._laws)])
+        parameters = np.zeros((len(self._laws), width))
         for i, (_, _, values) in enumerate(self._laws):
             parameters[i, : len(values)] = values
         output = np.full((len(self._outputs), n), np.nan)

@@ -1,0 +1,19 @@
+"""Laws: the force a model is missing, in free form and as a formula."""
+
+from wheelhop.law.formula import Formula, source_of
+from wheelhop.law.free import Form, FreeForce
+from wheelhop.law.places import Moved, Where, places
+from wheelhop.law.search import Found, Rival, find_law
+
+__all__ = [
+    "Form",
+    "Formula",
+    "Found",
+    "FreeForce",
+    "Moved",
+    "Rival",
+    "Where",
+    "find_law",
+    "places",
+    "source_of",
+]

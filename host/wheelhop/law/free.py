@@ -1,0 +1,151 @@
+"""A force of free form at one place: splines of extension and rate, and memory beside them.
+
+It is an effect like any other and linear in its coefficients, which are forces at knots, so that
+screening tells to first order what it explains, and a full fit judges it beside named laws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from wheelhop.campaign import Channel
+from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects.base import Array, Values
+from wheelhop.effects.dry_friction import LONGEST_STEP_S
+from wheelhop.law.places import Where
+from wheelhop.vehicle import Assembly
+
+SCALE = 0.1
+"""A clearly visible force at a knot, as a share of the load that is usual at the place."""
+
+
+@law
+def free_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """Cubic splines of x and of v, straight beyond their ends. p: the numbers of knots of
+    both, then for each its knots, values there and second derivatives."""
+    total, begin = 0.0, 2
+    for axis in range(2):
+        n = int(p[axis])
+        at = x if axis == 0 else v
+        if n > 1:
+            i = 0
+            while i < n - 2 and at > p[begin + i + 1]:
+                i += 1
+            left, right = p[begin + i], p[begin + i + 1]
+            width = right - left
+            low, high = p[begin + n + i], p[begin + n + i + 1]
+            bend_low, bend_high = p[begin + 2 * n + i], p[begin + 2 * n + i + 1]
+            inside = min(max(at, left), right)
+            b = (inside - left) / width
+            a = 1.0 - b
+            total += (
+                a * low + b * high
+                + ((a * a * a - a) * bend_low + (b * b * b - b) * bend_high) * width * width / 6.0
+            )  # fmt: skip
+            slope = (high - low) / width + width / 6.0 * (
+                (1.0 - 3.0 * a * a) * bend_low + (3.0 * b * b - 1.0) * bend_high
+            )
+            total += slope * (at - inside)
+        begin += 3 * n
+    return total, z
+
+
+@law
+def slider(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """Jenkins element that slips after the way p[1], its force then p[0]; z is how far it is
+    stretched, m. Linear in p[0]."""
+    stretch = min(max(z + dx, -p[1]), p[1])
+    return p[0] * stretch / p[1], stretch
+
+
+@dataclass(frozen=True)
+class Form:
+    """Which terms a free law has: knots (a,) of extension, m, and (b,) of rate, m/s, 0 among both,
+    and ways (c,), m, after which its sliders slip."""
+
+    name: str
+    extension_m: tuple[float, ...] = ()
+    rate_m_s: tuple[float, ...] = ()
+    slips_m: tuple[float, ...] = ()
+
+
+class FreeForce(Effect):
+    """f(x, v) = f₁(x) + f₂(v) + Σ sliders at one place, from what the data say alone."""
+
+    id = "free-force"
+    place = "suspension"
+    on_rig = True
+    title = "a force of free form"
+    equation = r"f = f_1(x) + f_2(\dot x) + \sum_j F_j\,z_j / d_j,\quad |z_j| \leq d_j"
+    source = (
+        "restoring force as a function of state: S. F. Masri, T. K. Caughey, J. Appl. Mech. 46"
+        " (1979) 433; parallel sliders: W. D. Iwan, J. Appl. Mech. 33 (1966) 893; not-a-knot"
+        " spline, exact for a cubic law: C. de Boor, A Practical Guide to Splines (Springer"
+        " 1978), ch. IV"
+    )
+
+    def __init__(self, where: Where, forms: Mapping[str, Form], form: str = "") -> None:
+        self.where, self.forms = where, forms
+        self.form = forms[form] if form else next(iter(forms.values()))
+        self.needs_road = where.kind == "tyre"  # type: ignore[misc]
+        if self.form.slips_m:
+            self.longest_step_s = LONGEST_STEP_S["elastic"]
+
+    def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
+        """More and more terms: the evidence says how many the data ask for."""
+        return tuple(self.forms)
+
+    def with_choice(self, choice: str) -> FreeForce:
+        """The law with these terms."""
+        return FreeForce(self.where, self.forms, choice)
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """A force at each knot but the one at 0, where there is none, and one of each slider."""
+        scale = SCALE * self.where.load_N(vehicle)
+        named = (
+            *((f"at_{1e3 * x:.4g}_mm_N", f"force at {1e3 * x:.4g} mm", x)
+              for x in self.form.extension_m),
+            *((f"at_{1e3 * v:.4g}_mm_s_N", f"force at {1e3 * v:.4g} mm/s", v)
+              for v in self.form.rate_m_s),
+            *((f"slider_{1e3 * d:.4g}_mm_N", f"force that slips after {1e3 * d:.4g} mm", d)
+              for d in self.form.slips_m),
+        )  # fmt: skip
+        return [Parameter(name, "N", words, scale) for name, words, at in named if at != 0.0]
+
+    def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
+        """Add the force at every part of the place."""
+        packed, slips = self._packed(theta)
+        for row in self.where.rows(vehicle):
+            if len(packed) > 2:
+                parts.add_law(row, free_force, packed)
+            for force, way in slips:
+                parts.add_law(row, slider, (force, way))
+
+    def _packed(self, theta: Values) -> tuple[tuple[float, ...], list[tuple[float, float]]]:
+        """The numbers `free_force` takes, and force and way of each slider."""
+        form = self.form
+        numbers = [float(len(form.extension_m)), float(len(form.rate_m_s))]
+        for knots, unit in ((form.extension_m, "mm"), (form.rate_m_s, "mm_s")):
+            if knots:
+                values = [theta.get(f"at_{1e3 * k:.4g}_{unit}_N", 0.0) for k in knots]
+                bends = CubicSpline(knots, values)(knots, 2)
+                numbers += [*knots, *values, *bends.tolist()]
+        slips = [(theta[f"slider_{1e3 * d:.4g}_mm_N"], d) for d in form.slips_m]
+        return tuple(numbers), slips
+
+    def along(self, theta: Values, x: Array, v: Array) -> Array:
+        """Force (T,), N, along a motion x, v (T,)."""
+        packed, slips = self._packed(theta)
+        numbers = np.array(packed)
+        total = np.array([free_force(a, b, 0.0, 0.0, 0.0, numbers)[0]
+                          for a, b in zip(x, v, strict=True)])  # fmt: skip
+        for force, way in slips:
+            p, stretch = np.array([force, way]), 0.0
+            for t, dx in enumerate(np.diff(x, prepend=x[0])):
+                own, stretch = slider(x[t], v[t], dx, 0.0, stretch, p)
+                total[t] += own
+        return total

@@ -1,0 +1,99 @@
+"""Where a force can act, and how each such place moved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import RigRun
+from wheelhop.diagnose.probe import FitProbe
+from wheelhop.fit import Workshop
+from wheelhop.simulate import Model
+from wheelhop.vehicle import CORNERS, Motion, axle_name, is_component, struts, tyre
+from wheelhop.vehicle.assembly import Row
+
+Array = NDArray[np.float64]
+CORNER_NAMES = ("front left", "front right", "rear left", "rear right")
+
+
+@dataclass(frozen=True)
+class Where:
+    """A place: the struts or tyres of these corners, which share one law; on a rig the component,
+    corner 0."""
+
+    name: str
+    kind: Literal["strut", "tyre"]
+    corners: tuple[int, ...]
+
+    def rows(self, vehicle: Mapping[str, float]) -> list[Row]:
+        """The extensions along which the force acts."""
+        if self.kind == "tyre":
+            return [tyre(i) for i in self.corners]
+        return [struts(vehicle)[i].row for i in self.corners]
+
+    def linear(self, vehicle: Mapping[str, float]) -> tuple[float, float]:
+        """Stiffness, N/m, and damping, N s/m, that are there."""
+        if self.kind == "tyre":
+            return vehicle[f"wheel.{axle_name(self.corners[0])}.tyre_stiffness_N_m"], 0.0
+        strut = struts(vehicle)[self.corners[0]]
+        return strut.stiffness_N_m, strut.damping_N_s_m
+
+    def load_N(self, vehicle: Mapping[str, float]) -> float:
+        """The load that is usual for one part of the place."""
+        return struts(vehicle)[self.corners[0]].usual.load_N
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """How a place moved in the runs fitted: extension (T,), m, and rate (T,), m/s, one stretch
+    after the other; `stretches` holds the length of each."""
+
+    extension: Array
+    rate: Array
+    stretches: tuple[int, ...]
+
+
+def places(vehicle: Mapping[str, float]) -> list[Where]:
+    """Every place where a force can act, the simplest statement first."""
+    if is_component(vehicle):
+        return [Where("component", "strut", (0,))]
+    front, rear = CORNERS[:2], CORNERS[2:]
+    alone = [Where(f"{CORNER_NAMES[i]} strut", "strut", (i,)) for i in CORNERS]
+    return [
+        Where("all struts", "strut", tuple(CORNERS)),
+        Where("front struts", "strut", tuple(front)),
+        Where("rear struts", "strut", tuple(rear)),
+        Where("all tyres", "tyre", tuple(CORNERS)),
+        Where("front tyres", "tyre", tuple(front)),
+        Where("rear tyres", "tyre", tuple(rear)),
+        *alone,
+    ]
+
+
+def motion_of(workshop: Workshop, model: Model, where: Where) -> Moved | None:
+    """How the place moved; None where nothing tells."""
+    benches = workshop.of_role("fit")
+    ways: list[tuple[Array, Array]] = []
+    probe = FitProbe(workshop, model, benches)
+    for bench in benches:
+        run = bench.run
+        if isinstance(run, RigRun):
+            x, v, _ = Motion(workshop.campaign, run).at(run.time_s)  # type: ignore[arg-type]
+            ways.append((x, v))
+        elif where.kind == "strut":
+            travel = probe.travel(run.id)
+            for corner in where.corners:
+                if axle_name(corner) in travel:
+                    ends = travel[axle_name(corner)]
+                    x = ends[:, min(corner % 2, ends.shape[1] - 1)]
+                    ways.append((x, np.gradient(x, run.time_s)))
+    return _joined(ways) if ways else None
+
+
+def _joined(ways: Sequence[tuple[Array, Array]]) -> Moved:
+    x, v = (np.concatenate(part) for part in zip(*ways, strict=True))
+    return Moved(x, v, tuple(len(one) for one, _ in ways))

@@ -1,0 +1,131 @@
+"""Terms of which a formula is made: one number each, their widths and gaps on a grid of the data.
+
+Every compiled function is written so that its source can stand in a user's own file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import exp, tanh
+
+import numpy as np
+
+from wheelhop.effects import law
+from wheelhop.effects.base import Array
+
+Kernel = Callable[[float, float, float, float, float, Array], tuple[float, float]]
+
+
+@law
+def power(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] (x / p[1])^p[2]."""
+    return p[0] * (x / p[1]) ** p[2], z
+
+
+@law
+def orifice(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] v |v| / p[1]²."""
+    return p[0] * v * abs(v) / p[1] ** 2, z
+
+
+@law
+def one_way(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] |v| / p[1]: damping that differs in rebound and compression."""
+    return p[0] * abs(v) / p[1], z
+
+
+@law
+def rounded(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] tanh(v / p[1])."""
+    return p[0] * tanh(v / p[1]), z
+
+
+@law
+def stop(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] times the way beyond x = p[1], over p[2]: p[1] > 0 in rebound, < 0 in compression."""
+    beyond = max(x - p[1], 0.0) if p[1] > 0.0 else min(x - p[1], 0.0)
+    return p[0] * beyond / p[2], z
+
+
+@law
+def growing(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] (exp(x / p[1]) - 1)."""
+    return p[0] * (exp(min(x / p[1], 50.0)) - 1.0), z
+
+
+@law
+def slip(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """Jenkins element: p[0] z / p[1], its stretch z held within ± p[1]."""
+    stretch = min(max(z + dx, -p[1]), p[1])
+    return p[0] * stretch / p[1], stretch
+
+
+@dataclass(frozen=True)
+class Term:
+    """One term: its compiled law, the numbers after the amplitude, and how it reads."""
+
+    name: str
+    kernel: Kernel
+    shape: tuple[float, ...]
+    words: str
+    equation: str
+
+
+def candidates(extension: Array, rate: Array) -> list[Term]:
+    """Terms with widths and gaps that suit how the place moved (T,), m and m/s."""
+    x, v = float(np.abs(extension).max()), float(np.abs(rate).max())
+    found = [
+        Term("square", power, (x, 2.0), "quadratic spring (uneven both ways)",
+             rf"F (x/{1e3 * x:.3g}\,mm)^2"),
+        Term("cube", power, (x, 3.0), "cubic spring", rf"F (x/{1e3 * x:.3g}\,mm)^3"),
+        Term("orifice", orifice, (v,), "damping that grows with speed squared",
+             rf"F v|v|/({v:.3g}\,m/s)^2"),
+        Term("one-way", one_way, (v,), "damping that differs in rebound and compression",
+             rf"F |v|/({v:.3g}\,m/s)"),
+    ]  # fmt: skip
+    for width in _widths(rate):
+        found.append(
+            Term(f"friction-{1e3 * width:.3g}-mm-s", rounded, (width,),
+                 f"friction that creeps below {1e3 * width:.3g} mm/s",
+                 rf"F \tanh(v/{1e3 * width:.3g}\,mm/s)")
+        )  # fmt: skip
+    for side in (extension.min(), extension.max()):
+        for share in (0.25, 0.5, 0.75):
+            gap = float(share * side)
+            found.append(
+                Term(f"stop-{1e3 * gap:.3g}-mm", stop, (gap, x),
+                     f"stop beyond {1e3 * gap:+.3g} mm",
+                     rf"F \langle x - {1e3 * gap:.3g}\,mm\rangle/{1e3 * x:.3g}\,mm")
+            )  # fmt: skip
+    for width in (0.5 * x, -0.5 * x):
+        found.append(
+            Term(f"exponential-{1e3 * width:.3g}-mm", growing, (width,),
+                 f"spring that grows exponentially in {'rebound' if width > 0 else 'compression'}",
+                 rf"F (e^{{x/{1e3 * width:.3g}\,mm}} - 1)")
+        )  # fmt: skip
+    for way in slips(extension):
+        found.append(
+            Term(f"slip-{1e3 * way:.3g}-mm", slip, (way,),
+                 f"friction that gives way elastically by {1e3 * way:.3g} mm",
+                 rf"F z/{1e3 * way:.3g}\,mm,\ |z| \leq {1e3 * way:.3g}\,mm")
+        )  # fmt: skip
+    return found
+
+
+def slips(extension: Array) -> tuple[float, ...]:
+    """Ways after which sliders slip: from a hundredth of the travel to half of it."""
+    return tuple(float(w) for w in np.geomspace(0.01, 0.5, 7) * np.abs(extension).max())
+
+
+def knots(values: Array, count: int) -> tuple[float, ...]:
+    """`count` knots over the range of a motion, rest among them: midway between even spacing, which
+    follows a law everywhere, and quantiles, which follow it where the motion mostly is."""
+    share = np.linspace(0.0, 1.0, count)
+    inner = 0.5 * np.quantile(values, share) + 0.5 * (values.min() + share * np.ptp(values))
+    inner[np.argmin(np.abs(inner[1:-1])) + 1] = 0.0
+    return tuple(sorted(set(float(f"{1e3 * k:.4g}") / 1e3 for k in inner)))
+
+
+def _widths(rate: Array) -> Sequence[float]:
+    return [float(w) for w in np.geomspace(0.01, 1.0, 5) * np.abs(rate).max()]

@@ -1,0 +1,148 @@
+"""The law a model is missing: in the records of rigs that share no code, with laws of nobody's."""
+
+import runpy
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from tests.component import rig
+from wheelhop.campaign import read_campaign
+from wheelhop.cli.main import main
+from wheelhop.effects import load_effects
+from wheelhop.law import find_law
+from wheelhop.law.free import free_force, slider
+from wheelhop.law.shape import forces
+from wheelhop.law.terms import candidates
+from wheelhop.vehicle import read_nominal
+
+
+@dataclass(frozen=True)
+class Special(rig.Component):
+    """A component with any law f(x, v) without memory."""
+
+    special: Callable[[float, float], float] | None = None
+
+    def law(self):
+        return self.special
+
+
+def cubic_with_one_percent(x, v):
+    """At 20 mm 400 N of line, 800 N of cube, and a hundredth of that uneven."""
+    return 20000.0 * x + 1e8 * x**3 + 2e4 * x**2 + 1500.0 * v
+
+
+def fading_damper(x, v):
+    """Its oil foams: force that falls again beyond a speed."""
+    return 20000.0 * x + 1500.0 * v / (1.0 + (v / 0.3) ** 2)
+
+
+def magic_bump_rubber(x, v):
+    """A rubber of a curve with a knee, in compression beyond 8 mm."""
+    deep = max(-x - 0.008, 0.0)
+    return 20000.0 * x + 1500.0 * v - 900.0 * np.sin(1.3 * np.arctan(150.0 * deep))
+
+
+def campaign_of(folder, special=None, hidden="", numbers=None, noise=0.005):
+    component = (
+        Special(special=special) if special else rig.Component(hidden=hidden, numbers=numbers or {})
+    )
+    return rig.make_campaign(folder, "displacement", component, seed=3, noise=noise)
+
+
+def found_in(folder):
+    campaign = read_campaign(folder)
+    library = list(load_effects().values())
+    return find_law(campaign, read_nominal(campaign), [], library, lambda text: None)
+
+
+def test_the_spline_is_not_a_knot_and_straight_beyond_its_ends():
+    knots, values = np.array([-2.0, -0.5, 0.0, 1.0]), np.array([3.0, -1.0, 0.0, 2.0])
+    exact = CubicSpline(knots, values)
+    p = np.concatenate([[4, 0], knots, values, exact(knots, 2), np.zeros(9)])
+    q = np.concatenate([[0, 4], knots, values, exact(knots, 2), np.zeros(9)])
+    for at in (*np.linspace(-2.0, 1.0, 31), -2.0 - 1e-9, 1.0 + 1e-9):
+        assert free_force(at, 9.0, 0, 0, 0, p)[0] == pytest.approx(exact(at), abs=1e-7)
+        assert free_force(9.0, at, 0, 0, 0, q)[0] == pytest.approx(exact(at), abs=1e-7)
+    assert free_force(3.0, 0, 0, 0, 0, p)[0] == pytest.approx(2.0 + 2.0 * exact(1.0, 1))
+    assert free_force(-4.0, 0, 0, 0, 0, p)[0] == pytest.approx(3.0 - 2.0 * exact(-2.0, 1))
+
+
+def test_a_slider_turns_a_closed_loop_of_known_area():
+    """4 F (X - d) a cycle of amplitude X: a spring that slips after d (W. D. Iwan 1966)."""
+    x = 0.02 * np.sin(np.linspace(0.0, 4 * np.pi, 40001))
+    p, stretch, force = np.array([300.0, 0.005]), 0.0, np.zeros(len(x))
+    for t, dx in enumerate(np.diff(x, prepend=0.0)):
+        force[t], stretch = slider(x[t], 0.0, dx, 0.0, stretch, p)
+    area = np.trapezoid(force[20000:], x[20000:])
+    assert area == pytest.approx(4 * 300.0 * (0.02 - 0.005), rel=1e-3)
+
+
+def test_nothing_is_found_where_nothing_is_missing(tmp_path):
+    found = found_in(campaign_of(tmp_path / "c"))
+    assert found.free is None and found.preferred is None
+
+
+def test_one_percent_of_asymmetry_comes_out_as_asymmetry_and_not_as_a_stop(tmp_path):
+    found = found_in(campaign_of(tmp_path / "c", cubic_with_one_percent, noise=0.002))
+    x, v = found.moved.extension, found.moved.rate
+    law = forces(found, found.free)
+    basis = np.stack([x, x**2, x**3, v, v * abs(v), np.ones_like(x)], axis=1)
+    square = np.linalg.lstsq(basis, law, rcond=None)[0][1]
+    assert square == pytest.approx(2e4, rel=0.3)
+    assert "cubic spring" in found.formula.words and "quadratic spring" in found.formula.words
+    assert "stop" not in found.formula.words
+
+
+@pytest.mark.parametrize("law", [fading_damper, magic_bump_rubber], ids=lambda law: law.__name__)
+def test_a_law_in_nobodys_library_is_within_a_tenth_over_the_range_driven(law, tmp_path):
+    found = found_in(campaign_of(tmp_path / "c", law))
+    x, v = found.moved.extension, found.moved.rate
+    truth = np.array([law(*pair) for pair in zip(x, v, strict=True)])
+    off = forces(found, found.free) - truth
+    assert np.std(off) < 0.1 * np.std(truth - 20000.0 * x)
+    assert found.free.rung.error <= 1.3 * 0.005
+
+
+def test_a_law_with_a_name_is_called_by_it(tmp_path):
+    numbers = {"coulomb_N": 250.0, "joint_N_m": 4e5}
+    found = found_in(campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers))
+    assert found.preferred.name == "dry-friction"
+
+
+def test_the_formula_that_is_kept_is_an_effect_that_diagnose_finds(tmp_path, capsys):
+    numbers = {"quadratic_N_s2_m2": 3000.0}
+    folder = campaign_of(tmp_path / "c", hidden="quadratic-damper", numbers=numbers)
+    kept, picture = tmp_path / "my_law.py", tmp_path / "law.png"
+    assert main(["law", str(folder), "--save", str(kept), "--figure", str(picture)]) == 0
+    assert "damping that grows with speed squared" in capsys.readouterr().out
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    result = tmp_path / "result.json"
+    arguments = ["diagnose", str(folder), "--effects", str(kept), "--json", str(result)]
+    assert main([*arguments, "--jobs", "1"]) == 0
+    assert '"verdict": [\n    "found-law"\n  ]' in result.read_text()
+
+
+def test_every_term_survives_the_file(tmp_path):
+    """Each kept kernel computes what the term it came from computes."""
+    from wheelhop.law.formula import Formula, source_of
+    from wheelhop.law.places import Where
+
+    rng = np.random.default_rng(1)
+    terms = candidates(rng.uniform(-0.02, 0.03, 500), rng.uniform(-0.4, 0.3, 500))
+    formula = Formula(Where("component", "strut", (0,)), terms)
+    amplitudes = {f"{term.name}_N": 100.0 for term in terms}
+    file = tmp_path / "all.py"
+    file.write_text(source_of(formula, amplitudes, "a campaign", "found-law"))
+    kept = runpy.run_path(str(file))
+    for term in terms:
+        p = np.array([100.0, *term.shape])
+        state = (-0.013, 0.21, 2e-4, 0.0, 1e-4, p)
+        assert kept[term.kernel.__name__](*state) == term.kernel(*state)
+
+
+def test_a_name_that_is_no_python_file_is_refused_before_the_work(tmp_path, capsys):
+    assert main(["law", str(tmp_path), "--save", str(tmp_path / "law.txt")]) == 2
+    assert "end its name in .py" in capsys.readouterr().err
