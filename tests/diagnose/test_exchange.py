@@ -5,6 +5,7 @@ from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.added import fit_with
 from wheelhop.diagnose.exchange import exchange
 from wheelhop.diagnose.judge import lead
+from wheelhop.diagnose.look import Look
 
 FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
 
@@ -22,11 +23,11 @@ def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
     library = {name: LIBRARY[name] for name in FEW}
     wrong = fit_with(base, [library["digressive-damper"], library["sensor-gain"]], quiet)[-1]
 
-    first = exchange(base.workshop, wrong, {}, library, quiet)
+    first = exchange(base.workshop, wrong, {}, [], library, quiet)
     assert first.rung is not None
     assert {e.id for e in first.rung.model.effects} == {"dry-friction", "sensor-gain"}
 
-    second = exchange(base.workshop, first.rung, {}, library, quiet)
+    second = exchange(base.workshop, first.rung, {}, [], library, quiet)
     assert second.rung is None
     assert set(second.stands) == {"dry-friction", "sensor-gain"}
     for name, stand in second.stands.items():
@@ -35,3 +36,11 @@ def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
         assert name not in {e.id for e in stand.rival.model.effects}
         assert first.rung.evidence > stand.rival.evidence
         assert lead(first.rung, stand.without) >= lead(first.rung, stand.rival) > 0.03
+
+    # A look has tried the library beside friction alone: nothing is simulated in the gain's place.
+    alone = second.stands["sensor-gain"].without
+    told = []
+    looks = [Look(alone, (), (), None)]
+    third = exchange(base.workshop, first.rung, {}, looks, library, told.append)
+    assert told == ["could another effect stand for dry-friction?"]
+    assert third.stands["sensor-gain"].rival is third.stands["sensor-gain"].without

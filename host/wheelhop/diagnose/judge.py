@@ -18,6 +18,10 @@ BLOCK_S = 0.5
 """Residuals are not white: what half a second of a run says of a model is counted as one degree of
 freedom, however many samples it holds (a second: one oscillation with amplitude and phase)."""
 
+FEW_BLOCKS = 25
+"""An effect that shows in half of n blocks, and there alike, reaches Λ = n/4. One of thirty tried
+needs ln(30/0.05) = 6.4: so many blocks. With fewer held out, chance would decide."""
+
 MATERIAL = 0.02
 """What takes less than this share of the noise's power out of the held-out residual is immaterial,
 however simple the model: a rounding of the simulation could be mistaken for physics."""
@@ -54,8 +58,8 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     Λ = Σ (S_base − S_rival) / 2 noise², unknown heights integrated out with the density that the
     fitted runs gave them. Negative if the rival is worse.
 
-    The runs with role "validate" judge; a campaign without any is judged by its fitted runs. Where
-    something is left, every fitted run judges, too, as a fit to the others foresees it.
+    The runs with role "validate" judge. Where they are few, or there are none, and something is
+    left, every fitted run judges, too, as a fit to the others foresees it.
     """
     if at_noise(rival, noise):
         return 0.5 * (_cost(base, noise) - _cost(rival, noise))
@@ -214,14 +218,20 @@ def _cost(rung: Rung, noise: float) -> float:
 
 
 def _foreseen(rung: Rung) -> tuple[RunFit, ...]:
-    """All runs, none of them fitted to itself."""
+    """The runs that judge, none of them fitted to itself."""
     held_out = () if rung.judging is rung.fit else rung.judging.runs
+    if sum(_blocks(run) for run in held_out) >= FEW_BLOCKS:
+        return held_out
     return (*held_out, *left_out(rung.fit))
 
 
+def _blocks(run: RunFit) -> int:
+    time = run.bench.run.time_s
+    return max(1, round(float(time[-1] - time[0]) / BLOCK_S))
+
+
 def _gains(base: RunFit, rival: RunFit) -> Array:
-    time = base.bench.run.time_s
-    count = max(1, round(float(time[-1] - time[0]) / BLOCK_S))
+    count = _blocks(base)
     ratio = _block_squares(base, count) / _block_squares(rival, count)
     return np.asarray(0.5 * np.log(ratio * rival.spare / base.spare))
 
