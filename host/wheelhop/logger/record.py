@@ -160,11 +160,12 @@ class _Run:
         ended = self._stream.recorded
         if len(ended) == self._followed or not ended[-1].card:
             return False
-        self._followed = len(ended)
         try:
-            return self._link.status().get("state") != "recording"
+            state = self._link.status().get("state")
         except NO_ANSWER:
-            return False  # the line is lost: who comes back finds out
+            return False  # asked again as soon as the line is back
+        self._followed = len(ended)
+        return state != "recording"
 
     def _wanted_to_stop(self) -> bool:
         return self._stopped() or self._interrupted()
