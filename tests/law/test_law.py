@@ -13,9 +13,9 @@ from wheelhop.campaign import read_campaign
 from wheelhop.cli.main import main
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
-from wheelhop.law.free import free_force, slider
+from wheelhop.law.free import free_force
 from wheelhop.law.shape import forces
-from wheelhop.law.terms import candidates
+from wheelhop.law.terms import candidates, slip
 from wheelhop.vehicle import read_nominal
 
 
@@ -75,7 +75,7 @@ def test_a_slider_turns_a_closed_loop_of_known_area():
     x = 0.02 * np.sin(np.linspace(0.0, 4 * np.pi, 40001))
     p, stretch, force = np.array([300.0, 0.005]), 0.0, np.zeros(len(x))
     for t, dx in enumerate(np.diff(x, prepend=0.0)):
-        force[t], stretch = slider(x[t], 0.0, dx, 0.0, stretch, p)
+        force[t], stretch = slip(x[t], 0.0, dx, 0.0, stretch, p)
     area = np.trapezoid(force[20000:], x[20000:])
     assert area == pytest.approx(4 * 300.0 * (0.02 - 0.005), rel=1e-3)
 

@@ -13,10 +13,9 @@ from wheelhop.compare.band import InBand
 from wheelhop.fit.parameters import Free
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Motion
+from wheelhop.vehicle.nominal import TERMS
 
 Array = NDArray[np.float64]
-
-TERMS = ("stiffness_N_m", "damping_N_s_m", "mass_kg")
 
 REWEIGHTED = 5
 """Rounds of weighting with the response of the round before; most settle in two."""

@@ -17,6 +17,7 @@ from wheelhop.effects import Effect, Parameter, law
 from wheelhop.effects.base import Array, Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.places import Where
+from wheelhop.law.terms import slip
 from wheelhop.vehicle import Assembly
 
 SCALE = 0.1
@@ -52,14 +53,6 @@ def free_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> 
             total += slope * (at - inside)
         begin += 3 * n
     return total, z
-
-
-@law
-def slider(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
-    """Jenkins element that slips after the way p[1], its force then p[0]; z is how far it is
-    stretched, m. Linear in p[0]."""
-    stretch = min(max(z + dx, -p[1]), p[1])
-    return p[0] * stretch / p[1], stretch
 
 
 @dataclass(frozen=True)
@@ -123,7 +116,7 @@ class FreeForce(Effect):
             if len(packed) > 2:
                 parts.add_law(row, free_force, packed)
             for force, way in slips:
-                parts.add_law(row, slider, (force, way))
+                parts.add_law(row, slip, (force, way))
 
     def _packed(self, theta: Values) -> tuple[tuple[float, ...], list[tuple[float, float]]]:
         """The numbers `free_force` takes, and force and way of each slider."""
@@ -146,6 +139,6 @@ class FreeForce(Effect):
         for force, way in slips:
             p, stretch = np.array([force, way]), 0.0
             for t, dx in enumerate(np.diff(x, prepend=x[0])):
-                own, stretch = slider(x[t], v[t], dx, 0.0, stretch, p)
+                own, stretch = slip(x[t], v[t], dx, 0.0, stretch, p)
                 total[t] += own
         return total
