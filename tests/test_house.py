@@ -15,7 +15,7 @@ PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_si
 ROOMS = (
     *("files", "logger", "exchange", "calibration", "campaign", "track"),
     *("material", "vehicle", "effects", "simulate", "gate", "compare", "fit", "identify"),
-    *("diagnose", "law", "hil_sim", "report", "cli"),
+    *("diagnose", "law", "hil_sim", "report", "workbench", "cli"),
 )
 LONGEST_FILE = 400  # lines
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}

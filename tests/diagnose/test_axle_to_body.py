@@ -8,7 +8,7 @@ import pytest
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, to_json
-from wheelhop.report import write_diagnosis_report
+from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import read_vehicle
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

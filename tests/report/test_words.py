@@ -5,15 +5,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.effects import load_effects
-from wheelhop.report.words import (
+from wheelhop.files.words import (
     chance,
-    form_of,
     interval,
     label_of,
     percent,
     signed,
     significant,
     unit_of,
+)
+from wheelhop.report.words import (
+    form_of,
 )
 
 

@@ -29,7 +29,7 @@ from wheelhop.material import (
     write_specimen,
 )
 from wheelhop.material.rational import BAND_HZ
-from wheelhop.report import BushingResult, write_bushing_report
+from wheelhop.report.bushings import BushingResult, write_bushing_report
 
 
 def run(arguments: Namespace) -> int:

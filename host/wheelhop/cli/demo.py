@@ -29,10 +29,12 @@ from wheelhop.diagnose import Step, climb, fit_baseline
 from wheelhop.diagnose.look import step_of
 from wheelhop.effects import load_effects
 from wheelhop.files import is_draft
+from wheelhop.files.words import (
+    percent,
+)
 from wheelhop.hil_sim.day import read_day
-from wheelhop.report import write_diagnosis_report
 from wheelhop.report.model_file import write_model
-from wheelhop.report.words import percent
+from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 
 REPORT_FILE = "report.html"

@@ -29,6 +29,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
     _make_analysis(commands)
+    _make_workbench(commands)
     add_identify(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
@@ -110,6 +111,22 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _campaign(add)
     add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")
     _library(add, "effects_file")  # "effects" are those to add
+
+
+def _make_workbench(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    workbench = commands.add_parser("workbench", help="see, ask and add in the browser")
+    workbench.add_argument("campaign", metavar="CAMPAIGN", type=Path, help="the folder")
+    _library(workbench)
+    workbench.add_argument(
+        "--port", metavar="N", type=int, default=0, help="where it listens (default: any)"
+    )
+    workbench.add_argument(
+        "--host",
+        metavar="ADDRESS",
+        default="127.0.0.1",
+        help="who may reach it (default: this computer alone)",
+    )
+    workbench.add_argument("--no-browser", action="store_true", help="only print the address")
 
 
 def _make_recording(commands: "argparse._SubParsersAction[_Parser]") -> None:

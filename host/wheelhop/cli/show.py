@@ -11,17 +11,19 @@ from rich.table import Table
 from rich.text import Text
 
 from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
-from wheelhop.gate import Finding
-from wheelhop.report.words import (
+from wheelhop.files.words import (
     chance,
-    headline,
     interval,
-    limit_words,
-    over_floor,
     percent,
     signed,
     significant,
     unit_of,
+)
+from wheelhop.gate import Finding
+from wheelhop.report.words import (
+    headline,
+    limit_words,
+    over_floor,
 )
 
 BAR = 40  # characters, for the largest error

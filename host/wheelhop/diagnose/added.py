@@ -13,33 +13,43 @@ from wheelhop.diagnose.ranking import why_not
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import screen
 from wheelhop.effects import Effect
+from wheelhop.fit import Workshop
 from wheelhop.vehicle import Vehicle
 
 
 def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> list[Rung]:
     """The ladder from the fitted baseline through `effects`, in the order given.
 
-    Every rung starts from what screening of its effect suggests and is refitted in full.
-
     Raises
     ------
     CampaignError
         An effect does not apply to this campaign.
     """
-    workshop, rungs = base.workshop, [base.rung]
+    rungs = [base.rung]
     for effect in effects:
-        last = rungs[-1]
-        progress(f"screening {effect.id}")
-        screened = screen(workshop, last.fit, [effect])
-        if not screened:
-            where = workshop.campaign.folder / "campaign.toml"
-            reason = why_not(effect, workshop.drives)
-            raise CampaignError(f"{where}: {effect.id} cannot be added: {reason}; leave it out")
-        progress(f"simulating {effect.id}")
-        rough = confirm(workshop, last, screened[0])
-        progress(f"fitting the vehicle with {effect.id}")
-        rungs.append(refit(workshop, rough))
+        rungs.append(one_more(base.workshop, rungs[-1], effect, progress))
     return rungs
+
+
+def one_more(workshop: Workshop, rung: Rung, effect: Effect, progress: Progress) -> Rung:
+    """The model of `rung` with one more effect, started from what screening suggests and refitted
+    in full.
+
+    Raises
+    ------
+    CampaignError
+        The effect does not apply to this campaign.
+    """
+    progress(f"screening {effect.id}")
+    screened = screen(workshop, rung.fit, [effect])
+    if not screened:
+        where = workshop.campaign.folder / "campaign.toml"
+        reason = why_not(effect, workshop.drives)
+        raise CampaignError(f"{where}: {effect.id} cannot be added: {reason}; leave it out")
+    progress(f"simulating {effect.id}")
+    rough = confirm(workshop, rung, screened[0])
+    progress(f"fitting the vehicle with {effect.id}")
+    return refit(workshop, rough)
 
 
 def steps_with(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from wheelhop.campaign import Campaign
@@ -28,7 +28,7 @@ from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect, Place, beliefs
 from wheelhop.fit import Workshop
-from wheelhop.gate import gate
+from wheelhop.gate import Gated, gate
 from wheelhop.identify import linearity
 from wheelhop.vehicle import Vehicle
 
@@ -38,6 +38,8 @@ will a model that lacks an effect, if a quick fit leaves so much."""
 
 BETWEEN: tuple[Place, ...] = ("suspension", "body")
 """Places between the measured axles and the sensors on the body."""
+
+Watch = Callable[[Look], None]
 
 LAST_RESORT = 3
 """So many effects are fitted in full where none holds and something is left."""
@@ -75,8 +77,26 @@ def diagnose(
     """
     gated = gate(campaign, vehicle)
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
+    return diagnose_from(gated, vehicle, base, effects, max_effects=max_effects, progress=progress)
+
+
+def diagnose_from(
+    gated: Gated,
+    vehicle: Vehicle,
+    base: Baseline,
+    effects: Mapping[str, Effect],
+    *,
+    max_effects: int = 4,
+    progress: Progress = lambda text: None,
+    watch: Watch = lambda look: None,
+) -> Diagnosis:
+    """The same from what the gate let through and a baseline that was fitted to it.
+
+    ``watch`` is called with every look at a residual as it stands, whenever it knows more: after
+    screening, and after each effect that was simulated in full.
+    """
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
-    diagnosis = climb(base, effects, max_effects=max_effects, progress=progress)
+    diagnosis = climb(base, effects, max_effects=max_effects, progress=progress, watch=watch)
     diagnosis = replace(diagnosis, findings=(*gated.findings, *criticism(diagnosis)))
     last = diagnosis.ladder[-1]
     between = any(e.place in BETWEEN for e in last.rung.model.effects) or last.above_floor
@@ -87,12 +107,17 @@ def diagnose(
 
 
 def climb(
-    base: Baseline, effects: Mapping[str, Effect], *, max_effects: int, progress: Progress
+    base: Baseline,
+    effects: Mapping[str, Effect],
+    *,
+    max_effects: int,
+    progress: Progress,
+    watch: Watch = lambda look: None,
 ) -> Diagnosis:
     """The diagnosis, from a fitted baseline on."""
     workshop, rung = base.workshop, base.rung
     steps = [step_of(workshop, rung)]
-    look = _look(workshop, steps[0], effects, progress)
+    look = _look(workshop, steps[0], effects, progress, watch)
     first = origin = look
     looks = [look]
     alone = look.chosen is not None
@@ -126,13 +151,17 @@ def climb(
         step = step_of(workshop, rung)
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
-        look = _look(workshop, step, effects, progress)
+        look = _look(workshop, step, effects, progress, watch)
         looks.append(look)
     return conclude(workshop, steps, first, look, stands, list(effects.values()))
 
 
 def _look(
-    workshop: Workshop, step: Step, effects: Mapping[str, Effect], progress: Progress
+    workshop: Workshop,
+    step: Step,
+    effects: Mapping[str, Effect],
+    progress: Progress,
+    watch: Watch,
 ) -> Look:
     """Screen what is not in the model yet, simulate the best in full, choose one or none."""
     rung = step.rung
@@ -146,14 +175,17 @@ def _look(
     if done:  # what is left has to be described, not explained
         return Look(rung, tuple(screened), (), None)
     incumbent = Incumbent(workshop, rung)
-    candidates = _confirm_best(incumbent, screened, progress)
+    watch(Look(rung, tuple(screened), (), None))
+    candidates = _confirm_best(incumbent, screened, progress, watch)
     candidates = _refit_leaders(incumbent, candidates, step.above_floor, progress)
     chosen = next((c for c in candidates if c.holds), None)
-    return Look(rung, tuple(screened), tuple(candidates), chosen)
+    look = Look(rung, tuple(screened), tuple(candidates), chosen)
+    watch(look)
+    return look
 
 
 def _confirm_best(
-    incumbent: Incumbent, screened: Sequence[Screened], progress: Progress
+    incumbent: Incumbent, screened: Sequence[Screened], progress: Progress, watch: Watch
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first. Once one explains nearly all,
     only what screening puts beside it is a rival."""
@@ -171,6 +203,7 @@ def _confirm_best(
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
         confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])
         found.append(_judged(incumbent, item, confirmed, len(screened)))
+        watch(Look(rung, tuple(screened), tuple(_best_first(found, workshop.noise)), None))
     return _best_first(found, workshop.noise)
 
 

@@ -17,11 +17,15 @@ def ranking(
     look: Look, angles: Angles, effects: Sequence[Effect], baseline: Step
 ) -> tuple[Ranked, ...]:
     """Every effect of the library on the first rung, best first; last those that do not apply."""
+    return (*ranked_so_far(look, angles), *_not_applicable(look, effects, baseline))
+
+
+def ranked_so_far(look: Look, angles: Angles) -> tuple[Ranked, ...]:
+    """The effects that a look has screened, best first, and what is known of each by now."""
     confirmed = {c.id: c for c in look.candidates}
     order = [c.screened for c in look.candidates]
     order += [s for s in look.screened if s.variant.effect.id not in confirmed]
-    ranked = [_ranked(s, confirmed.get(s.variant.effect.id), look, angles) for s in order]
-    return (*ranked, *_not_applicable(look, effects, baseline))
+    return tuple(_ranked(s, confirmed.get(s.variant.effect.id), look, angles) for s in order)
 
 
 def _not_applicable(look: Look, effects: Sequence[Effect], baseline: Step) -> list[Ranked]:

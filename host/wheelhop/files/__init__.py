@@ -11,8 +11,10 @@ from wheelhop.files.keys import (
     shown,
     similar_file,
 )
+from wheelhop.files.toml import Document, to_toml
 from wheelhop.files.write import (
     check_target,
+    claimed,
     is_draft,
     locked,
     made_folder,
@@ -25,9 +27,11 @@ from wheelhop.files.write import (
 )
 
 __all__ = [
+    "Document",
     "InputError",
     "Table",
     "check_target",
+    "claimed",
     "did_you_mean",
     "is_draft",
     "locked",
@@ -42,5 +46,6 @@ __all__ = [
     "shown",
     "similar_file",
     "sync_folder",
+    "to_toml",
     "write_text",
 ]

@@ -148,6 +148,13 @@ class Table:
             raise self.error(f"{self.prefix}{key} must be a list of numbers, not {shown(value)}")
         return [self._as_number(key, item) for item in value]
 
+    def texts(self, key: str) -> list[str]:
+        """A list of texts under `key`; an empty one if it is not there."""
+        value = self.values.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self.error(f"{self.prefix}{key} must be a list of texts, not {shown(value)}")
+        return value
+
     def table(self, key: str, heading: str | None = None, prefix: str = "") -> "Table":
         """The table below `key`, which must be there."""
         value = self._required(key, "a table")

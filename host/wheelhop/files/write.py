@@ -120,6 +120,23 @@ def locked(folder: Path, kind: type[InputError] = InputError) -> Iterator[None]:
         os.close(lock)
 
 
+@contextmanager
+def claimed(folder: Path, purpose: str, kind: type[InputError] = InputError) -> Iterator[None]:
+    """Keep a second program of the same purpose out of `folder` while the block runs; programs that
+    change files in it meanwhile are not hindered.
+
+    The claim ends with the process, however that ends. Raises an error of this `kind` at once if
+    another process on this computer has it.
+    """
+    claim = _lock_file(folder / purpose)
+    try:
+        if not _take(claim):
+            raise kind(f"{folder}: a {purpose} is open on it already: use that one, or end it")
+        yield
+    finally:
+        os.close(claim)
+
+
 def is_draft(path: Path) -> bool:
     """Whether a file is a draft that a power cut has left behind."""
     return path.name.startswith(DRAFT)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
@@ -12,19 +11,18 @@ from typing import Any
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Step
 from wheelhop.effects import Effect
-from wheelhop.files import quoted, write_text
-from wheelhop.report.words import form_of
+from wheelhop.files import Document, to_toml, write_text
+from wheelhop.report.words import (
+    form_of,
+)
 from wheelhop.vehicle import Vehicle
 
 FORMAT = 1
 
-Document = Mapping[str, Any]
-
 
 def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> None:
     """Write the last model of a ladder; a file that is there is replaced whole or not at all."""
-    text = "".join(f"{line}\n" for line in _lines(_document(campaign, vehicle, steps)))
-    write_text(path, text)
+    write_text(path, to_toml(_document(campaign, vehicle, steps)))
 
 
 def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Document:
@@ -120,36 +118,3 @@ def _run(step: Step, run_id: str) -> dict[str, Any]:
         else:
             found[own] = value
     return found
-
-
-def _lines(document: Document, path: tuple[str, ...] = ()) -> Iterator[str]:
-    """TOML: the values of a table, then its tables, then its arrays of tables."""
-    tables = {k: v for k, v in document.items() if isinstance(v, Mapping)}
-    arrays = {k: v for k, v in document.items() if _is_array_of_tables(v)}
-    for key, value in document.items():
-        if key not in tables and key not in arrays:
-            yield f"{_key(key)} = {_value(value)}"
-    for key, table in tables.items():
-        inner = (*path, _key(key))
-        if any(not isinstance(value, Mapping) for value in table.values()):
-            yield from ("", f"[{'.'.join(inner)}]")
-        yield from _lines(table, inner)
-    for key, array in arrays.items():
-        inner = (*path, _key(key))
-        for table in array:
-            yield from ("", f"[[{'.'.join(inner)}]]")
-            yield from _lines(table, inner)
-
-
-def _is_array_of_tables(value: object) -> bool:
-    return isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
-
-
-def _key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
-
-
-def _value(value: str | float | list[str]) -> str:
-    if isinstance(value, list):
-        return f"[{', '.join(map(quoted, value))}]"
-    return quoted(value) if isinstance(value, str) else repr(value)

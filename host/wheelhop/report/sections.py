@@ -10,17 +10,20 @@ from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
 from wheelhop.diagnose import Diagnosis, Step, caveats
 from wheelhop.effects import Effect
+from wheelhop.files.words import (
+    listed,
+    percent,
+)
 from wheelhop.gate import Finding
 from wheelhop.report import figures, tables
 from wheelhop.report.cases import WINDOW_S, Case, cases
+from wheelhop.report.heat import heat_legend
 from wheelhop.report.page import bullets, facts, figure, paragraph, section
 from wheelhop.report.svg import equation, inline
 from wheelhop.report.words import (
     chain_words,
     form_of,
-    listed,
     next_run_words,
-    percent,
     track_words,
 )
 
@@ -111,7 +114,7 @@ def where(steps: Sequence[Step]) -> str:
     first, last = steps[0].comparison, steps[-1].comparison
     compared = len(steps) > 1
     maps = figure(
-        tables.heat_map(steps) + tables.heat_legend(),
+        tables.heat_map(steps) + heat_legend(),
         "Residual / noise floor, runs × channels, in band. * held out.",
     )
     drawing = figures.where_figure(first.breakdown, last.breakdown if compared else None)
@@ -137,7 +140,7 @@ def axle_driven(road: Step, axles: Step) -> str:
         "With the measured axle motion driving the body",
         paragraph(chain_words(road, axles)),
         figure(
-            tables.heat_map([axles]) + tables.heat_legend(),
+            tables.heat_map([axles]) + heat_legend(),
             "Residual / noise floor, runs × channels of the body, in band; the axles’ own noise is"
             " part of the floor. * held out.",
         ),

@@ -4,30 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from html import escape
-from math import isfinite
 
 import numpy as np
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
 from wheelhop.diagnose import Limit, Ranked, Step
 from wheelhop.effects import Effect
-from wheelhop.fit import Free
-from wheelhop.report.page import table
-from wheelhop.report.words import (
+from wheelhop.files.words import (
     chance,
     interval,
     label_of,
-    limit_words,
     listed,
     percent,
     signed,
     significant,
-    track_words,
     unit_of,
 )
-
-HEAT = (1.3, 2.0, 5.0, 10.0)
-"""Residual over floor at which a cell takes the next colour."""
+from wheelhop.fit import Free
+from wheelhop.report.heat import heat_class, heat_words
+from wheelhop.report.page import table
+from wheelhop.report.words import (
+    limit_words,
+    track_words,
+)
 
 
 def heat_map(steps: Sequence[Step]) -> str:
@@ -63,19 +62,9 @@ def _heat_row(name: str, blocks: Sequence[Sequence[float]]) -> str:
 
 
 def _heat_cell(ratio: float) -> str:
-    if not isfinite(ratio):
-        return "<td>–</td>"
-    text = f"{ratio:.1f}" if ratio < 9.95 else f"{ratio:.0f}"
-    colour = int(np.searchsorted(HEAT, ratio, side="right"))
-    return f'<td class="h{colour}">{text}</td>'
-
-
-def heat_legend() -> str:
-    """What the colours of the heat map mean."""
-    limits = ["", *(f"{limit:g}" for limit in HEAT)]
-    names = [f"below {limits[1]}", *(f"from {limit}" for limit in limits[1:])]
-    spans = "".join(f'<span class="h{i}">{name}</span>' for i, name in enumerate(names))
-    return f'<p class="legend">{spans}</p>'
+    colour = heat_class(ratio)
+    coloured = f' class="{colour}"' if colour else ""
+    return f"<td{coloured}>{heat_words(ratio)}</td>"
 
 
 def ranking_table(ranking: Sequence[Ranked], effects: Mapping[str, Effect]) -> str:

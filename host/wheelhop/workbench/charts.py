@@ -1,0 +1,153 @@
+"""Charts that pan and zoom: options for ECharts, which comes with the page's framework."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Options = dict[str, Any]
+
+MEASURED, BEFORE, AFTER, FLOOR = "#8d95a0", "#c8540a", "#0b66a8", "#6f7782"
+"""As in the report: told apart by every kind of colour vision. Readable on white and on black."""
+INK = "#7a828c"
+DIGITS = 5  # significant ones that a point on a screen can show
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """One curve of a chart: x and y (n,)."""
+
+    name: str
+    x: ArrayLike
+    y: ArrayLike
+    colour: str
+    width: float = 1.2
+    dashed: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One set of axes with what stands on them; a logarithmic one if it says so."""
+
+    x_name: str
+    y_name: str
+    lines: Sequence[Line]
+    log: bool = False
+    band: float = 0.0  #: half the height of a grey band about zero
+
+
+def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]) -> Options:
+    """Panels below each other, `heights` in per cent; those in `zoom` pan and zoom together."""
+    total, gap = sum(heights), 9.0
+    room = 100.0 - 6.0 - gap * len(panels)
+    options: Options = {
+        "animation": False,
+        "textStyle": {"color": INK},
+        "legend": {
+            **{"top": 0, "left": 60, "icon": "rect", "itemWidth": 18, "itemHeight": 3},
+            **{"textStyle": {"color": INK}, "data": []},
+        },
+        "tooltip": {"trigger": "axis", "axisPointer": {"type": "line"}, "confine": True},
+        "axisPointer": {"link": [{"xAxisIndex": list(zoom)}]},
+        "grid": [],
+        "xAxis": [],
+        "yAxis": [],
+        "series": [],
+        "dataZoom": [
+            {"type": "inside", "xAxisIndex": list(zoom), "filterMode": "none"},
+        ],
+        "aria": {"enabled": True},
+    }
+    top = 7.0
+    for i, (panel, height) in enumerate(zip(panels, heights, strict=True)):
+        share = room * height / total
+        options["grid"].append(
+            {"top": f"{top:.1f}%", "height": f"{share:.1f}%", "left": 64, "right": 16}
+        )
+        top += share + gap
+        _add_axes(options, panel, i)
+        for line in panel.lines:
+            options["series"].append(_series(line, i))
+            if line.name not in options["legend"]["data"]:
+                options["legend"]["data"].append(line.name)
+        if panel.band > 0 and panel.lines:
+            options["series"][-1]["markArea"] = {
+                "silent": True,
+                "itemStyle": {"color": INK, "opacity": 0.18},
+                "data": [[{"yAxis": -panel.band}, {"yAxis": panel.band}]],
+            }
+    return options
+
+
+def _add_axes(options: Options, panel: Panel, index: int) -> None:
+    kind = "log" if panel.log else "value"
+    soft = {"lineStyle": {"color": INK}}
+    grid = {"lineStyle": {"color": INK, "opacity": 0.18}}
+    options["xAxis"].append(
+        {
+            "gridIndex": index,
+            "type": kind,
+            "name": panel.x_name,
+            "nameLocation": "middle",
+            "nameGap": 22,
+            "axisLine": soft,
+            "min": "dataMin",
+            "max": "dataMax",
+            "splitLine": grid,
+        }
+    )
+    options["yAxis"].append(
+        {
+            "gridIndex": index,
+            "type": kind,
+            "name": panel.y_name,
+            "nameLocation": "middle",
+            "nameGap": 46,
+            "axisLine": soft,
+            "scale": True,
+            "splitLine": grid,
+            "splitNumber": 4,
+        }
+    )
+
+
+def _series(line: Line, index: int) -> Options:
+    style: Options = {"color": line.colour, "width": line.width}
+    if line.dashed:
+        style["type"] = "dashed"
+    return {
+        "name": line.name,
+        "type": "line",
+        "xAxisIndex": index,
+        "yAxisIndex": index,
+        "showSymbol": False,
+        "sampling": "minmax",
+        "lineStyle": style,
+        "itemStyle": {"color": line.colour},
+        "data": points(line.x, line.y),
+    }
+
+
+def points(x: ArrayLike, y: ArrayLike) -> list[list[float | None]]:
+    """Pairs for a chart, with as many digits as a screen shows; a gap where y is not finite."""
+    return [
+        [float(f"{a:.{DIGITS}g}"), float(f"{b:.{DIGITS}g}") if np.isfinite(b) else None]
+        for a, b in zip(np.asarray(x), np.asarray(y), strict=True)
+    ]
+
+
+def power_density(values: ArrayLike, rate_hz: float) -> tuple[Array, Array]:
+    """Frequencies, Hz, and Welch's estimate with three half-overlapping Hann windows, unit²/Hz."""
+    values = np.asarray(values, np.float64)
+    length = max(8, len(values) // 2)
+    window = np.hanning(length)
+    starts = range(0, len(values) - length + 1, max(1, length // 2))
+    spectra = [np.abs(np.fft.rfft(values[i : i + length] * window)) ** 2 for i in starts]
+    power: Array = 2 * np.mean(spectra, axis=0) / (rate_hz * (window**2).sum())
+    frequency: Array = np.fft.rfftfreq(length, 1 / rate_hz).astype(np.float64)
+    return frequency[1:], power[1:]

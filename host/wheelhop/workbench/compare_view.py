@@ -1,0 +1,166 @@
+"""Compare: measured and modelled, in time and frequency, what is left of it beneath."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from nicegui import ui
+from numpy.typing import NDArray
+
+from wheelhop.workbench.charts import (
+    AFTER,
+    BEFORE,
+    FLOOR,
+    MEASURED,
+    Line,
+    Panel,
+    chart,
+    power_density,
+)
+from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.shown import Rung
+from wheelhop.workbench.view import Looking
+
+Array = NDArray[np.float64]
+
+ALL_RUNS = -1
+
+
+class CompareView:
+    """One channel of one run, or of all runs one after the other."""
+
+    def __init__(self, desk: Desk, looking: Looking) -> None:
+        self._desk, self._looking = desk, looking
+        self._seen: object = None
+        runs = {i: run.id for i, run in enumerate(desk.campaign.runs)}
+        channels = {i: channel.name for i, channel in enumerate(desk.campaign.channels)}
+        with ui.row().classes("bench-controls"):
+            self._run: Any = ui.select(
+                {**runs, ALL_RUNS: "all runs, one after the other"}, label="run", value=0
+            ).props("dense options-dense")
+            self._channel: Any = ui.select(channels, label="channel", value=0).props("dense")
+            ui.button("Earlier run", on_click=lambda: self._step(-1)).props("flat dense no-caps")
+            ui.button("Next run", on_click=lambda: self._step(1)).props("flat dense no-caps")
+            self._words = ui.label().classes("soft")
+        self._time = ui.echart({}).classes("bench-chart").props('aria-label="against time"')
+        self._spectrum = ui.echart({}).classes("bench-spectrum").props('aria-label="spectrum"')
+        ui.html(
+            "<p class='soft'>In band. Scroll to zoom, drag to move; both panels go together. Grey"
+            " band: ±2 standard deviations of the noise. Dashed: the noise floor.</p>",
+            sanitize=False,
+        )
+        self._run.on_value_change(self._chosen)
+        self._channel.on_value_change(self._chosen)
+
+    def show(self) -> None:
+        """Bring it up to date."""
+        looking = self._looking
+        if looking.run is not None:
+            self._run.set_value(looking.run)
+        if looking.channel is not None:
+            self._channel.set_value(looking.channel)
+        seen = (self._run.value, self._channel.value, self._desk.rungs)
+        if seen == self._seen:
+            return
+        same_place = self._seen is not None and seen[:2] == self._seen[:2]  # type: ignore[index]
+        self._seen = seen
+        self._draw(keep_zoom=same_place)
+
+    def _chosen(self) -> None:
+        self._looking.run, self._looking.channel = self._run.value, self._channel.value
+        self.show()
+
+    def _step(self, by: int) -> None:
+        count = len(self._desk.campaign.runs)
+        self._run.set_value((max(self._run.value, 0) + by) % count)
+
+    def _draw(self, keep_zoom: bool) -> None:
+        models = self._models()
+        channel = self._desk.campaign.channels[self._channel.value]
+        time, rate_hz, curves = self._curves(channel.name, models)
+        if not len(time):
+            self._words.set_text("not predicted by the model, or left out: nothing to compare")
+            self._time.options.clear()
+            self._time.update()
+            return
+        measured = curves[0][1]
+        noise = self._noise(channel.name, models)
+        upper = [
+            Line(name, time, y, colour, 2.2 if i == 0 else 1.2)
+            for i, (name, y, colour) in enumerate(curves)
+        ]
+        lower = [Line(name, time, measured - y, colour) for name, y, colour in curves[1:]]
+        panels = [
+            Panel("", f"{channel.quantity}, {channel.unit}", upper),
+            Panel("time, s", f"residual, {channel.unit}", lower, band=2 * noise),
+        ]
+        options = chart(panels, (66, 34) if lower else (90, 10), (0, 1))
+        if keep_zoom:
+            options.pop("dataZoom")
+        self._time.options.update(options)
+        self._time.update()
+        self._draw_spectrum(curves, rate_hz, noise, channel.unit)
+        rms = "  ".join(
+            f"{n}: {np.sqrt(np.mean(y**2)):.3g} {channel.unit} rms" for n, y, _ in curves
+        )
+        self._words.set_text(rms)
+
+    def _draw_spectrum(
+        self, curves: list[tuple[str, Array, str]], rate_hz: float, noise: float, unit: str
+    ) -> None:
+        low, high = self._desk.campaign.band_hz
+        lines = []
+        for name, y, colour in curves:
+            frequency, power = power_density(y, rate_hz)
+            inside = (frequency >= low) & (frequency <= high) & (power > 0)
+            lines.append(Line(name, frequency[inside], power[inside], colour))
+        if noise > 0:
+            level = noise**2 / (high - low)
+            ends = np.array([low, high])
+            lines.append(Line("noise floor", ends, np.full(2, level), FLOOR, dashed=True))
+        label = f"power density, ({unit})²/Hz" if "/" in unit else f"power density, {unit}²/Hz"
+        options = chart([Panel("frequency, Hz", label, lines, log=True)], (100,), (0,))
+        self._spectrum.options.update(options)
+        self._spectrum.update()
+
+    def _models(self) -> list[tuple[str, Rung, str]]:
+        """The baseline, and the last model if something was added."""
+        rungs = self._desk.rungs
+        if not rungs:
+            return []
+        models = [("baseline", rungs[0], BEFORE)]
+        if len(rungs) > 1:
+            models.append((f"with {' + '.join(rungs[-1].added)}", rungs[-1], AFTER))
+        return models
+
+    def _curves(
+        self, channel: str, models: list[tuple[str, Rung, str]]
+    ) -> tuple[Array, float, list[tuple[str, Array, str]]]:
+        """Time, sample rate, and named curves, the measured one first."""
+        campaign = self._desk.campaign
+        chosen = self._run.value
+        runs = campaign.runs if chosen == ALL_RUNS else (campaign.runs[chosen],)
+        if not models:
+            column = [c.name for c in campaign.channels].index(channel)
+            records = [run.record[:, column] - run.record[:, column].mean() for run in runs]
+            measured = np.concatenate(records)
+            rate = campaign.sample_rate_hz
+            return np.arange(len(measured)) / rate, rate, [("measured", measured, MEASURED)]
+        first = models[0][1]
+        ids = [run.id for run in runs if run.id in first.signals]
+        if channel not in first.channels or not ids:
+            return np.zeros(0), campaign.sample_rate_hz, []
+        k = first.channels.index(channel)
+        rate = first.signals[ids[0]].rate_hz
+        measured = np.concatenate([first.signals[i].measured[:, k] for i in ids])
+        curves = [("measured", measured.astype(np.float64), MEASURED)]
+        for name, rung, colour in models:
+            modelled = np.concatenate([rung.signals[i].modelled[:, k] for i in ids])
+            curves.append((name, modelled.astype(np.float64), colour))
+        return np.arange(len(measured)) / rate, rate, curves
+
+    def _noise(self, channel: str, models: list[tuple[str, Rung, str]]) -> float:
+        if not models or channel not in models[0][1].channels:
+            return 0.0
+        return float(np.nan_to_num(models[0][1].noise_rms[models[0][1].channels.index(channel)]))

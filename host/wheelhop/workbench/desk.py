@@ -1,0 +1,323 @@
+"""The desk: what the user decided, what is known, and the work that is going on.
+
+There is one desk, whatever the number of tabs: each shows it anew when its `version` has changed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wheelhop.campaign import Campaign, CampaignError, read_campaign
+from wheelhop.files import InputError
+from wheelhop.workbench.order import Order, obey_orders
+from wheelhop.workbench.session import (
+    Choice,
+    Session,
+    read_session,
+    toggled,
+    without,
+    write_session,
+)
+from wheelhop.workbench.shown import (
+    Card,
+    Climbed,
+    Concluded,
+    Done,
+    Findings,
+    Library,
+    Message,
+    Ranking,
+    Refused,
+    Rung,
+    Said,
+)
+
+if TYPE_CHECKING:
+    from multiprocessing.context import SpawnProcess
+
+
+@dataclass
+class Job:
+    """What the worker is at: a title, the line it said last, and since when (s)."""
+
+    title: str
+    line: str
+    since_s: float
+    diagnosing: bool
+
+
+class Desk:
+    """One campaign on the workbench.
+
+    `rungs` lead to the model chosen as far as they are fitted; `rankings` are by the effects the
+    model ranked against had; `notice` is a line the user should read, an error or what was written.
+    """
+
+    def __init__(self, campaign: Campaign, effects_file: Path | None) -> None:
+        self.campaign = campaign
+        self.effects_file = effects_file
+        self.version = 0
+        self.notice = ""
+        self.findings: tuple[tuple[str, str], ...] = ()
+        self.criticism: tuple[tuple[str, str], ...] = ()
+        self.cards: dict[str, Card] = {}
+        self.rungs: tuple[Rung, ...] = ()
+        self.rankings: dict[tuple[str, ...], Ranking] = {}
+        self.job: Job | None = None
+        self.baseline_took_s = 0.0
+        self._session = self._read()
+        self._past: list[Choice] = []
+        self._future: list[Choice] = []
+        self._process: SpawnProcess | None = None
+        self._orders: Connection | None = None
+        self._next: Order | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        if self._session.ranking:
+            self.rankings[()] = Ranking((), self._session.ranking, {})
+
+    # What the user decides.
+
+    @property
+    def choice(self) -> Choice:
+        """Data and model as they are chosen."""
+        return self._session.choice
+
+    @property
+    def session(self) -> Session:
+        """The choice and the last diagnosis."""
+        return self._session
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to take back."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether something was taken back."""
+        return bool(self._future)
+
+    def begin(self) -> None:
+        """Fit what the session chose."""
+        self._loop = asyncio.get_running_loop()
+        self._work()
+
+    def add(self, effect: str) -> None:
+        """Make an effect part of the model."""
+        if effect not in self.choice.added:
+            self._choose(replace(self.choice, added=(*self.choice.added, effect)))
+
+    def take_out(self, effect: str) -> None:
+        """Take an effect out of the model."""
+        self._choose(replace(self.choice, added=without(self.choice.added, effect)))
+
+    def move_up(self, effect: str) -> None:
+        """Add an effect one place earlier."""
+        added = list(self.choice.added)
+        i = added.index(effect)
+        if i > 0:
+            added[i - 1 : i + 1] = [effect, added[i - 1]]
+            self._choose(replace(self.choice, added=tuple(added)))
+
+    def toggle_run(self, run: str) -> None:
+        """Leave a run out, or take it back in."""
+        self._choose(replace(self.choice, without_runs=toggled(self.choice.without_runs, run)))
+
+    def toggle_channel(self, channel: str) -> None:
+        """Leave a channel out, or take it back in."""
+        channels = toggled(self.choice.without_channels, channel)
+        self._choose(replace(self.choice, without_channels=channels))
+
+    def set_role(self, run: str, role: str) -> None:
+        """Fit a run, or hold it out."""
+        self._choose(replace(self.choice, roles={**self.choice.roles, run: role}))
+
+    def undo(self) -> None:
+        """The choice before the last change."""
+        if self._past:
+            self._future.append(self.choice)
+            self._take(self._past.pop())
+
+    def redo(self) -> None:
+        """The choice that was taken back last."""
+        if self._future:
+            self._past.append(self.choice)
+            self._take(self._future.pop())
+
+    def diagnose(self) -> None:
+        """Find out which effects are missing."""
+        self.rankings = {}
+        self._work(diagnose=True)
+
+    def write(self, report: Path | None = None, model: Path | None = None) -> None:
+        """Write a report, or the model, of what is chosen."""
+        self._work(report=report, model=model)
+
+    def cancel(self) -> None:
+        """Give up the work that is going on; what is shown stays."""
+        self._next = None
+        self._stop()
+        self._changed("given up")
+
+    def close(self) -> None:
+        """End the worker."""
+        self._next = None
+        self._stop()
+
+    def say(self, line: str) -> None:
+        """Show a line to the user, in every tab."""
+        self._changed(line)
+
+    # What the worker does.
+
+    def _choose(self, choice: Choice) -> None:
+        try:
+            choice.applied(self.campaign)
+        except CampaignError as error:
+            self._changed(str(error))
+            return
+        self._past.append(self.choice)
+        self._future.clear()
+        self._take(choice)
+
+    def _take(self, choice: Choice) -> None:
+        data = choice.data() == self.choice.data()
+        kept = self._session if data else Session()
+        if not data:
+            self.rankings = {}
+        self._session = replace(kept, choice=choice)
+        self._keep()
+        self._work()
+
+    def _work(
+        self, diagnose: bool = False, report: Path | None = None, model: Path | None = None
+    ) -> None:
+        """Order the work; one that is going on is given up, unless it is the same data's fit."""
+        order = Order(self.campaign.folder, self.choice, self.effects_file, diagnose, report, model)
+        if self.job is not None:
+            if self.job.diagnosing:
+                self._stop()
+            else:
+                self._next = order
+                self._changed()
+                return
+        self._send(order)
+
+    def _send(self, order: Order) -> None:
+        if self._process is None or not self._process.is_alive():
+            self._hire()
+        assert self._orders is not None
+        title = "diagnosing" if order.diagnose else "fitting"
+        self.job = Job(title, "starting", time.monotonic(), order.diagnose)
+        self._orders.send(order)
+        self._changed()
+
+    def _hire(self) -> None:
+        context = get_context("spawn")
+        here, there = context.Pipe()
+        self._process = context.Process(target=obey_orders, args=(there,), daemon=True)
+        self._process.start()
+        there.close()
+        self._orders = here
+        threading.Thread(target=self._listen, args=(here,), daemon=True).start()
+
+    def _listen(self, orders: Connection) -> None:
+        """In a thread of its own: every message goes to the page's loop."""
+        while True:
+            try:
+                message: Message = orders.recv()
+            except (EOFError, OSError):
+                self._call(lambda: self._lost(orders))
+                return
+            self._call(lambda message=message: self._hear(orders, message))  # type: ignore[misc]
+
+    def _call(self, function: Callable[[], None]) -> None:
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(function)
+
+    def _lost(self, orders: Connection) -> None:
+        """The worker is gone without having been told to go."""
+        if orders is self._orders:
+            self._stop()
+            self._changed("the process that computes has ended, out of memory perhaps: try again")
+
+    def _stop(self) -> None:
+        process, self._process, self._orders, self.job = self._process, None, None, None
+        if process is not None:
+            process.kill()
+            process.join(5.0)
+
+    def _hear(self, orders: Connection, message: Message) -> None:
+        if orders is not self._orders or self.job is None:
+            return  # what a worker that was given up had said before
+        match message:
+            case Said(text):
+                self.job.line = text
+            case Findings(found):
+                self.findings, self.criticism = found, ()
+            case Library(cards):
+                self.cards = {card.effect: card for card in cards}
+            case Climbed(rungs):
+                self._climbed(rungs)
+            case Ranking():
+                self._ranked(message)
+            case Concluded(verdict, found):
+                self.criticism = found
+                rows = self.rankings[()].rows
+                self._session = replace(self._session, verdict=verdict, ranking=rows)
+                self._keep()
+            case Refused(line):
+                self._finished(line)
+            case Done(line):
+                self._finished(line)
+        self._changed()
+
+    def _climbed(self, rungs: tuple[Rung, ...]) -> None:
+        assert self.job is not None
+        self.rungs = rungs
+        if not self.baseline_took_s:
+            self.baseline_took_s = time.monotonic() - self.job.since_s
+
+    def _ranked(self, found: Ranking) -> None:
+        old = self.rankings.get(found.beside)
+        traces = found.traces if old is None else {**old.traces, **found.traces}
+        self.rankings[found.beside] = replace(found, traces=traces)
+
+    def _finished(self, line: str) -> None:
+        self.job = None
+        self.notice = line
+        if self._next is not None:
+            order, self._next = self._next, None
+            self._send(order)
+
+    def _changed(self, notice: str | None = None) -> None:
+        self.version += 1
+        if notice is not None:
+            self.notice = notice
+
+    def _read(self) -> Session:
+        try:
+            return read_session(self.campaign)
+        except InputError as error:
+            self.notice = f"{error}; a new session begins, the file stays until something is chosen"
+            return Session()
+
+    def _keep(self) -> None:
+        try:
+            write_session(self.campaign, self._session, f"wheelhop {version('wheelhop')}")
+        except InputError as error:
+            self.notice = f"the session is not kept: {error}"
+
+
+def open_desk(folder: Path, effects_file: Path | None) -> Desk:
+    """A desk with a campaign on it; raises CampaignError for one that cannot be read."""
+    return Desk(read_campaign(folder), effects_file)

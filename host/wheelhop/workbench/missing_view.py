@@ -1,0 +1,193 @@
+"""What is missing: the ranking as it fills in, a card for every effect, and the button that adds
+it."""
+
+from __future__ import annotations
+
+from html import escape
+
+from nicegui import ui
+
+from wheelhop.files.words import chance, percent, signed
+from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
+from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.gallery import picture_of
+from wheelhop.workbench.shown import Card, Ranking, Row, Trace
+from wheelhop.workbench.view import Looking, acting
+
+SHOWN_S = 2.5
+"""So much of a run is drawn on a card, around the largest signature."""
+
+NONE = (
+    "<h3>none</h3><p>No effect of the library shows in what the model leaves, beyond the noise.</p>"
+    "<p>That is no proof that nothing is there: what these runs would not have shown stands in the"
+    " report, under “What these runs would have shown”.</p>"
+)
+UNKNOWN = (
+    "<h3>unknown</h3><p>Something is left that no effect of the library explains.</p>"
+    "<p>Look where it fails: the band and the motion say where to search. <code>wheelhop law</code>"
+    " finds the force that is missing as a curve and a formula.</p>"
+)
+
+
+class MissingView:
+    """The diagnosis while it runs and after."""
+
+    def __init__(self, desk: Desk, looking: Looking) -> None:
+        self._desk, self._looking = desk, looking
+        self._seen: object = None
+        self._drawn: object = None
+        with ui.row().classes("bench-controls"):
+            self._start = ui.button("Find out what is missing", on_click=desk.diagnose)
+            self._start.props("no-caps unelevated")
+            self._hint = ui.label().classes("soft")
+        self._verdict = acting("", self._act)
+        with ui.element("div").classes("bench-split wide"):
+            self._table = acting("", self._act)
+            with ui.element("aside").classes("card"):
+                self._card = acting("", self._act)
+                self._chart = ui.echart({}).classes("bench-trace")
+
+    def show(self) -> None:
+        """Bring it up to date."""
+        desk = self._desk
+        ranking = self._ranking()
+        diagnosing = desk.job is not None and desk.job.diagnosing
+        self._start.set_enabled(not diagnosing)
+        seen = (ranking, desk.session.verdict, desk.choice, diagnosing, desk.cards != {})
+        if seen != self._seen:
+            self._seen = seen
+            self._verdict.set_content("" if diagnosing else self._verdict_html())
+            self._table.set_content(self._table_html(ranking) if ranking else "")
+            hint = "" if ranking or diagnosing else "Every effect of the library is tried."
+            self._hint.set_text(hint)
+        self._show_card(ranking)
+
+    def _ranking(self) -> Ranking | None:
+        """That of the baseline: it names what is missing first."""
+        return self._desk.rankings.get(())
+
+    def _verdict_html(self) -> str:
+        verdict = self._desk.session.verdict
+        if verdict is None:
+            return ""
+        missing = [e for e in verdict.effects if e not in ("none", "unknown")]
+        words = "".join(f"<li>{escape(line)}</li>" for line in verdict.explanation)
+        left = [e for e in missing if e not in self._desk.choice.added]
+        add = '<button class="primary" data-act="add all">Add it to the model</button>'
+        add = add.replace("it", "them") if len(left) > 1 else add
+        following = f"<p>To record next: {escape(verdict.next_run)}</p>" if verdict.next_run else ""
+        extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], "")
+        return (
+            f'<section class="verdict"><h2>{escape(verdict.headline)}</h2>'
+            f"<p>Confidence {100 * verdict.confidence:.0f} %.</p><ul>{words}</ul>"
+            f"{following}{add if left else ''}{extra}</section>"
+        )
+
+    def _table_html(self, ranking: Ranking) -> str:
+        rows = "".join(self._row(i, row) for i, row in enumerate(ranking.rows, start=1))
+        heads = "".join(
+            f'<th class="r" title="{tip}">{name}</th>'
+            for name, tip in (
+                ("screened", "error E that first order expects"),
+                ("confirmed", "E reached in full simulation, fitted with the vehicle"),
+                ("held out", "E of that model on runs no fit has seen"),
+                ("log evidence", "relative to the baseline's"),
+                ("p", "chance that any of the effects does so well without being there"),
+            )
+        )
+        return (
+            f'<table class="ranking"><thead><tr><th></th><th>effect</th>{heads}</tr></thead>'
+            f"<tbody>{rows}</tbody></table>"
+        )
+
+    def _row(self, number: int, row: Row) -> str:
+        name = escape(row.effect)
+        button = f'<button data-act="card" data-effect="{name}">{name}</button>'
+        verdict = self._desk.session.verdict
+        accepted = verdict is not None and row.effect in verdict.effects
+        kind = " class=accepted" if accepted else ""
+        numbers = (row.screened, row.confirmed, row.held_out)
+        cells = [percent(x) if x is not None else "" for x in numbers]
+        cells.append("" if row.evidence is None else signed(row.evidence))
+        cells.append("" if row.p is None else chance(row.p))
+        right = "".join(f'<td class="r">{cell}</td>' for cell in cells)
+        return f"<tr{kind}><td class='r'>{number}</td><td>{button}</td>{right}</tr>"
+
+    def _show_card(self, ranking: Ranking | None) -> None:
+        rows = {row.effect: row for row in ranking.rows} if ranking else {}
+        chosen = self._looking.effect or next(iter(rows), "")
+        row, card = rows.get(chosen), self._desk.cards.get(chosen)
+        trace = ranking.traces.get(chosen) if ranking else None
+        drawn = (row, card, trace, self._desk.choice.added)
+        if drawn == self._drawn:
+            return
+        self._drawn = drawn
+        self._card.set_content(self._card_html(card, row, trace) if row or card else "")
+        self._chart.set_visibility(trace is not None)
+        if trace is not None:
+            self._chart.options.update(_trace_chart(trace))
+            self._chart.update()
+
+    def _card_html(self, card: Card | None, row: Row | None, trace: Trace | None) -> str:
+        name = card.effect if card else row.effect if row else ""
+        parts = [f"<h3>{escape(name)}</h3>"]
+        if name in self._desk.choice.added:
+            parts.append('<p class="soft">It is part of the model.</p>')
+        elif card and (row is None or row.screened is not None):
+            label = "Add it to the model"
+            parts.append(
+                f'<p><button class="primary" data-act="add" data-effect="{escape(name)}">{label}'
+                "</button></p>"
+            )
+        if card:
+            title = f"{card.title[:1].upper()}{card.title[1:]}"
+            parts.append(f"<p>{escape(title)} ({escape(card.place)}).</p>")
+            parts.append(f'<p class="equation">{card.equation}</p>')
+        if row:
+            parts.append(f"<p>{escape(row.reason[:1].upper() + row.reason[1:])}.</p>")
+            if row.near:
+                parts.append(f"<p>Hard to tell from {escape(', '.join(row.near))}.</p>")
+        if card:
+            parts.append(f'<p class="soft">Source: {escape(card.source)}.</p>')
+            parts.append(_gallery(name))
+        if trace:
+            parts.append(
+                f"<p class='soft'>What it would make of the residual, to first order, where that"
+                f" shows best: {escape(trace.channel)} in {escape(trace.run)}.</p>"
+            )
+        return "".join(parts)
+
+    def _act(self, data: dict[str, str]) -> None:
+        desk = self._desk
+        match data["act"]:
+            case "card":
+                self._looking.effect = data["effect"]
+                self.show()
+            case "add":
+                desk.add(data["effect"])
+                self._looking.go("model")
+            case "add all" if desk.session.verdict is not None:
+                for effect in desk.session.verdict.effects:
+                    if effect not in ("none", "unknown"):
+                        desk.add(effect)
+                self._looking.go("model")
+
+
+def _gallery(effect: str) -> str:
+    source = picture_of(effect)
+    alt = f"how {effect} shows in records"
+    return f'<img src="{source}" alt="{escape(alt)}">' if source else ""
+
+
+def _trace_chart(trace: Trace) -> dict[str, object]:
+    """Residual and signature around the largest signature."""
+    at = int(abs(trace.signature).argmax())
+    step = float(trace.time_s[1] - trace.time_s[0])
+    half = int(SHOWN_S / 2 / step)
+    part = slice(max(0, at - half), at + half)
+    time = trace.time_s[part]
+    lines = [
+        Line("residual", time, trace.residual[part], MEASURED, 2.0),
+        Line("its signature", time, trace.signature[part], AFTER),
+    ]
+    return chart([Panel("time, s", trace.unit, lines)], (100,), (0,))

@@ -1,0 +1,37 @@
+"""What the page asks of the process that computes, and that process's first step."""
+
+from __future__ import annotations
+
+import signal
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from wheelhop.workbench.session import Choice
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to work out: the models that lead to a choice, a diagnosis too (`diagnose`), and files
+    to write of it (`report`, `model`)."""
+
+    folder: Path
+    choice: Choice
+    effects_file: Path | None = None
+    diagnose: bool = False
+    report: Path | None = None
+    model: Path | None = None
+
+
+def obey_orders(orders: Connection) -> None:
+    """Obey until the page's process is gone. Only here what computes is loaded."""
+    from wheelhop.workbench.worker import Worker
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to answer
+    worker = Worker(orders.send)
+    while True:
+        try:
+            order = orders.recv()
+        except EOFError:
+            return
+        worker.obey(order)

@@ -1,0 +1,191 @@
+"""The overview: the vehicle from above, every run, every channel, and what the gate found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from math import isfinite
+
+import numpy as np
+from nicegui import ui
+
+from wheelhop.campaign import Campaign, RigRun, Run
+from wheelhop.report.heat import heat_class, heat_legend, heat_words
+from wheelhop.track import make_track
+from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.shown import Rung
+from wheelhop.workbench.view import Looking, acting
+
+PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
+PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
+"""Where the eight points stand in the drawing, forward up."""
+PROFILE_M = 6.0  # of a track, in its small drawing
+
+
+class Overview:
+    """The first thing to see."""
+
+    def __init__(self, desk: Desk, looking: Looking) -> None:
+        self._desk, self._looking = desk, looking
+        self._profiles = [_profile(run) for run in desk.campaign.runs]
+        self._seen: object = None
+        with ui.element("div").classes("bench-split"):
+            self._plan = acting("", self._act)
+            with ui.element("div"):
+                self._runs = acting("", self._act)
+        self._findings = ui.html("", sanitize=False)
+
+    def show(self) -> None:
+        """Bring it up to date."""
+        desk = self._desk
+        rung = desk.rungs[-1] if desk.rungs else None
+        seen = (rung, desk.choice, desk.findings, desk.criticism)
+        if seen == self._seen:
+            return
+        self._seen = seen
+        vehicle = not isinstance(desk.campaign.runs[0], RigRun)
+        self._plan.set_content(plan(desk.campaign, rung) if vehicle else "")
+        self._runs.set_content(self._table(rung) + heat_legend())
+        found = (*desk.findings, *desk.criticism)
+        items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
+        heading = "<h2>Before you believe it</h2>"
+        self._findings.set_content(f"<section>{heading}<ul>{items}</ul></section>" if found else "")
+
+    def _act(self, data: dict[str, str]) -> None:
+        desk, runs = self._desk, self._desk.campaign.runs
+        run = runs[int(data["run"])] if "run" in data else None
+        match data["act"]:
+            case "look":
+                self._looking.run = int(data["run"]) if "run" in data else self._looking.run
+                self._looking.channel = int(data["channel"]) if "channel" in data else None
+                self._looking.go("compare")
+            case "leave run" if run is not None:
+                desk.toggle_run(run.id)
+            case "role" if run is not None:
+                now = desk.choice.roles.get(run.id, run.role)
+                desk.set_role(run.id, "fit" if now == "validate" else "validate")
+            case "leave channel":
+                desk.toggle_channel(desk.campaign.channels[int(data["channel"])].name)
+
+    def _table(self, rung: Rung | None) -> str:
+        campaign = self._desk.campaign
+        left_out = self._desk.choice.without_channels
+        heads = "".join(
+            f'<th class="r">{_button("leave channel", c.name, c.name in left_out, channel=i)}</th>'
+            for i, c in enumerate(campaign.channels)
+        )
+        rows = [self._row(i, run, rung) for i, run in enumerate(campaign.runs)]
+        return (
+            '<div class="scroll"><table class="heat runs"><thead><tr><th>run</th><th>track</th>'
+            f"<th>km/h</th><th>role</th>{heads}<th></th></tr></thead>"
+            f"<tbody>{''.join(rows)}</tbody></table></div>"
+        )
+
+    def _row(self, i: int, run: Run, rung: Rung | None) -> str:
+        choice = self._desk.choice
+        out = run.id in choice.without_runs
+        role = choice.roles.get(run.id, run.role)
+        cells = "".join(
+            _cell(rung, run.id, channel.name, i, k)
+            for k, channel in enumerate(self._desk.campaign.channels)
+        )
+        speed = "" if isinstance(run, RigRun) else f"{run.speed_m_s * 3.6:.3g}"
+        words = "fitted" if role == "fit" else "held out"
+        leave = _button("leave run", "take in" if out else "leave out", False, run=i)
+        return (
+            f'<tr{" class=out" if out else ""}><td class="name">'
+            f"{_button('look', run.id, out, run=i)}</td><td>{self._profiles[i]}</td>"
+            f'<td class="r">{speed}</td><td>{_button("role", words, False, run=i)}</td>'
+            f"{cells}<td>{leave}</td></tr>"
+        )
+
+
+def _button(act: str, text: str, struck: bool, **data: int) -> str:
+    """A button that says what it does; struck through for what is left out."""
+    values = "".join(f' data-{key}="{value}"' for key, value in data.items())
+    tip = {
+        "look": "compare measured and modelled",
+        "role": "fit this run, or hold it out",
+        "leave channel": "leave this channel out, or take it in",
+        "leave run": "leave this run out, or take it in",
+    }[act]
+    kind = ' class="out"' if struck else ""
+    return f'<button data-act="{act}"{values}{kind} title="{tip}">{escape(text)}</button>'
+
+
+def _cell(rung: Rung | None, run: str, channel: str, i: int, k: int) -> str:
+    ratio = _ratio(rung, run, channel)
+    act = f'<button data-act="look" data-run="{i}" data-channel="{k}"'
+    label = f'aria-label="{escape(run)}, {escape(channel)}"'
+    return f'<td class="{heat_class(ratio)}">{act} {label}>{heat_words(ratio)}</button></td>'
+
+
+def _ratio(rung: Rung | None, run: str, channel: str) -> float:
+    if rung is None or run not in rung.runs or channel not in rung.channels:
+        return float("nan")
+    return float(rung.ratio[rung.runs.index(run), rung.channels.index(channel)])
+
+
+def plan(campaign: Campaign, rung: Rung | None) -> str:
+    """The vehicle from above, every sensor coloured by residual over floor of all its runs."""
+    parts = [
+        '<svg class="plan" viewBox="0 0 240 320" role="group" aria-label="vehicle from above">',
+        '<path class="shape" d="M92 40 q28 -16 56 0 l14 60 v130 l-12 40 q-30 14 -60 0 l-12 -40'
+        ' v-130 z"/>',
+        '<text class="soft" x="120" y="16" text-anchor="middle">forward ↑</text>',
+    ]
+    for x, y in ((30, 46), (192, 46), (30, 234), (192, 234)):
+        parts.append(f'<rect class="wheel" x="{x}" y="{y}" width="18" height="40" rx="5"/>')
+    for k, channel in enumerate(campaign.channels):
+        if channel.point in PLACES:
+            parts.append(_point(channel.name, channel.point, k, rung))
+    others = [c.name for c in campaign.channels if c.point not in PLACES]
+    words = f"also: {', '.join(others)}" if others else ""
+    return "".join(parts) + f'</svg><p class="soft">{escape(words)}</p>'
+
+
+def _point(name: str, point: str, k: int, rung: Rung | None) -> str:
+    x, y = PLACES[point]
+    ratio = _over_runs(rung, name)
+    words = heat_words(ratio)
+    return (
+        f'<g data-act="look" data-channel="{k}" tabindex="0" role="button"'
+        f' aria-label="{escape(name)}: {words} times the floor">'
+        f'<circle class="{heat_class(ratio) or "hx"}" cx="{x}" cy="{y}" r="15"/>'
+        f'<text class="on {heat_class(ratio) or "hx"}" x="{x}" y="{y + 4}" text-anchor="middle">'
+        f"{escape(point)}</text>"
+        f'<text class="soft" x="{x}" y="{y + 28}" text-anchor="middle">{words}</text></g>'
+    )
+
+
+def _over_runs(rung: Rung | None, name: str) -> float:
+    """Residual over floor of one channel: the rms of its runs."""
+    if rung is None or name not in rung.channels:
+        return float("nan")
+    column = rung.ratio[:, rung.channels.index(name)]
+    known = column[np.isfinite(column)]
+    return float(np.sqrt((known**2).mean())) if len(known) else float("nan")
+
+
+def _profile(run: Run) -> str:
+    """The first metres of a run's track under the left wheels, as a small drawing."""
+    if isinstance(run, RigRun) or run.track.kind == "unknown":
+        return ""
+    track = make_track(run.track)
+    begin = track.start_m if isfinite(track.start_m) else 0.0
+    x = np.linspace(begin, begin + PROFILE_M, 240)
+    z = track.elevation(x, 0.5)
+    return _sparkline(x, z, run.track.kind)
+
+
+def _sparkline(x: Sequence[float] | np.ndarray, z: np.ndarray, name: str) -> str:
+    low, high = float(np.min(z)), float(np.max(z))
+    span = max(high - low, 1e-6)
+    px = np.linspace(1, 79, len(x))
+    py = 16 - 13 * (np.asarray(z) - low) / span
+    path = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(px, py, strict=True))
+    tip = f"{name}, {span * 1e3:.0f} mm from trough to crest, {PROFILE_M:g} m shown"
+    return (
+        f'<svg class="spark" viewBox="0 0 80 18" role="img"><title>{escape(tip)}</title>'
+        f'<polyline points="{path}"/></svg>'
+    )

@@ -1,0 +1,144 @@
+"""The page: what stands above all views, and the views. It holds no state of its own but what is
+looked at; whenever the desk has changed, what is shown is made anew."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from html import escape
+from importlib.resources import files
+
+from nicegui import ui
+
+from wheelhop.files.words import percent, significant
+from wheelhop.workbench.charts import AFTER
+from wheelhop.workbench.compare_view import CompareView
+from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.missing_view import MissingView
+from wheelhop.workbench.model_view import ModelView
+from wheelhop.workbench.out_view import OutView
+from wheelhop.workbench.overview import Overview
+from wheelhop.workbench.vehicle_view import VehicleView
+from wheelhop.workbench.view import Looking, View
+from wheelhop.workbench.where_view import WhereView
+
+LOOK_S = 0.25
+"""So often a page asks whether the desk has changed."""
+
+VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
+    ("overview", "Overview", Overview),
+    ("compare", "Compare", CompareView),
+    ("where", "Where it fails", WhereView),
+    ("missing", "What is missing", MissingView),
+    ("model", "The model", ModelView),
+    ("vehicle", "Vehicle", VehicleView),
+    ("out", "Take away", OutView),
+)
+
+
+def lay_out(desk: Desk) -> None:
+    """Build the page for one tab of a browser."""
+    for room, name in (("wheelhop.report", "style.css"), ("wheelhop.workbench", "workbench.css")):
+        ui.add_css((files(room) / name).read_text(encoding="utf-8"))
+    ui.colors(primary=AFTER)
+    Page(desk)
+
+
+class Page:
+    """One browser tab's view of the desk."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._seen = -1
+        self._looking = Looking(go=self._go)
+        with ui.element("header").classes("bench-head"):
+            self._top()
+        self._notice = ui.element("div").classes("bench-notice").props('role="status"')
+        with ui.tabs().classes("bench-tabs").props("align=left no-caps dense") as self._tabs:
+            for key, label, _ in VIEWS:
+                ui.tab(key, label=label)
+        self._tabs.on_value_change(self._turned)
+        self._views: dict[str, View] = {}
+        self._panels = {}
+        with ui.element("div").classes("bench-main"):
+            for key, _, _ in VIEWS:
+                self._panels[key] = ui.element("div")
+        self._tabs.set_value("overview")
+        ui.timer(LOOK_S, self._look)
+
+    def _top(self) -> None:
+        desk = self._desk
+        with ui.element("div"):
+            ui.html(escape(desk.campaign.title), sanitize=False, tag="h1")
+            self._figures = ui.html("", sanitize=False)
+        with ui.element("div").classes("bench-work"):
+            self._work = ui.label().props('role="status" aria-live="polite"')
+            self._cancel = ui.button("Stop", on_click=desk.cancel).props("outline dense no-caps")
+            self._undo = ui.button("Undo", on_click=desk.undo).props("flat dense no-caps")
+            self._redo = ui.button("Redo", on_click=desk.redo).props("flat dense no-caps")
+
+    def _go(self, view: str) -> None:
+        self._tabs.set_value(view)
+
+    def _turned(self) -> None:
+        """Show the view whose tab was chosen; it is built when it is looked at first."""
+        chosen = str(self._tabs.value)
+        for key, panel in self._panels.items():
+            panel.set_visibility(key == chosen)
+        if chosen not in self._views:
+            make = next(make for key, _, make in VIEWS if key == chosen)
+            with self._panels[chosen]:
+                self._views[chosen] = make(self._desk, self._looking)
+        self._views[chosen].show()
+
+    def _look(self) -> None:
+        desk = self._desk
+        if desk.job is not None:
+            self._work.set_text(_job_words(desk))
+        if desk.version == self._seen:
+            return
+        self._seen = desk.version
+        self._figures.set_content(_figures(desk))
+        self._cancel.set_visibility(desk.job is not None)
+        self._undo.set_enabled(desk.can_undo)
+        self._redo.set_enabled(desk.can_redo)
+        if desk.job is None:
+            self._work.set_text("")
+        self._notice.set_visibility(bool(desk.notice))
+        self._notice.clear()
+        with self._notice:
+            ui.label(desk.notice)
+        self._views[str(self._tabs.value)].show()
+
+
+def _job_words(desk: Desk) -> str:
+    """What is being done, for how long, and how long it may take."""
+    job = desk.job
+    if job is None:
+        return ""
+    took = time.monotonic() - job.since_s
+    words = f"{job.title}: {job.line} · {took:.0f} s"
+    if job.diagnosing and desk.baseline_took_s:
+        low, high = 2 * desk.baseline_took_s, 15 * desk.baseline_took_s
+        words += f" (usually {low:.0f} to {high:.0f} s)"
+    return words
+
+
+def _figures(desk: Desk) -> str:
+    """The error, the floor, and the effects in the model, always in sight."""
+    if not desk.rungs:
+        return "<p class='soft'>The baseline has not been fitted yet.</p>"
+    first, last = desk.rungs[0], desk.rungs[-1]
+    fall = percent(last.error)
+    if len(desk.rungs) > 1:
+        fall = f"{percent(first.error)} → {fall}"
+    model = " + ".join(("baseline", *last.added))
+    runs = "held out" if desk.campaign.validate_runs else "fitted"
+    pairs = (
+        (f"error E, runs {runs}", fall),
+        ("noise floor", percent(last.floor)),
+        ("error / floor", significant(last.over_floor)),
+        ("model", model),
+    )
+    items = "".join(f"<div><dt>{a}</dt><dd>{escape(b)}</dd></div>" for a, b in pairs)
+    return f'<dl class="key">{items}</dl>'

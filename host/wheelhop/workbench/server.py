@@ -1,0 +1,96 @@
+"""The workbench's server: one campaign, one address with a token, until Ctrl-C."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+import sys
+import webbrowser
+from collections.abc import Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import uvicorn
+from fastapi import FastAPI
+from nicegui import ui
+
+from wheelhop.campaign import CampaignError
+from wheelhop.files import claimed
+from wheelhop.workbench.desk import Desk, open_desk
+from wheelhop.workbench.guard import Guard
+from wheelhop.workbench.page import lay_out
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+LOCAL = "127.0.0.1"
+PATIENCE_S = 3600.0
+"""So long a page that lost its connection, on a closed laptop, finds what it showed."""
+
+
+def serve(
+    folder: Path,
+    *,
+    effects_file: Path | None = None,
+    host: str = LOCAL,
+    port: int = 0,
+    browse: bool = True,
+    tell: Callable[[str], None] = print,
+) -> None:
+    """Open a campaign on the workbench and serve it until interrupted.
+
+    ``port`` 0 takes any that is free; ``tell`` is given the address. Raises CampaignError for a
+    campaign that cannot be read, a folder that has a workbench already, and an address that is
+    taken.
+    """
+    desk = open_desk(folder, effects_file)
+    with claimed(folder, "workbench", CampaignError), _bound(host, port) as listening:
+        port = listening.getsockname()[1]
+        token = secrets.token_urlsafe(24)
+        names = {host, "localhost"} if host == LOCAL else {host}
+        guard = Guard(make_app(desk), token, frozenset(f"{name}:{port}" for name in names))
+        address = f"http://{host}:{port}/?token={token}"
+        tell(f"the workbench is at {address}")
+        if browse:
+            webbrowser.open(address)
+        config = uvicorn.Config(guard, log_level="warning", timeout_graceful_shutdown=1)
+        uvicorn.Server(config).run(sockets=[listening])
+
+
+def make_app(desk: Desk) -> FastAPI:
+    """The application that shows a desk; its work begins and ends with the server."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        desk.begin()
+        yield
+        desk.close()
+
+    app = FastAPI(lifespan=lifespan)
+
+    @ui.page("/")
+    def index() -> None:
+        lay_out(desk)
+
+    ui.run_with(
+        app,
+        title=f"wheelhop: {desk.campaign.title}",
+        dark=None,
+        reconnect_timeout=PATIENCE_S,
+        tailwind=False,
+    )
+    return app
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    listening = socket.socket()
+    if sys.platform != "win32":  # there it would let two servers share a port
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((host, port))
+    except OSError as error:
+        listening.close()
+        line = f"cannot listen on {host}:{port}: {error.strerror}; choose another --port"
+        raise CampaignError(line) from None
+    return listening

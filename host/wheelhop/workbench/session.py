@@ -1,0 +1,145 @@
+"""What the user decided and what a diagnosis found, kept in the campaign's folder: session.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from wheelhop.campaign import Campaign, CampaignError
+from wheelhop.files import Table, read_toml, to_toml, write_text
+from wheelhop.workbench.shown import Row, Verdict
+
+FILE = "session.toml"
+ROLES = ("fit", "validate")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The data and the model: effects added, in order; runs and channels left out; runs whose role
+    is another than in campaign.toml."""
+
+    added: tuple[str, ...] = ()
+    without_runs: tuple[str, ...] = ()
+    without_channels: tuple[str, ...] = ()
+    roles: Mapping[str, str] = field(default_factory=dict)
+
+    def data(self) -> tuple[object, ...]:
+        """What the fits are made of: two choices of the same data share their fits."""
+        return (
+            tuple(sorted(self.without_runs)),
+            tuple(sorted(self.without_channels)),
+            tuple(sorted(self.roles.items())),
+        )
+
+    def applied(self, campaign: Campaign) -> Campaign:
+        """The campaign without what is left out, in the roles chosen.
+
+        Raises CampaignError if no run that is fitted, or no channel, is left.
+        """
+        kept = [i for i, c in enumerate(campaign.channels) if c.name not in self.without_channels]
+        runs = tuple(
+            replace(run, role=self.roles.get(run.id, run.role), record=run.record[:, kept])
+            for run in campaign.runs
+            if run.id not in self.without_runs
+        )
+        if not kept or not any(run.role == "fit" for run in runs):
+            raise CampaignError(
+                f"{campaign.folder}: no run that is fitted is left, or no channel: take one back in"
+            )
+        return replace(campaign, runs=runs, channels=tuple(campaign.channels[i] for i in kept))
+
+
+@dataclass(frozen=True)
+class Session:
+    """A choice and the last diagnosis of its data, if there was one."""
+
+    choice: Choice = field(default_factory=Choice)
+    verdict: Verdict | None = None
+    ranking: tuple[Row, ...] = ()
+
+
+def read_session(campaign: Campaign) -> Session:
+    """The session of a campaign; an empty one where there is no file.
+
+    Names the campaign does not have any more are left out. Raises CampaignError for a file that is
+    not a session.
+    """
+    path = campaign.folder / FILE
+    if not path.is_file():
+        return Session()
+    top = read_toml(path, CampaignError)
+    top.format()
+    runs = {run.id for run in campaign.runs}
+    channels = {channel.name for channel in campaign.channels}
+    roles = top.table_if_any("role")
+    choice = Choice(
+        tuple(top.texts("added")),
+        tuple(name for name in top.texts("without_runs") if name in runs),
+        tuple(name for name in top.texts("without_channels") if name in channels),
+        {run: roles.text(run, choices=ROLES) for run in roles.values if run in runs},
+    )
+    verdict = _verdict(top.table("diagnosis")) if "diagnosis" in top else None
+    rows = top.tables("ranking", "effect") if "ranking" in top else []
+    return Session(choice, verdict, tuple(map(_row, rows)))
+
+
+def write_session(campaign: Campaign, session: Session, written_by: str) -> None:
+    """Replace the session's file, whole or not at all; raises CampaignError where it cannot be."""
+    choice, verdict = session.choice, session.verdict
+    document: dict[str, Any] = {
+        "format": 1,
+        "written_by": written_by,
+        "added": list(choice.added),
+        "without_runs": list(choice.without_runs),
+        "without_channels": list(choice.without_channels),
+        "role": dict(choice.roles),
+    }
+    if verdict is not None:
+        document["diagnosis"] = {k: _plain(v) for k, v in asdict(verdict).items()}
+        document["ranking"] = [
+            {k: _plain(v) for k, v in asdict(row).items() if v is not None}
+            for row in session.ranking
+        ]
+    write_text(campaign.folder / FILE, to_toml(document), CampaignError)
+
+
+def _plain(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _verdict(table: Table) -> Verdict:
+    return Verdict(
+        tuple(table.texts("effects")),
+        table.number("confidence", at_least=0.0),
+        table.text("headline"),
+        tuple(table.texts("explanation")),
+        table.text("next_run", default=""),
+    )
+
+
+def _row(table: Table) -> Row:
+    def number(key: str) -> float | None:
+        return table.number(key) if key in table else None
+
+    return Row(
+        table.text("effect"),
+        table.text("place"),
+        number("screened"),
+        number("confirmed"),
+        number("held_out"),
+        number("evidence"),
+        number("p"),
+        tuple(table.texts("near")),
+        table.text("reason", default=""),
+    )
+
+
+def without(names: Sequence[str], name: str) -> tuple[str, ...]:
+    """The names but one."""
+    return tuple(other for other in names if other != name)
+
+
+def toggled(names: Sequence[str], name: str) -> tuple[str, ...]:
+    """The names with one more, or without it if it is there."""
+    return without(names, name) if name in names else (*names, name)

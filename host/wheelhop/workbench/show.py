@@ -1,0 +1,174 @@
+"""From fits to what the page shows: the last place where a model is a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign
+from wheelhop.compare import Record, describe
+from wheelhop.diagnose import Diagnosis, Ranked, Step
+from wheelhop.diagnose.ambiguity import Angles
+from wheelhop.diagnose.look import Look
+from wheelhop.diagnose.ranking import ranked_so_far
+from wheelhop.diagnose.screen import Screened
+from wheelhop.effects import Effect
+from wheelhop.fit import Fit, RunFit, Workshop
+from wheelhop.gate import Finding
+from wheelhop.report import sections
+from wheelhop.report.cases import records_of
+from wheelhop.report.svg import equation
+from wheelhop.report.words import (
+    headline,
+    next_run_words,
+)
+from wheelhop.workbench import shown
+
+Array = NDArray[np.float64]
+
+OPEN = "screened; it may still be simulated in full"
+
+TRACED = 8
+"""For so many effects, the best, the signature is laid over the residual."""
+
+
+def findings(found: Iterable[Finding]) -> tuple[tuple[str, str], ...]:
+    """How sure, and the sentence with what to do."""
+    return tuple((f.severity, f"{f.text} {f.remedy}") for f in found)
+
+
+def library(effects: Mapping[str, Effect]) -> shown.Library:
+    """A card for every effect."""
+    return shown.Library(
+        tuple(
+            shown.Card(e.id, e.place, e.title, equation(e.equation), e.source)
+            for e in effects.values()
+        )
+    )
+
+
+def rungs(campaign: Campaign, steps: Sequence[Step]) -> tuple[shown.Rung, ...]:
+    """Every model of a ladder; finished sections for the last one alone."""
+    last = len(steps) - 1
+    return tuple(_rung(campaign, steps[: i + 1], drawn=i == last) for i in range(len(steps)))
+
+
+def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Rung:
+    step = steps[-1]
+    comparison = step.comparison
+    grid = comparison.breakdown.runs_channels
+    html = {}
+    if drawn:
+        html = {
+            "ladder": sections.ladder(steps),
+            "where": sections.where(steps),
+            "model": sections.model(campaign, steps),
+        }
+    return shown.Rung(
+        added=step.added,
+        error=step.rung.error,
+        error_fit=step.rung.error_fit,
+        floor=step.floor,
+        at_floor=not step.above_floor,
+        runs=grid.rows,
+        channels=grid.columns,
+        ratio=grid.ratio,
+        noise_rms=comparison.floor.noise_rms,
+        signals={run: _signals(record) for run, record in records_of(step.rung).items()},
+        sentences=tuple(describe(comparison.breakdown)),
+        html=html,
+    )
+
+
+def _signals(record: Record) -> shown.Signals:
+    band = record.band
+
+    def samples(coefficients: Array) -> shown.Samples:
+        return band.from_coefficients(coefficients).astype(np.float32)
+
+    return shown.Signals(band.rate_hz, samples(record.measured), samples(record.model))
+
+
+def ranking(workshop: Workshop, look: Look) -> shown.Ranking:
+    """What a look has found by now."""
+    ranked = ranked_so_far(look, Angles(look.rung.fit, look.screened))
+    beside = tuple(effect.id for effect in look.rung.model.effects)
+    best = [item.effect for item in ranked[:TRACED]]
+    screened = [s for s in look.screened if s.variant.effect.id in best]
+    fit = look.rung.fit
+    traces = {s.variant.effect.id: _trace(workshop, fit, s) for s in screened if _shows(s)}
+    rows = tuple(_row(item) for item in ranked)
+    if look.chosen is None:  # nothing is settled yet
+        rows = tuple(replace(row, reason=OPEN) if row.confirmed is None else row for row in rows)
+    return shown.Ranking(beside, rows, traces)
+
+
+def final_ranking(workshop: Workshop, diagnosis: Diagnosis) -> shown.Ranking:
+    """The ranking as the diagnosis states it, the effects that do not apply at its end."""
+    return shown.Ranking((), tuple(map(_row, diagnosis.ranking)), {})
+
+
+def _row(item: Ranked) -> shown.Row:
+    return shown.Row(
+        item.effect,
+        item.place,
+        item.screened_error,
+        item.confirmed_error,
+        item.validated_error,
+        item.evidence,
+        item.p_value,
+        tuple(f"{name} ({angle:.0f}°)" for name, angle in item.ambiguous_with),
+        item.reason,
+    )
+
+
+def _shows(screened: Screened) -> bool:
+    return any(part.any() for part in screened.contribution.values())
+
+
+def _trace(workshop: Workshop, fit: Fit, screened: Screened) -> shown.Trace:
+    """Where an effect would take most out of the residual."""
+    places = []
+    for run in fit.runs:
+        residual, signature = _columns(run, fit, screened)
+        gain = (2 * residual * signature - signature**2).sum(axis=0)
+        column = int(np.argmax(gain))
+        places.append((float(gain[column]), run, residual[:, column], signature[:, column], column))
+    _, run, residual, signature, column = max(places, key=lambda place: place[0])
+    band, bench = run.bench.band, run.bench
+    channel = workshop.campaign.channels[int(np.flatnonzero(bench.predicted)[column])]
+    return shown.Trace(
+        bench.run.id,
+        channel.name,
+        channel.unit,
+        np.asarray(bench.run.time_s),
+        band.from_coefficients(residual),
+        band.from_coefficients(signature),
+    )
+
+
+def _columns(run: RunFit, fit: Fit, screened: Screened) -> tuple[Array, Array]:
+    """Residual and signature (coefficients, channels predicted); with the effect the vehicle's own
+    numbers move, and what the run leaves free takes its share."""
+    shared = run.derivatives.shared
+    moved = np.array([screened.along.get(f.name, 0.0) / f.scale for f in fit.shared])
+    change = screened.contribution[run.bench.run.id] + run.weighed[:, :shared] @ moved
+    own = run.weighed[:, shared:]
+    change = (change - own @ np.linalg.lstsq(own, change)[0]) * run.spread
+    count = run.bench.band.count
+    return run.residual.reshape(count, -1), change.reshape(count, -1)
+
+
+def verdict(diagnosis: Diagnosis) -> shown.Verdict:
+    """The verdict in words."""
+    following = diagnosis.next_run
+    return shown.Verdict(
+        diagnosis.verdict,
+        diagnosis.confidence,
+        headline(diagnosis),
+        diagnosis.explanation,
+        "" if following is None else next_run_words(following),
+    )

@@ -1,0 +1,171 @@
+"""What the page shows: plain numbers, words and finished drawings, all that the worker sends.
+
+Nothing here refers to a fit or a model, so that the page's process never loads what computes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Samples = NDArray[np.float32]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """One run in band: measured and modelled (n, channels), in the channels' units. Channels the
+    model does not predict are zero in both."""
+
+    rate_hz: float
+    measured: Samples
+    modelled: Samples
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """One model of the ladder: which effects it has, the error E it leaves, and where.
+
+    ``error`` is E on the runs that judge, ``floor`` what the sensors' noise alone leaves of them;
+    ``ratio`` (runs, channels) is residual over floor, NaN where the model predicts nothing.
+    ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
+    """
+
+    added: tuple[str, ...]
+    error: float
+    error_fit: float
+    floor: float
+    at_floor: bool
+    runs: tuple[str, ...]
+    channels: tuple[str, ...]
+    ratio: Array
+    noise_rms: Array
+    signals: Mapping[str, Signals]
+    sentences: tuple[str, ...]
+    html: Mapping[str, str]
+
+    @property
+    def over_floor(self) -> float:
+        """Error over floor; NaN where nothing is known of the noise."""
+        return self.error / self.floor if self.floor > 0 else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """The residual of one channel in one run, in band, and what an effect would make of it there
+    (first order), both (n,)."""
+
+    run: str
+    channel: str
+    unit: str
+    time_s: Array
+    residual: Array
+    signature: Array
+
+
+@dataclass(frozen=True)
+class Row:
+    """One effect of the ranking: errors E as screened, confirmed in full simulation and held out
+    (None: not known yet), logarithm of the evidence, p, and why it stands where it stands."""
+
+    effect: str
+    place: str
+    screened: float | None
+    confirmed: float | None
+    held_out: float | None
+    evidence: float | None
+    p: float | None
+    near: tuple[str, ...]
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Ranking:
+    """What a look at the residual of a model has found so far; `beside` names the effects that
+    model has. `traces` are those of the effects that came out best."""
+
+    beside: tuple[str, ...]
+    rows: tuple[Row, ...]
+    traces: Mapping[str, Trace]
+
+
+@dataclass(frozen=True)
+class Card:
+    """What an effect is: for people who meet it the first time."""
+
+    effect: str
+    place: str
+    title: str
+    equation: str  #: SVG
+    source: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The end of a diagnosis in words: effects named, confidence (0 to 1), a sentence, its grounds,
+    and what to record next ("" if nothing)."""
+
+    effects: tuple[str, ...]
+    confidence: float
+    headline: str
+    explanation: tuple[str, ...]
+    next_run: str
+
+
+# What the worker says, in the order in which it may come.
+
+
+@dataclass(frozen=True)
+class Said:
+    """What is being done, in a line."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What the gate found before any fit: (severity, sentence with remedy)."""
+
+    found: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Library:
+    """A card for every effect that may be added."""
+
+    cards: tuple[Card, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Climbed:
+    """The rungs that lead to the model wanted, the last one included as far as it is fitted."""
+
+    rungs: tuple[Rung, ...]
+
+
+@dataclass(frozen=True)
+class Concluded:
+    """A diagnosis has ended; its report is at hand."""
+
+    verdict: Verdict
+    findings: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Refused:
+    """The work cannot be done; the line says why and what to do."""
+
+    line: str
+
+
+@dataclass(frozen=True)
+class Done:
+    """The order is finished; `line` says what came of it, if there is anything to say."""
+
+    line: str = ""
+
+
+Message = Said | Findings | Library | Climbed | Ranking | Concluded | Refused | Done

@@ -1,0 +1,44 @@
+"""What the views have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from nicegui import ui
+from nicegui.events import GenericEventArguments
+
+ACTED = """(event) => {
+  const target = event.target.closest("[data-act]");
+  if (target) emit({...target.dataset});
+}"""
+"""Sends what the element clicked, or one around it, says it does."""
+
+
+@dataclass
+class Looking:
+    """What one tab of the browser looks at: a run and a channel (indices), an effect; `go` turns
+    to another view."""
+
+    go: Callable[[str], None]
+    run: int | None = 0
+    channel: int | None = None
+    effect: str = ""
+    seen: dict[str, object] = field(default_factory=dict)
+
+
+class View(Protocol):
+    """A part of the page that can be brought up to date."""
+
+    def show(self) -> None:
+        """Make what is shown fit the desk, if anything it shows has changed."""
+
+
+def acting(content: str, handle: Callable[[dict[str, str]], None]) -> ui.html:
+    """HTML of ours whose elements with data-act call `handle` with their data-… values."""
+
+    def handled(event: GenericEventArguments) -> None:
+        handle({key: str(value) for key, value in dict(event.args).items()})
+
+    return ui.html(content, sanitize=False).on("click", handled, js_handler=ACTED)

@@ -1,0 +1,139 @@
+"""The process that computes: it takes orders one by one and says what it finds as it finds it.
+
+It keeps the fits of the data it worked on last, so that adding one more effect fits one more model.
+To give up an order the process is killed; the next one begins anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from wheelhop.campaign import Campaign, read_campaign
+from wheelhop.diagnose import Baseline, Diagnosis, Step, fit_baseline
+from wheelhop.diagnose.added import one_more
+from wheelhop.diagnose.ladder import diagnose_from
+from wheelhop.diagnose.look import step_of
+from wheelhop.effects import Effect, beliefs, load_effects
+from wheelhop.files import InputError
+from wheelhop.gate import Gated, gate
+from wheelhop.report.model_file import write_model
+from wheelhop.report.reports import write_comparison_report, write_diagnosis_report
+from wheelhop.vehicle import Vehicle, read_nominal
+from wheelhop.workbench import show
+from wheelhop.workbench.order import Order
+from wheelhop.workbench.shown import Climbed, Concluded, Done, Findings, Message, Refused, Said
+
+Say = Callable[[Message], None]
+
+
+@dataclass(eq=False)
+class Work:
+    """One campaign's data and the fits made of it."""
+
+    campaign: Campaign
+    vehicle: Vehicle
+    gated: Gated
+    library: Mapping[str, Effect]
+    base: Baseline
+    steps: dict[tuple[str, ...], Step] = field(default_factory=dict)
+    diagnosis: Diagnosis | None = None
+
+    def ladder(self, added: Sequence[str]) -> list[Step]:
+        """The rungs that are fitted already, from the baseline towards `added`."""
+        names = [tuple(added[:i]) for i in range(len(added) + 1)]
+        return [self.steps[name] for name in names if name in self.steps]
+
+
+class Worker:
+    """Works off orders; `say` takes every message on its way to the page."""
+
+    def __init__(self, say: Say) -> None:
+        self._say = say
+        self._key: tuple[object, ...] = ()
+        self._work: Work | None = None
+
+    def obey(self, order: Order) -> None:
+        """Do what the order says; a mistake in the input is said, not raised."""
+        try:
+            work = self._prepared(order)
+            self._climb(work, order.choice.added)
+            if order.diagnose:
+                self._diagnose(work)
+            self._say(Done(self._written(work, order)))
+        except InputError as error:
+            self._say(Refused(str(error)))
+
+    def _prepared(self, order: Order) -> Work:
+        key = (order.folder, order.effects_file, order.choice.data())
+        if self._work is None or key != self._key:
+            self._work = self._begun(order)
+            self._key = key
+        return self._work
+
+    def _begun(self, order: Order) -> Work:
+        campaign = order.choice.applied(read_campaign(order.folder))
+        vehicle = read_nominal(campaign)
+        self._say(Said("looking for mistakes in what the campaign says"))
+        gated = gate(campaign, vehicle)
+        self._say(Findings(show.findings(gated.findings)))
+        library = {**load_effects(order.effects_file), **beliefs(gated.campaign, vehicle)}
+        base = fit_baseline(gated.campaign, vehicle, progress=self._progress)
+        work = Work(campaign, vehicle, gated, library, base)
+        work.steps[()] = step_of(base.workshop, base.rung)
+        self._say(show.library(library))
+        return work
+
+    def _climb(self, work: Work, added: Sequence[str]) -> None:
+        """Fit what is missing on the way to `added`, and show every rung as it comes."""
+        if tuple(added) in work.steps:
+            self._show(work, added)
+        for i, name in enumerate(added):
+            before, here = tuple(added[:i]), tuple(added[: i + 1])
+            if here not in work.steps:
+                if name not in work.library:
+                    raise InputError(f'there is no effect "{name}" here: take it out of the model')
+                effect, rung = work.library[name], work.steps[before].rung
+                rung = one_more(work.base.workshop, rung, effect, self._progress)
+                work.steps[here] = step_of(work.base.workshop, rung)
+                self._show(work, here)
+
+    def _diagnose(self, work: Work) -> None:
+        base = work.base
+        work.diagnosis = diagnose_from(
+            work.gated,
+            work.vehicle,
+            base,
+            work.library,
+            progress=self._progress,
+            watch=lambda look: self._say(show.ranking(base.workshop, look)),
+        )
+        for step in work.diagnosis.ladder:
+            work.steps[step.added] = step
+        self._say(show.final_ranking(base.workshop, work.diagnosis))
+        found = show.findings(work.diagnosis.findings)
+        self._say(Concluded(show.verdict(work.diagnosis), found))
+
+    def _written(self, work: Work, order: Order) -> str:
+        """Write the files asked for; the line that says so."""
+        steps = work.ladder(order.choice.added)
+        lines = []
+        if order.report is not None:
+            found = work.diagnosis
+            if found is not None and found.ladder[-1].added == tuple(order.choice.added):
+                write_diagnosis_report(order.report, work.campaign, found, work.library)
+            else:
+                findings = work.gated.findings
+                write_comparison_report(order.report, work.campaign, steps, None, findings)
+            lines.append(f"report: {order.report}")
+        if order.model is not None:
+            write_model(order.model, work.campaign, work.vehicle, steps)
+            lines.append(f"model: {order.model}")
+        return ", ".join(lines)
+
+    def _show(self, work: Work, added: Sequence[str]) -> None:
+        steps = work.ladder(added)
+        self._say(Climbed(show.rungs(work.gated.campaign, steps)))
+
+    def _progress(self, text: str) -> None:
+        self._say(Said(text))
