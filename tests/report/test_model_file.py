@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wheelhop.files import InputError
-from wheelhop.report.model_file import _lines, write_model
+from wheelhop.files import InputError, to_toml
+from wheelhop.report.model_file import write_model
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
 PLAIN = st.one_of(st.floats(allow_nan=False), TEXT, st.lists(TEXT, max_size=3))
@@ -63,7 +63,7 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(friction, tmp_path, mo
     )
 )
 def test_any_table_is_read_back_by_a_toml_reader(document):
-    found = tomllib.loads("".join(f"{line}\n" for line in _lines(document)))
+    found = tomllib.loads(to_toml(document))
     tables = {k: v for k, v in document["nested"].items() if v}
     expected = {**document, "nested": tables}
     assert found == {k: v for k, v in expected.items() if v != {}}  # empty tables are left out

@@ -1,7 +1,6 @@
 """The commands of `wheelhop` and what each of them takes."""
 
 import argparse
-import os
 from pathlib import Path
 from typing import NoReturn
 
@@ -87,7 +86,7 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "--max-effects", metavar="N", type=_count, default=4, help="longest ladder (default 4)"
     )
     diagnose.add_argument(
-        "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="parallel threads"
+        "--jobs", metavar="N", type=_count, help="parallel threads (default: one a processor)"
     )
     _library(diagnose)
     _outputs(diagnose)
@@ -115,7 +114,9 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
 
 def _make_workbench(commands: "argparse._SubParsersAction[_Parser]") -> None:
     workbench = commands.add_parser("workbench", help="see, ask and add in the browser")
-    workbench.add_argument("campaign", metavar="CAMPAIGN", type=Path, help="the folder")
+    workbench.add_argument(
+        "campaign", metavar="CAMPAIGN", nargs="?", type=Path, help="the folder (default: ask)"
+    )
     _library(workbench)
     workbench.add_argument(
         "--port", metavar="N", type=int, default=0, help="where it listens (default: any)"

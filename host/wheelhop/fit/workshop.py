@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -101,6 +102,13 @@ class Bench:
         return self.measured[:, self.predicted].ravel() - self.modelled(model, systems)
 
 
+def processors() -> int:
+    """How many processors this process may use; the computer may have more."""
+    if sys.platform == "linux":
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 class Workshop:
     """All runs of a campaign on their benches, worked on by a few threads; `model` is the nominal
     vehicle."""
@@ -115,7 +123,7 @@ class Workshop:
     ) -> None:
         self.campaign = campaign
         self.nominal = model.values
-        self._pool = ThreadPoolExecutor(jobs or min(os.cpu_count() or 1, 8))
+        self._pool = ThreadPoolExecutor(jobs or min(processors(), 8))
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
         self._run_up_s = 0.0 if "rig" in self.drives else _run_up(self.systems(model))
         self.benches = {run.id: self.bench(run) for run in campaign.runs}

@@ -45,12 +45,13 @@ def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]
     """Panels below each other, `heights` in per cent; those in `zoom` pan and zoom together."""
     total, gap = sum(heights), 9.0
     room = 100.0 - 6.0 - gap * len(panels)
+    names = list(dict.fromkeys(line.name for panel in panels for line in panel.lines))
     options: Options = {
         "animation": False,
         "textStyle": {"color": INK},
         "legend": {
             **{"top": 0, "left": 60, "icon": "rect", "itemWidth": 18, "itemHeight": 3},
-            **{"textStyle": {"color": INK}, "data": []},
+            **{"textStyle": {"color": INK}, "data": names, "show": len(names) > 1},
         },
         "tooltip": {"trigger": "axis", "axisPointer": {"type": "line"}, "confine": True},
         "axisPointer": {"link": [{"xAxisIndex": list(zoom)}]},
@@ -73,8 +74,6 @@ def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]
         _add_axes(options, panel, i)
         for line in panel.lines:
             options["series"].append(_series(line, i))
-            if line.name not in options["legend"]["data"]:
-                options["legend"]["data"].append(line.name)
         if panel.band > 0 and panel.lines:
             options["series"][-1]["markArea"] = {
                 "silent": True,

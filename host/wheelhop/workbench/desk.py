@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelhop.campaign import Campaign, CampaignError, read_campaign
+from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files import InputError
 from wheelhop.workbench.order import Order, obey_orders
 from wheelhop.workbench.session import (
@@ -316,8 +316,3 @@ class Desk:
             write_session(self.campaign, self._session, f"wheelhop {version('wheelhop')}")
         except InputError as error:
             self.notice = f"the session is not kept: {error}"
-
-
-def open_desk(folder: Path, effects_file: Path | None) -> Desk:
-    """A desk with a campaign on it; raises CampaignError for one that cannot be read."""
-    return Desk(read_campaign(folder), effects_file)

@@ -11,6 +11,7 @@ from importlib.resources import files
 from nicegui import ui
 
 from wheelhop.files.words import percent, significant
+from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.charts import AFTER
 from wheelhop.workbench.compare_view import CompareView
 from wheelhop.workbench.desk import Desk
@@ -36,19 +37,25 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
 )
 
 
-def lay_out(desk: Desk) -> None:
-    """Build the page for one tab of a browser."""
+def lay_out(bench: Workbench) -> None:
+    """Build the page for one tab of a browser: the campaign on the bench, or how to get one."""
     for room, name in (("wheelhop.report", "style.css"), ("wheelhop.workbench", "workbench.css")):
         ui.add_css((files(room) / name).read_text(encoding="utf-8"))
     ui.colors(primary=AFTER)
-    Page(desk)
+    if bench.desk is None:
+        from wheelhop.workbench.start import Start  # it knows every format of recordings
+
+        Start(bench)
+    else:
+        Page(bench, bench.desk)
 
 
 class Page:
     """One browser tab's view of the desk."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    def __init__(self, bench: Workbench, desk: Desk) -> None:
+        self._bench, self._desk = bench, desk
+        ui.page_title(f"wheelhop: {desk.campaign.title}")
         self._seen = -1
         self._looking = Looking(go=self._go)
         with ui.element("header").classes("bench-head"):
@@ -76,6 +83,9 @@ class Page:
             self._cancel = ui.button("Stop", on_click=desk.cancel).props("outline dense no-caps")
             self._undo = ui.button("Undo", on_click=desk.undo).props("flat dense no-caps")
             self._redo = ui.button("Redo", on_click=desk.redo).props("flat dense no-caps")
+            ui.button("Close", on_click=self._bench.clear).props("flat dense no-caps").tooltip(
+                "put this campaign away and open another"
+            )
 
     def _go(self, view: str) -> None:
         self._tabs.set_value(view)
@@ -93,6 +103,9 @@ class Page:
 
     def _look(self) -> None:
         desk = self._desk
+        if desk is not self._bench.desk:  # another tab has opened another campaign
+            ui.navigate.reload()
+            return
         if desk.job is not None:
             self._work.set_text(_job_words(desk))
         if desk.version == self._seen:

@@ -16,8 +16,7 @@ from fastapi import FastAPI
 from nicegui import ui
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import claimed
-from wheelhop.workbench.desk import Desk, open_desk
+from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.guard import Guard
 from wheelhop.workbench.page import lay_out
 
@@ -30,7 +29,7 @@ PATIENCE_S = 3600.0
 
 
 def serve(
-    folder: Path,
+    folder: Path | None,
     *,
     effects_file: Path | None = None,
     host: str = LOCAL,
@@ -38,18 +37,20 @@ def serve(
     browse: bool = True,
     tell: Callable[[str], None] = print,
 ) -> None:
-    """Open a campaign on the workbench and serve it until interrupted.
+    """Open a campaign on the workbench, or none yet, and serve it until interrupted.
 
     ``port`` 0 takes any that is free; ``tell`` is given the address. Raises CampaignError for a
     campaign that cannot be read, a folder that has a workbench already, and an address that is
     taken.
     """
-    desk = open_desk(folder, effects_file)
-    with claimed(folder, "workbench", CampaignError), _bound(host, port) as listening:
+    bench = Workbench(effects_file)
+    if folder is not None:
+        bench.put(folder)
+    with _bound(host, port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
         names = {host, "localhost"} if host == LOCAL else {host}
-        guard = Guard(make_app(desk), token, frozenset(f"{name}:{port}" for name in names))
+        guard = Guard(make_app(bench), token, frozenset(f"{name}:{port}" for name in names))
         address = f"http://{host}:{port}/?token={token}"
         tell(f"the workbench is at {address}")
         if browse:
@@ -58,28 +59,23 @@ def serve(
         uvicorn.Server(config).run(sockets=[listening])
 
 
-def make_app(desk: Desk) -> FastAPI:
-    """The application that shows a desk; its work begins and ends with the server."""
+def make_app(bench: Workbench) -> FastAPI:
+    """The application that shows a bench; its work begins and ends with the server."""
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        desk.begin()
+        if bench.desk is not None:
+            bench.desk.begin()
         yield
-        desk.close()
+        bench.clear()
 
     app = FastAPI(lifespan=lifespan)
 
     @ui.page("/")
     def index() -> None:
-        lay_out(desk)
+        lay_out(bench)
 
-    ui.run_with(
-        app,
-        title=f"wheelhop: {desk.campaign.title}",
-        dark=None,
-        reconnect_timeout=PATIENCE_S,
-        tailwind=False,
-    )
+    ui.run_with(app, title="wheelhop", dark=None, reconnect_timeout=PATIENCE_S, tailwind=False)
     return app
 
 
@@ -89,6 +85,7 @@ def _bound(host: str, port: int) -> socket.socket:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((host, port))
+        listening.listen()  # a browser that comes before the server is up waits
     except OSError as error:
         listening.close()
         line = f"cannot listen on {host}:{port}: {error.strerror}; choose another --port"

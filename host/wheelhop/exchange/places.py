@@ -1,0 +1,35 @@
+"""Where a channel sits, guessed from what people call it; the user confirms it."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+CORNERS = (
+    ("fl", "lf", "vl", "frontleft", "leftfront", "vornelinks", "avg"),
+    ("fr", "rf", "vr", "frontright", "rightfront", "vornerechts", "avd"),
+    ("rl", "lr", "hl", "rearleft", "leftrear", "hintenlinks", "arg"),
+    ("rr", "hr", "rearright", "rightrear", "hintenrechts", "ard"),
+)
+"""Front left, front right, rear left, rear right, as they are called."""
+AXLE = ("axle", "wheel", "hub", "upright", "unsprung", "knuckle", "rad", "achse", "us", "whl")
+BODY = ("body", "chassis", "frame", "sprung", "strut", "tower", "aufbau", "rahmen", "top", "bdy")
+
+
+def likely_point(name: str) -> str:
+    """The point, A1 … A4 or B1 … B4, that a name seems to mean; "" if it does not say."""
+    words = re.findall(r"[a-z]+|\d+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
+    for word, digit in pairwise(words):
+        if word in ("a", "b") and digit in ("1", "2", "3", "4"):
+            return f"{word.upper()}{digit}"
+    corner = _corner(words)
+    axle, body = (any(word in known for word in words) for known in (AXLE, BODY))
+    if corner is None or axle == body:
+        return ""
+    return f"{'A' if axle else 'B'}{corner + 1}"
+
+
+def _corner(words: list[str]) -> int | None:
+    joined = {*words, *(a + b for a, b in pairwise(words))}
+    found = [i for i, names in enumerate(CORNERS) if joined.intersection(names)]
+    return found[0] if len(found) == 1 else None

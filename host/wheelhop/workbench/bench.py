@@ -1,0 +1,51 @@
+"""The bench: which campaign is on it, and what may be put there."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+
+from wheelhop.campaign import Campaign, CampaignError, read_campaign
+from wheelhop.files import claimed
+from wheelhop.workbench.desk import Desk
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+class Workbench:
+    """At most one campaign at a time; its folder is claimed as long as it is open."""
+
+    def __init__(self, effects_file: Path | None = None) -> None:
+        self.desk: Desk | None = None
+        self._effects_file = effects_file
+        self._claims = ExitStack()
+
+    def put(self, folder: Path) -> None:
+        """Open a campaign in place of the one that is there; raises CampaignError, and then that
+        one stays."""
+        campaign = read_campaign(folder)
+        if self.desk is None or not same(self.desk.campaign, campaign):
+            claims = ExitStack()
+            claims.enter_context(claimed(folder, "workbench", CampaignError))
+            self.clear()
+            self._claims = claims
+        elif self.desk is not None:
+            self.desk.close()
+        self.desk = Desk(campaign, self._effects_file)
+
+    def clear(self) -> None:
+        """Put the campaign away."""
+        if self.desk is not None:
+            self.desk.close()
+            self.desk = None
+        self._claims.close()
+
+
+def same(one: Campaign, other: Campaign) -> bool:
+    """Whether two campaigns are in the same folder."""
+    return one.folder.resolve() == other.folder.resolve()
+
+
+def examples() -> list[Path]:
+    """Campaigns that come with the repository; none where it was installed as a package."""
+    return sorted(file.parent for file in EXAMPLES.glob("*/campaign.toml"))

@@ -1,0 +1,68 @@
+"""A workbench in a process of its own, and a browser that looks at it."""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+PATIENCE_MS = 60_000
+
+
+@contextmanager
+def workbench(*arguments: object) -> Iterator[tuple[str, subprocess.Popen]]:
+    """`wheelhop workbench` as a user starts it: its address, and the process."""
+    command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser"]
+    process = subprocess.Popen(
+        [*command, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    try:
+        line = process.stdout.readline()
+        assert "http" in line, process.stderr.read()
+        yield line.split()[-1], process
+    finally:
+        process.terminate()
+        process.wait(10)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[object]:
+    if CHROMIUM is None:
+        pytest.skip("no Chromium: on Debian or Ubuntu, apt-get install chromium")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def open_page(browser) -> Iterator[Callable[[str], object]]:
+    """A new tab at an address; whatever its console complains of fails the test."""
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    complaints: list[str] = []
+
+    def opened(address: str) -> object:
+        page = context.new_page()
+        page.set_default_timeout(PATIENCE_MS)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(address)
+        page.wait_for_selector(".bench-head h1")
+        return page
+
+    yield opened
+    context.close()
+    assert complaints == []
+
+
+@pytest.fixture
+def pictures(tmp_path_factory) -> Path:
+    """Where screenshots go, to be looked at."""
+    folder = Path(tmp_path_factory.getbasetemp()) / "workbench-pictures"
+    folder.mkdir(exist_ok=True)
+    return folder

@@ -1,0 +1,195 @@
+"""The page as a user meets it: real clicks in a real browser."""
+
+import re
+import time
+from dataclasses import replace
+
+import pytest
+
+from tests.component.cases import CASES as RIG_CASES
+from tests.component.cases import DAMPER
+from tests.component.rig import make_campaign as make_rig_campaign
+from tests.truth.campaign import make_campaign
+from tests.workbench.conftest import workbench
+from tests.workbench.test_draft import NAMES, write_foreign
+
+FINDING_MS = 240_000
+ROUND = re.compile(r"(\d+\.\d+|\d+)")
+
+
+@pytest.fixture(scope="session")
+def friction(tmp_path_factory):
+    hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
+    folder = tmp_path_factory.mktemp("friction")
+    return make_campaign(folder, seed=101, effects=hidden, short=True)
+
+
+@pytest.fixture(scope="session")
+def clean(tmp_path_factory):
+    return make_campaign(tmp_path_factory.mktemp("clean"), seed=102, effects={}, short=True)
+
+
+def figure(page, name):
+    """A number of the head, such as "error / floor"."""
+    found = page.locator("dl.key div", has_text=name).locator("dd").inner_text()
+    return float(ROUND.findall(found)[-1])
+
+
+def turn(page, name):
+    page.get_by_role("tab", name=name).click()
+
+
+def find_out(page):
+    turn(page, "What is missing")
+    page.get_by_role("button", name="Find out what is missing").click()
+    page.wait_for_selector(".verdict", timeout=FINDING_MS)
+    return page.locator(".verdict h2").inner_text()
+
+
+def test_from_a_campaign_to_a_report(friction, open_page, pictures):
+    with workbench(friction) as (address, _):
+        page = open_page(address)
+        page.wait_for_selector("table.heat td.h4")
+        assert figure(page, "error / floor") > 3
+        page.screenshot(path=pictures / "overview.png")
+
+        turn(page, "Where it fails")
+        page.get_by_role("heading", name="Where it fails").wait_for()
+        page.screenshot(path=pictures / "where.png", full_page=True)
+
+        turn(page, "What is missing")
+        page.get_by_role("button", name="Find out what is missing").click()
+        page.wait_for_selector("table.ranking tbody tr", timeout=FINDING_MS)
+        assert page.locator(".verdict").count() == 0  # the ranking comes before the end
+        page.screenshot(path=pictures / "ranking.png", full_page=True)
+        page.wait_for_selector(".verdict", timeout=FINDING_MS)
+        assert "dry-friction" in page.locator(".verdict h2").inner_text()
+        assert page.locator("tr.accepted").inner_text().split()[1] == "dry-friction"
+        page.screenshot(path=pictures / "verdict.png", full_page=True)
+
+        second = open_page(address)  # another tab: the same state
+        turn(second, "What is missing")
+        assert "dry-friction" in second.locator(".verdict h2").inner_text()
+
+        page.locator(".verdict").get_by_role("button", name="Add it to the model").click()
+        page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
+        assert figure(page, "error / floor") < 1.1
+        second.locator("dl.key", has_text="baseline + dry-friction").wait_for()
+        page.screenshot(path=pictures / "model.png", full_page=True)
+        turn(page, "Compare")
+        page.screenshot(path=pictures / "compare.png")
+
+        turn(page, "Take away")
+        page.get_by_role("button", name="Write the report").click()
+        page.get_by_text("report.html", exact=False).first.wait_for()
+        page.get_by_role("button", name="Look at the report").wait_for()
+        page.screenshot(path=pictures / "take-away.png")
+        assert "dry-friction" in (friction / "report.html").read_text()
+
+        page.get_by_role("button", name="Undo").click()
+        page.locator("dl.key dd", has_text=re.compile("^baseline$")).wait_for()
+        page.get_by_role("button", name="Redo").click()
+        page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
+
+    with workbench(friction) as (address, _):  # the server is gone, nothing is lost
+        page = open_page(address)
+        page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
+        turn(page, "What is missing")
+        assert "dry-friction" in page.locator(".verdict h2").inner_text()
+        page.reload()
+        page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
+
+
+def test_nothing_is_missing(clean, open_page, pictures):
+    with workbench(clean) as (address, _):
+        page = open_page(address)
+        assert find_out(page).startswith("Nothing is missing")
+        assert page.locator(".verdict h3").inner_text() == "none"
+        assert page.locator(".verdict button.primary").count() == 0
+        page.screenshot(path=pictures / "none.png", full_page=True)
+
+
+def rig(folder, component):
+    return make_rig_campaign(folder, "displacement", component, seed=1, noise=0.01)
+
+
+def test_a_component_on_a_rig(tmp_path, open_page, pictures):
+    folder = rig(tmp_path / "rig", RIG_CASES["dry-friction"].component("displacement"))
+    with workbench(folder) as (address, _):
+        page = open_page(address)
+        assert "dry-friction" in find_out(page)
+        page.screenshot(path=pictures / "rig.png", full_page=True)
+        turn(page, "Overview")
+        page.screenshot(path=pictures / "rig-overview.png")
+        turn(page, "Vehicle")
+        page.get_by_text("A component on a rig has no ride").wait_for()
+
+
+def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
+    numbers = {"quadratic_N_s2_m2": 2.0 * DAMPER.damping_N_s_m}
+    folder = rig(tmp_path / "rig", replace(DAMPER, hidden="quadratic-damper", numbers=numbers))
+    with workbench(folder) as (address, _):
+        page = open_page(address)
+        find_out(page)
+        assert page.locator(".verdict h3").inner_text() == "unknown"
+        page.screenshot(path=pictures / "unknown.png", full_page=True)
+
+
+def test_work_is_given_up_at_once(friction, tmp_path, open_page):
+    with workbench(friction) as (address, _):
+        page = open_page(address)
+        turn(page, "What is missing")
+        page.wait_for_selector("table.ranking")
+        page.get_by_role("button", name="Find out what is missing").click()
+        page.get_by_text("diagnosing:").wait_for()
+        time.sleep(2.0)
+        began = time.monotonic()
+        page.get_by_role("button", name="Stop").click()
+        page.get_by_text("given up").wait_for()
+        assert time.monotonic() - began < 1.0
+        page.get_by_role("button", name="Find out what is missing").wait_for()
+
+
+def test_runs_and_channels_are_left_out_and_taken_back(clean, open_page):
+    with workbench(clean) as (address, _):
+        page = open_page(address)
+        page.wait_for_selector("table.heat td.h0")
+        page.get_by_role("button", name="leave out").first.click()
+        page.wait_for_selector("tr.out")
+        page.get_by_role("button", name="take in").click()
+        page.wait_for_selector("tr.out", state="detached")
+
+
+def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
+    files = write_foreign(tmp_path)
+    with workbench() as (address, _):
+        page = open_page(address)
+        page.set_input_files("input[type=file]", [str(file) for file in files])
+        page.get_by_role("button", name="Read them").click()
+        page.get_by_role("button", name="Make the campaign").wait_for()
+        page.screenshot(path=pictures / "guide.png", full_page=True)
+        page.get_by_label("new folder").fill(str(tmp_path / "made"))
+        page.get_by_role("button", name="Make the campaign").click()
+        page.get_by_role("tab", name="Overview").wait_for()
+        for point in NAMES:
+            assert page.locator("svg.plan text", has_text=point).count() >= 1
+    assert (tmp_path / "made/campaign.toml").is_file()
+
+
+NASTY = '<img src=x onerror="document.title=1"> "quoted" & ' + "long " * 200
+
+
+def test_names_are_text_and_nothing_else(tmp_path, open_page, pictures):
+    folder = make_campaign(tmp_path / "nasty", seed=103, effects={}, short=True)
+    file = folder / "campaign.toml"
+    text = file.read_text()
+    title = NASTY.replace("\\", "\\\\").replace('"', '\\"')
+    file.write_text(re.sub(r"title = .*", lambda _: f'title = "{title}"', text))
+    with workbench(folder) as (address, _):
+        page = open_page(address)
+        assert page.locator("h1").inner_text().startswith("<img")
+        assert page.title() != "1"
+        assert page.locator("h1 img").count() == 0
+        width = page.evaluate("document.documentElement.scrollWidth")
+        assert width <= 1280
+        page.screenshot(path=pictures / "nasty.png")
