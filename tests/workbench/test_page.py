@@ -37,6 +37,7 @@ def figure(page, name):
 
 def turn(page, name):
     page.get_by_role("tab", name=name).click()
+    page.wait_for_timeout(600)  # the picture, for those who look at it
 
 
 def find_out(page):
@@ -105,6 +106,7 @@ def test_nothing_is_missing(clean, open_page, pictures):
         page = open_page(address)
         assert find_out(page).startswith("Nothing is missing")
         assert page.locator(".verdict h3").inner_text() == "none"
+        assert "dry-friction" in page.locator(".verdict details").text_content()
         assert page.locator(".verdict button.primary").count() == 0
         page.screenshot(path=pictures / "none.png", full_page=True)
 

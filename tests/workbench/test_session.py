@@ -23,7 +23,7 @@ error = st.none() | st.floats(0, 10)
 rows = st.builds(
     Row, line, line, error, error, error, st.none() | st.floats(-1e6, 1e6), error, lines, line
 )
-verdicts = st.builds(Verdict, lines, st.floats(0, 1), line, lines, st.just("") | line)
+verdicts = st.builds(Verdict, lines, st.floats(0, 1), line, lines, st.just("") | line, lines)
 choices = st.builds(
     Choice,
     lines,

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter1d
 
 from wheelhop.campaign.types import Campaign, CampaignError, RigRun, Run
 
@@ -133,8 +132,21 @@ def _fingerprints(values: NDArray[np.float64], block: int) -> Iterator[tuple[int
     order = np.full(len(keys), np.inf)
     single = first[count == 1]
     order[single] = (keys[single] >> np.uint64(16)).astype(np.float64)
-    kept = np.flatnonzero((order == minimum_filter1d(order, block)) & np.isfinite(order))
+    kept = np.flatnonzero((order == _least_around(order, block)) & np.isfinite(order))
     yield from zip(keys[kept].tolist(), kept.tolist(), strict=True)
+
+
+def _least_around(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """The least of the `width` values around each, in a time that does not grow with the width:
+    a window is the end of one block and the beginning of the next (van Herk, Pattern Recognit.
+    Lett. 13 (1992) 517)."""
+    n = len(values)
+    padded = np.full(-(-(n + width - 1) // width) * width, np.inf)
+    padded[width // 2 : width // 2 + n] = values
+    blocks = padded.reshape(-1, width)
+    begin = np.minimum.accumulate(blocks, axis=1).ravel()
+    end = np.minimum.accumulate(blocks[:, ::-1], axis=1)[:, ::-1].ravel()
+    return np.minimum(end[:n], begin[width - 1 : width - 1 + n])
 
 
 def _shared(

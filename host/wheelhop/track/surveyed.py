@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from wheelhop.campaign import CampaignError
 from wheelhop.track.opencrg import read_opencrg
@@ -64,6 +63,8 @@ class _Survey(Track):
         return float(self.x_m[-1])
 
     def _elevation(self, x: Array, y: Array) -> Array:
+        from scipy.interpolate import PchipInterpolator  # a quarter of a second that few need
+
         x, y = np.broadcast_arrays(np.clip(x, 0.0, self.end_m), y)
         z = np.empty(x.shape)
         for path in np.unique(y):

@@ -16,6 +16,9 @@ MEASURED, BEFORE, AFTER, FLOOR = "#8d95a0", "#c8540a", "#0b66a8", "#6f7782"
 """As in the report: told apart by every kind of colour vision. Readable on white and on black."""
 INK = "#7a828c"
 DIGITS = 5  # significant ones that a point on a screen can show
+MOST = 1200
+"""So many points of a curve are drawn where it is looked at, two a pixel on a wide screen."""
+COARSE = 100  # on either side, to be seen in passing
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +31,11 @@ class Line:
     colour: str
     width: float = 1.2
     dashed: bool = False
+
+    def points(self, first: int, last: int) -> list[list[float | None]]:
+        """What to draw of it, if the samples from `first` to before `last` are looked at."""
+        kept = thinned(self.y, first, last)
+        return points(np.asarray(self.x)[kept], np.asarray(self.y)[kept])
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +68,7 @@ def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]
         "yAxis": [],
         "series": [],
         "dataZoom": [
-            {"type": "inside", "xAxisIndex": list(zoom), "filterMode": "none"},
+            {"type": "inside", "xAxisIndex": list(zoom), "filterMode": "filter"},
         ],
         "aria": {"enabled": True},
     }
@@ -125,10 +133,9 @@ def _series(line: Line, index: int) -> Options:
         "xAxisIndex": index,
         "yAxisIndex": index,
         "showSymbol": False,
-        "sampling": "minmax",
         "lineStyle": style,
         "itemStyle": {"color": line.colour},
-        "data": points(line.x, line.y),
+        "data": line.points(0, len(np.asarray(line.y))),
     }
 
 
@@ -138,6 +145,27 @@ def points(x: ArrayLike, y: ArrayLike) -> list[list[float | None]]:
         [float(f"{a:.{DIGITS}g}"), float(f"{b:.{DIGITS}g}") if np.isfinite(b) else None]
         for a, b in zip(np.asarray(x), np.asarray(y), strict=True)
     ]
+
+
+def thinned(y: ArrayLike, first: int, last: int) -> NDArray[np.intp]:
+    """Which points of a curve to draw, if those from `first` to before `last` are looked at: the
+    least and the largest of every few samples, so that no peak is lost."""
+    y = np.asarray(y, np.float64)
+    margin = (last - first) // 2
+    first, last = max(0, first - margin), min(len(y), last + margin)
+    parts = ((0, first, COARSE), (first, last, MOST), (last, len(y), COARSE))
+    return np.concatenate([_extremes(y, a, b, most) for a, b, most in parts])
+
+
+def _extremes(y: Array, first: int, last: int, most: int) -> NDArray[np.intp]:
+    step = -(-2 * (last - first) // most)
+    if step <= 2:
+        return np.arange(first, last)
+    count = (last - first) // step
+    blocks = y[first : first + count * step].reshape(count, step)
+    begin = first + step * np.arange(count)
+    ends = np.sort([begin + blocks.argmin(axis=1), begin + blocks.argmax(axis=1)], axis=0)
+    return np.concatenate([ends.T.ravel(), np.arange(first + count * step, last)])
 
 
 def power_density(values: ArrayLike, rate_hz: float) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from nicegui import ui
+from nicegui.events import GenericEventArguments
 from numpy.typing import NDArray
 
 from wheelhop.workbench.charts import (
@@ -13,6 +14,7 @@ from wheelhop.workbench.charts import (
     BEFORE,
     FLOOR,
     MEASURED,
+    MOST,
     Line,
     Panel,
     chart,
@@ -44,6 +46,8 @@ class CompareView:
             ui.button("Next run", on_click=lambda: self._step(1)).props("flat dense no-caps")
             self._words = ui.label().classes("soft")
         self._time = ui.echart({}).classes("bench-chart").props('aria-label="against time"')
+        self._lines: list[Line] = []
+        self._time.on("chart:datazoom", self._zoomed, throttle=0.3, leading_events=False)
         self._spectrum = ui.echart({}).classes("bench-spectrum").props('aria-label="spectrum"')
         ui.html(
             "<p class='soft'>In band. Scroll to zoom, drag to move; both panels go together. Grey"
@@ -95,6 +99,7 @@ class CompareView:
             Panel("", f"{channel.quantity}, {channel.unit}", upper),
             Panel("time, s", f"residual, {channel.unit}", lower, band=2 * noise),
         ]
+        self._lines = [*upper, *lower]
         options = chart(panels, (66, 34) if lower else (90, 10), (0, 1))
         if keep_zoom:
             options.pop("dataZoom")
@@ -105,6 +110,17 @@ class CompareView:
             f"{n}: {np.sqrt(np.mean(y**2)):.3g} {channel.unit} rms" for n, y, _ in curves
         )
         self._words.set_text(rms)
+
+    def _zoomed(self, event: GenericEventArguments) -> None:
+        """Fetch the detail of what is looked at, where not every sample was drawn."""
+        count = len(np.asarray(self._lines[0].y)) if self._lines else 0
+        if count <= MOST:
+            return
+        zoom = dict(event.args)
+        zoom = zoom.get("batch", [zoom])[0]
+        first, last = (int(count * float(zoom[key]) / 100) for key in ("start", "end"))
+        series = [{"data": line.points(first, last)} for line in self._lines]
+        self._time.run_chart_method("setOption", {"series": series})
 
     def _draw_spectrum(
         self, curves: list[tuple[str, Array, str]], rate_hz: float, noise: float, unit: str

@@ -11,7 +11,7 @@ from wheelhop.files.words import chance, percent, signed
 from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
-from wheelhop.workbench.shown import Card, Ranking, Row, Trace
+from wheelhop.workbench.shown import Card, Ranking, Row, Trace, Verdict
 from wheelhop.workbench.view import Looking, acting
 
 SHOWN_S = 2.5
@@ -19,8 +19,8 @@ SHOWN_S = 2.5
 
 NONE = (
     "<h3>none</h3><p>No effect of the library shows in what the model leaves, beyond the noise.</p>"
-    "<p>That is no proof that nothing is there: what these runs would not have shown stands in the"
-    " report, under “What these runs would have shown”.</p>"
+    "<p>That is no proof that nothing is there: below the strengths in this list these runs would"
+    " not have shown it.</p>"
 )
 UNKNOWN = (
     "<h3>unknown</h3><p>Something is left that no effect of the library explains.</p>"
@@ -80,11 +80,13 @@ class MissingView:
         return (
             f'<section class="verdict"><h2>{escape(verdict.headline)}</h2>'
             f"<p>Confidence {100 * verdict.confidence:.0f} %.</p><ul>{words}</ul>"
-            f"{following}{add if left else ''}{extra}</section>"
+            f"{following}{add if left else ''}{extra}{_limits(verdict)}</section>"
         )
 
     def _table_html(self, ranking: Ranking) -> str:
-        rows = "".join(self._row(i, row) for i, row in enumerate(ranking.rows, start=1))
+        tried = [row for row in ranking.rows if row.screened is not None]
+        rows = "".join(self._row(i, row) for i, row in enumerate(tried, start=1))
+        others = [row for row in ranking.rows if row.screened is None]
         heads = "".join(
             f'<th class="r" title="{tip}">{name}</th>'
             for name, tip in (
@@ -97,7 +99,7 @@ class MissingView:
         )
         return (
             f'<table class="ranking"><thead><tr><th></th><th>effect</th>{heads}</tr></thead>'
-            f"<tbody>{rows}</tbody></table>"
+            f"<tbody>{rows}</tbody></table>{_not_applicable(others)}"
         )
 
     def _row(self, number: int, row: Row) -> str:
@@ -115,7 +117,9 @@ class MissingView:
 
     def _show_card(self, ranking: Ranking | None) -> None:
         rows = {row.effect: row for row in ranking.rows} if ranking else {}
-        chosen = self._looking.effect or next(iter(rows), "")
+        verdict = self._desk.session.verdict
+        nothing = verdict is not None and verdict.effects == ("none",)
+        chosen = self._looking.effect or ("" if nothing else next(iter(rows), ""))
         row, card = rows.get(chosen), self._desk.cards.get(chosen)
         trace = ranking.traces.get(chosen) if ranking else None
         drawn = (row, card, trace, self._desk.choice.added)
@@ -171,6 +175,29 @@ class MissingView:
                     if effect not in ("none", "unknown"):
                         desk.add(effect)
                 self._looking.go("model")
+
+
+def _not_applicable(rows: list[Row]) -> str:
+    """Effects with nothing to act on in these runs, folded."""
+    if not rows:
+        return ""
+    items = "".join(
+        f"<li><strong>{escape(row.effect)}</strong> {escape(row.reason)}</li>" for row in rows
+    )
+    return (
+        f"<details><summary>{len(rows)} more do not apply here</summary><ul>{items}</ul></details>"
+    )
+
+
+def _limits(verdict: Verdict) -> str:
+    """From which strength on an effect would have shown."""
+    if not verdict.limits:
+        return ""
+    items = "".join(f"<li>{escape(line)}</li>" for line in verdict.limits)
+    return (
+        "<details><summary>What these runs would have shown, from so much on (to first order)"
+        f"</summary><ul>{items}</ul></details>"
+    )
 
 
 def _gallery(effect: str) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -25,6 +27,7 @@ class Order:
 
 def obey_orders(orders: Connection) -> None:
     """Obey until the page's process is gone. Only here what computes is loaded."""
+    _give_way()
     from wheelhop.workbench.worker import Worker
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to answer
@@ -35,3 +38,9 @@ def obey_orders(orders: Connection) -> None:
         except EOFError:
             return
         worker.obey(order)
+
+
+def _give_way() -> None:
+    """Page and browser come first: whoever clicks shall not wait for what takes a minute anyway."""
+    if sys.platform != "win32":
+        os.nice(10)

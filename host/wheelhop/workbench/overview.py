@@ -9,7 +9,7 @@ from math import isfinite
 import numpy as np
 from nicegui import ui
 
-from wheelhop.campaign import Campaign, RigRun, Run
+from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
 from wheelhop.report.heat import heat_class, heat_legend, heat_words
 from wheelhop.track import make_track
 from wheelhop.workbench.desk import Desk
@@ -29,7 +29,8 @@ class Overview:
         self._desk, self._looking = desk, looking
         self._profiles = [_profile(run) for run in desk.campaign.runs]
         self._seen: object = None
-        with ui.element("div").classes("bench-split"):
+        self._on_rig = isinstance(desk.campaign, ComponentCampaign)
+        with ui.element("div").classes("" if self._on_rig else "bench-split"):
             self._plan = acting("", self._act)
             with ui.element("div"):
                 self._runs = acting("", self._act)
@@ -43,8 +44,7 @@ class Overview:
         if seen == self._seen:
             return
         self._seen = seen
-        vehicle = not isinstance(desk.campaign.runs[0], RigRun)
-        self._plan.set_content(plan(desk.campaign, rung) if vehicle else "")
+        self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
         self._runs.set_content(self._table(rung) + heat_legend())
         found = (*desk.findings, *desk.criticism)
         items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
@@ -75,9 +75,10 @@ class Overview:
             for i, c in enumerate(campaign.channels)
         )
         rows = [self._row(i, run, rung) for i, run in enumerate(campaign.runs)]
+        drive = "" if self._on_rig else "<th>track</th><th>km/h</th>"
         return (
-            '<div class="scroll"><table class="heat runs"><thead><tr><th>run</th><th>track</th>'
-            f"<th>km/h</th><th>role</th>{heads}<th></th></tr></thead>"
+            f'<div class="scroll"><table class="heat runs"><thead><tr><th>run</th>{drive}'
+            f"<th>role</th>{heads}<th></th></tr></thead>"
             f"<tbody>{''.join(rows)}</tbody></table></div>"
         )
 
@@ -89,13 +90,14 @@ class Overview:
             _cell(rung, run.id, channel.name, i, k)
             for k, channel in enumerate(self._desk.campaign.channels)
         )
-        speed = "" if isinstance(run, RigRun) else f"{run.speed_m_s * 3.6:.3g}"
+        speed = f'<td class="r">{run.speed_m_s * 3.6:.3g}</td>'
+        drive = "" if self._on_rig else f"<td>{self._profiles[i]}</td>{speed}"
         words = "fitted" if role == "fit" else "held out"
         leave = _button("leave run", "take in" if out else "leave out", False, run=i)
         return (
             f'<tr{" class=out" if out else ""}><td class="name">'
-            f"{_button('look', run.id, out, run=i)}</td><td>{self._profiles[i]}</td>"
-            f'<td class="r">{speed}</td><td>{_button("role", words, False, run=i)}</td>'
+            f"{_button('look', run.id, out, run=i)}</td>{drive}"
+            f"<td>{_button('role', words, False, run=i)}</td>"
             f"{cells}<td>{leave}</td></tr>"
         )
 

@@ -69,7 +69,7 @@ class Page:
         self._panels = {}
         with ui.element("div").classes("bench-main"):
             for key, _, _ in VIEWS:
-                self._panels[key] = ui.element("div")
+                self._panels[key] = ui.element("div").props(f"data-view={key}")
         self._tabs.set_value("overview")
         ui.timer(LOOK_S, self._look)
 

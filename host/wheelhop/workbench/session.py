@@ -115,6 +115,7 @@ def _verdict(table: Table) -> Verdict:
         table.text("headline"),
         tuple(table.texts("explanation")),
         table.text("next_run", default=""),
+        tuple(table.texts("limits")),
     )
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign
 from wheelhop.compare import Record, describe
-from wheelhop.diagnose import Diagnosis, Ranked, Step
+from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
 from wheelhop.diagnose.ambiguity import Angles
 from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.ranking import ranked_so_far
@@ -23,6 +23,7 @@ from wheelhop.report.cases import records_of
 from wheelhop.report.svg import equation
 from wheelhop.report.words import (
     headline,
+    limit_words,
     next_run_words,
 )
 from wheelhop.workbench import shown
@@ -171,4 +172,10 @@ def verdict(diagnosis: Diagnosis) -> shown.Verdict:
         headline(diagnosis),
         diagnosis.explanation,
         "" if following is None else next_run_words(following),
+        tuple(_limit(limit) for limit in diagnosis.limits),
     )
+
+
+def _limit(limit: Limit) -> str:
+    form = f" ({limit.form})" if limit.form else ""
+    return f"{limit.effect}{form}: {limit_words(limit)}"

@@ -106,13 +106,15 @@ class Card:
 @dataclass(frozen=True)
 class Verdict:
     """The end of a diagnosis in words: effects named, confidence (0 to 1), a sentence, its grounds,
-    and what to record next ("" if nothing)."""
+    what to record next ("" if nothing), and from where on these runs would have shown the other
+    effects."""
 
     effects: tuple[str, ...]
     confidence: float
     headline: str
     explanation: tuple[str, ...]
     next_run: str
+    limits: tuple[str, ...] = ()
 
 
 # What the worker says, in the order in which it may come.

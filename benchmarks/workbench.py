@@ -1,0 +1,137 @@
+"""How fast the workbench answers, measured in a browser: python -m benchmarks.workbench [CAMPAIGN]
+
+Needs Chromium. The campaign is copied, so that nothing is written into it.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from playwright.sync_api import sync_playwright
+
+ROOT = Path(__file__).parents[1]
+VIEWS = ("compare", "where", "missing", "model", "vehicle", "out", "overview")
+SCROLLED_S = 3.0
+
+SHOWN = """async (view) => {
+  const tabs = [...document.querySelectorAll('[role=tab]')];
+  const panels = [...document.querySelectorAll('[data-view]')];
+  const at = panels.findIndex(panel => panel.dataset.view === view);
+  if (panels[at].offsetParent !== null) {
+    const other = tabs[at ? 0 : 1];
+    other.click();
+    while (panels[at].offsetParent !== null) await new Promise(requestAnimationFrame);
+    await new Promise(requestAnimationFrame);
+  }
+  const began = performance.now();
+  tabs[at].click();
+  while (panels[at].offsetParent === null) await new Promise(requestAnimationFrame);
+  await new Promise(requestAnimationFrame);
+  return performance.now() - began;
+}"""
+"""From a click on a tab to its view on the screen, ms; the server is asked in between."""
+
+FRAMES = """async ([seconds]) => {
+  const canvas = document.querySelector('[data-view=compare] canvas');
+  const box = canvas.getBoundingClientRect();
+  const at = {clientX: box.x + box.width / 2, clientY: box.y + box.height / 3, bubbles: true};
+  const times = [];
+  const began = performance.now();
+  for (let i = 0; performance.now() - began < 1000 * seconds; i++) {
+    const deltaY = Math.floor(i / 20) % 2 ? 60 : -60;
+    canvas.dispatchEvent(new WheelEvent('wheel', {...at, deltaY, wheelDelta: -deltaY}));
+    await new Promise(requestAnimationFrame);
+    times.push(performance.now());
+  }
+  return times;
+}"""
+"""The wheel is turned in every frame; when each frame was drawn, ms."""
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[tuple[str, float]]:
+    """A workbench on a campaign: its address, and when it was started."""
+    command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser", str(folder)]
+    began = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT)
+    try:
+        assert process.stdout is not None
+        yield process.stdout.readline().split()[-1], began
+    finally:
+        process.terminate()
+        process.wait(10)
+
+
+def main() -> None:
+    """Print every figure with what is asked."""
+    chosen = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "examples/open-driver-seat")
+    chromium = shutil.which("chromium") or sys.exit("no Chromium: apt-get install chromium")
+    with tempfile.TemporaryDirectory() as other, sync_playwright() as playwright:
+        folder = Path(other) / "campaign"
+        shutil.copytree(chosen, folder)
+        folder.chmod(0o755)
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page.set_default_timeout(120_000)
+        with served(folder) as (address, began):
+            _measure(page, address, began)
+        browser.close()
+
+
+def _measure(page: Any, address: str, began: float) -> None:
+    page.goto(address)
+    page.wait_for_selector(".bench-head h1")
+    page.evaluate(SHOWN, "compare")
+    _say("from the command to a page that answers", time.perf_counter() - began, "s", "2 s")
+    page.evaluate(SHOWN, "overview")
+    page.wait_for_selector("table.heat td.h0, table.heat td.h4")
+    _say("until the baseline is fitted", time.perf_counter() - began, "s", "")
+    page.evaluate(SHOWN, "vehicle")
+    page.wait_for_timeout(4000)
+    times = {view: [page.evaluate(SHOWN, view) for _ in range(5)] for view in VIEWS}
+    _say_clicks("a click on a tab", times)
+
+    page.evaluate(SHOWN, "compare")
+    page.get_by_label("run", exact=True).click()
+    page.get_by_text("all runs, one after the other").click()
+    page.wait_for_timeout(2000)
+    frames = page.evaluate(FRAMES, [SCROLLED_S])
+    steps = sorted(b - a for a, b in pairwise(frames))
+    _say("zoom, all runs: frames a second", 1000 / (sum(steps) / len(steps)), "", "30")
+    _say("  of the slowest twentieth", 1000 / steps[-max(len(steps) // 20, 1)], "", "")
+
+    page.evaluate(SHOWN, "missing")
+    page.get_by_role("button", name="Find out what is missing").click()
+    page.wait_for_selector("text=diagnosing:")
+    page.wait_for_timeout(6000)
+    times = {view: [page.evaluate(SHOWN, view) for _ in range(5)] for view in VIEWS}
+    _say_clicks("a click while a diagnosis runs", times)
+    before = time.perf_counter()
+    page.get_by_role("button", name="Stop").click()
+    page.wait_for_selector("text=given up")
+    _say("until a diagnosis is given up", time.perf_counter() - before, "s", "1 s")
+
+
+def _say_clicks(what: str, times: dict[str, list[float]]) -> None:
+    everything = [time for found in times.values() for time in found]
+    worst = max(times, key=lambda view: max(times[view]))
+    _say(f"{what}, median", median(everything), "ms", "100 ms")
+    _say(f"{what}, slowest of {len(everything)}", max(everything), "ms", f"100 ms; {worst}")
+
+
+def _say(what: str, value: float, unit: str, asked: str) -> None:
+    print(f"{what:48s} {value:8.3g} {unit:2s}  {f'asked {asked}' if asked else ''}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
