@@ -17,13 +17,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import Diagnosis, diagnose
 from wheelhop.effects import load_effects
-from wheelhop.files.words import (
-    percent,
-)
+from wheelhop.files.words import percent
 from wheelhop.report.cases import Case, cases
-from wheelhop.report.words import (
-    judged,
-)
+from wheelhop.report.words import judged
 from wheelhop.vehicle import read_vehicle
 
 DOCS = Path(__file__).parent

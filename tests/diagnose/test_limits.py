@@ -10,9 +10,7 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import diagnosed
 from wheelhop.diagnose import to_json
-from wheelhop.report.words import (
-    limit_words,
-)
+from wheelhop.report.words import limit_words
 
 SEED = 101
 

@@ -9,13 +9,9 @@ import pytest
 from tests.report.small import ROWS
 from wheelhop.diagnose import NextRun
 from wheelhop.effects import load_effects
-from wheelhop.files.words import (
-    percent,
-)
+from wheelhop.files.words import percent
 from wheelhop.report.reports import write_comparison_report, write_diagnosis_report
-from wheelhop.report.words import (
-    headline,
-)
+from wheelhop.report.words import headline
 
 VOID = {"meta", "br", "img", "link", "input", "hr"}
 LARGEST = 5e6  # bytes

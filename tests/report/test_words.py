@@ -5,18 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.effects import load_effects
-from wheelhop.files.words import (
-    chance,
-    interval,
-    label_of,
-    percent,
-    signed,
-    significant,
-    unit_of,
-)
-from wheelhop.report.words import (
-    form_of,
-)
+from wheelhop.files.words import chance, interval, label_of, percent, signed, significant, unit_of
+from wheelhop.report.words import form_of
 
 
 def number(text: str) -> float:

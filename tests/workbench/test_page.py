@@ -135,6 +135,10 @@ def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
         find_out(page)
         assert page.locator(".verdict h3").inner_text() == "unknown"
         page.screenshot(path=pictures / "unknown.png", full_page=True)
+        page.get_by_role("button", name="Find the missing force").click()
+        page.get_by_role("heading", name="The force that is missing").wait_for(timeout=FINDING_MS)
+        assert "damping that grows with speed squared" in page.locator("pre").inner_text()
+        page.screenshot(path=pictures / "law.png", full_page=True)
 
 
 def test_work_is_given_up_at_once(friction, tmp_path, open_page):

@@ -20,9 +20,7 @@ from wheelhop.campaign import (
 from wheelhop.cli.console import open_console
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
-from wheelhop.files.words import (
-    significant,
-)
+from wheelhop.files.words import significant
 from wheelhop.gate import gate
 from wheelhop.vehicle import Vehicle, read_nominal
 

@@ -19,9 +19,7 @@ from wheelhop.effects import Effect, load_effects
 from wheelhop.gate import Finding, gate
 from wheelhop.gate import to_json as findings_to_json
 from wheelhop.report.reports import write_comparison_report
-from wheelhop.report.words import (
-    chain_words,
-)
+from wheelhop.report.words import chain_words
 from wheelhop.vehicle import Vehicle, read_nominal
 
 

@@ -29,9 +29,7 @@ from wheelhop.diagnose import Step, climb, fit_baseline
 from wheelhop.diagnose.look import step_of
 from wheelhop.effects import load_effects
 from wheelhop.files import is_draft
-from wheelhop.files.words import (
-    percent,
-)
+from wheelhop.files.words import percent
 from wheelhop.hil_sim.day import read_day
 from wheelhop.report.model_file import write_model
 from wheelhop.report.reports import write_diagnosis_report

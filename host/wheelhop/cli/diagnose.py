@@ -21,9 +21,7 @@ from wheelhop.cli.show import (
 from wheelhop.diagnose import Diagnosis, diagnose, to_json
 from wheelhop.effects import load_effects
 from wheelhop.report.reports import write_diagnosis_report
-from wheelhop.report.words import (
-    next_run_words,
-)
+from wheelhop.report.words import next_run_words
 from wheelhop.vehicle import read_nominal
 
 

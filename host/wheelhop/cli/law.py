@@ -13,8 +13,8 @@ from wheelhop.cli.exchange import pick, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects
 from wheelhop.files import write_text
-from wheelhop.law import Formula, Found, Rival, find_law, source_of
-from wheelhop.report.law_figure import write_law_figure
+from wheelhop.law import Formula, Found, find_law, source_of
+from wheelhop.report.law import amplitudes, law_lines, rivals, write_law_figure
 from wheelhop.vehicle import read_nominal
 
 SAVED_ID = "found-law"
@@ -53,37 +53,8 @@ def run(arguments: Namespace) -> int:
 
 def print_law(found: Found, console: Console) -> None:
     """Where, what, and how well, laws with the lowest held-out error first."""
-    free, where = found.free, found.where
-    if free is None or where is None:
-        console.print("Nothing to find: no force at any place explains what these runs leave.")
-        return
-    lines = [f"A force is missing at the {where.name}."]
-    lines.append(f"{'law':22} {'fitted':>8} {'held out':>9}")
-    lines.append(_line("without it", found.base.error_fit, found.base.error))
-    for rival in sorted(_rivals(found), key=lambda r: r.rung.error):
-        lines.append(_line(rival.name, rival.rung.error_fit, rival.rung.error))
-    lines.append(f"free: {free.words}")
-    if found.formula is not None:
-        lines.append("formula, force at the end of the motion recorded ± standard deviation:")
-        for name, (value, spread) in amplitudes(found.formula).items():
-            lines.append(f"  {name:44} {value:10.4g} ± {spread:.2g} N")
-    preferred = found.preferred
-    assert preferred is not None
-    lines.append(f"The simplest law that does as well as any: {preferred.name}.")
-    for line in lines:
+    for line in law_lines(found):
         console.print(line, markup=False, highlight=False)
-
-
-def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
-    """The fitted forces of a formula with their standard deviations, N, grown by what is left."""
-    fit = rival.rung.fit
-    formula = next(e for e in fit.model.effects if isinstance(e, Formula))
-    grown = max(fit.rss / (fit.size * fit.sigma**2), 1.0) ** 0.5
-    return {
-        term.words: (fit.model.values[key], fit.uncertainty(key) * grown)
-        for term in formula.terms
-        for key in (f"{formula.id}.{term.name}_N",)
-    }
 
 
 def to_json(found: Found) -> dict[str, Any]:
@@ -103,7 +74,7 @@ def to_json(found: Found) -> dict[str, Any]:
                 "error_fit": rival.rung.error_fit,
                 "error": rival.rung.error,
             }
-            for rival in _rivals(found)
+            for rival in rivals(found)
         ],
         "terms": {}
         if found.formula is None
@@ -112,11 +83,3 @@ def to_json(found: Found) -> dict[str, Any]:
             for words, (value, spread) in amplitudes(found.formula).items()
         },
     }
-
-
-def _rivals(found: Found) -> list[Rival]:
-    return [r for r in (found.free, found.formula, *found.named) if r is not None]
-
-
-def _line(name: str, fitted: float, held_out: float) -> str:
-    return f"{name:22} {100 * fitted:7.2f}% {100 * held_out:8.2f}%"

@@ -11,20 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
-from wheelhop.files.words import (
-    chance,
-    interval,
-    percent,
-    signed,
-    significant,
-    unit_of,
-)
+from wheelhop.files.words import chance, interval, percent, signed, significant, unit_of
 from wheelhop.gate import Finding
-from wheelhop.report.words import (
-    headline,
-    limit_words,
-    over_floor,
-)
+from wheelhop.report.words import headline, limit_words, over_floor
 
 BAR = 40  # characters, for the largest error
 LEAST_SPAN = log(3.0)  # of a bar of that length: noise alone must not look like a fall

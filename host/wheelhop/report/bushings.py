@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from wheelhop.files.words import (
-    significant,
-)
+from wheelhop.files.words import significant
 from wheelhop.material import Candidate, Consistency, ModulusFit, RigData
 from wheelhop.report import bushing_figures as figures
 from wheelhop.report.page import figure, paragraph, section, table, title, write_page

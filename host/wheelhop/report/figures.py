@@ -16,10 +16,7 @@ from scipy import signal
 
 from wheelhop.compare import Breakdown, Locking, Slice
 from wheelhop.diagnose import Step
-from wheelhop.files.words import (
-    significant,
-    squared,
-)
+from wheelhop.files.words import significant, squared
 from wheelhop.report.cases import Case
 from wheelhop.report.svg import COLOURS, STYLE
 

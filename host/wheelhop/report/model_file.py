@@ -12,9 +12,7 @@ from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Step
 from wheelhop.effects import Effect
 from wheelhop.files import Document, to_toml, write_text
-from wheelhop.report.words import (
-    form_of,
-)
+from wheelhop.report.words import form_of
 from wheelhop.vehicle import Vehicle
 
 FORMAT = 1

@@ -8,18 +8,11 @@ from pathlib import Path
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Diagnosis, Step
 from wheelhop.effects import Effect
-from wheelhop.files.words import (
-    percent,
-    significant,
-)
+from wheelhop.files.words import percent, significant
 from wheelhop.gate import Finding
 from wheelhop.report import sections
 from wheelhop.report.page import facts, paragraph, title, write_page
-from wheelhop.report.words import (
-    comparison_headline,
-    headline,
-    over_floor,
-)
+from wheelhop.report.words import comparison_headline, headline, over_floor
 
 
 def write_diagnosis_report(

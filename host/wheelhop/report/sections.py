@@ -10,22 +10,14 @@ from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
 from wheelhop.diagnose import Diagnosis, Step, caveats
 from wheelhop.effects import Effect
-from wheelhop.files.words import (
-    listed,
-    percent,
-)
+from wheelhop.files.words import listed, percent
 from wheelhop.gate import Finding
 from wheelhop.report import figures, tables
 from wheelhop.report.cases import WINDOW_S, Case, cases
 from wheelhop.report.heat import heat_legend
 from wheelhop.report.page import bullets, facts, figure, paragraph, section
 from wheelhop.report.svg import equation, inline
-from wheelhop.report.words import (
-    chain_words,
-    form_of,
-    next_run_words,
-    track_words,
-)
+from wheelhop.report.words import chain_words, form_of, next_run_words, track_words
 
 WHEN = {"before": "Of the campaign, before anything was fitted:", "after": "Of the fit:"}
 

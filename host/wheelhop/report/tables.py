@@ -23,10 +23,7 @@ from wheelhop.files.words import (
 from wheelhop.fit import Free
 from wheelhop.report.heat import heat_class, heat_words
 from wheelhop.report.page import table
-from wheelhop.report.words import (
-    limit_words,
-    track_words,
-)
+from wheelhop.report.words import limit_words, track_words
 
 
 def heat_map(steps: Sequence[Step]) -> str:

@@ -33,6 +33,7 @@ from wheelhop.workbench.shown import (
     Concluded,
     Done,
     Findings,
+    Law,
     Library,
     Message,
     Ranking,
@@ -47,12 +48,14 @@ if TYPE_CHECKING:
 
 @dataclass
 class Job:
-    """What the worker is at: a title, the line it said last, and since when (s)."""
+    """What the worker is at: a title, the line it said last, since when (s), whether it diagnoses,
+    and whether it is so long that another wish ends it."""
 
     title: str
     line: str
     since_s: float
     diagnosing: bool
+    long: bool
 
 
 class Desk:
@@ -72,6 +75,7 @@ class Desk:
         self.cards: dict[str, Card] = {}
         self.rungs: tuple[Rung, ...] = ()
         self.rankings: dict[tuple[str, ...], Ranking] = {}
+        self.law: Law | None = None
         self.job: Job | None = None
         self.baseline_took_s = 0.0
         self._session = self._read()
@@ -158,6 +162,11 @@ class Desk:
         self.rankings = {}
         self._work(diagnose=True)
 
+    def find_law(self) -> None:
+        """Find the force that is missing beside the effects in the model."""
+        self.law = None
+        self._work(law=True)
+
     def write(self, report: Path | None = None, model: Path | None = None) -> None:
         """Write a report, or the model, of what is chosen."""
         self._work(report=report, model=model)
@@ -194,17 +203,24 @@ class Desk:
         kept = self._session if data else Session()
         if not data:
             self.rankings = {}
+        self.law = None
         self._session = replace(kept, choice=choice)
         self._keep()
         self._work()
 
     def _work(
-        self, diagnose: bool = False, report: Path | None = None, model: Path | None = None
+        self,
+        diagnose: bool = False,
+        law: bool = False,
+        report: Path | None = None,
+        model: Path | None = None,
     ) -> None:
         """Order the work; one that is going on is given up, unless it is the same data's fit."""
-        order = Order(self.campaign.folder, self.choice, self.effects_file, diagnose, report, model)
+        order = Order(
+            self.campaign.folder, self.choice, self.effects_file, diagnose, law, report, model
+        )
         if self.job is not None:
-            if self.job.diagnosing:
+            if self.job.long:
                 self._stop()
             else:
                 self._next = order
@@ -216,8 +232,9 @@ class Desk:
         if self._process is None or not self._process.is_alive():
             self._hire()
         assert self._orders is not None
-        title = "diagnosing" if order.diagnose else "fitting"
-        self.job = Job(title, "starting", time.monotonic(), order.diagnose)
+        title = "diagnosing" if order.diagnose else "finding a law" if order.law else "fitting"
+        long = order.diagnose or order.law
+        self.job = Job(title, "starting", time.monotonic(), order.diagnose, long)
         self._orders.send(order)
         self._changed()
 
@@ -275,6 +292,8 @@ class Desk:
                 rows = self.rankings[()].rows
                 self._session = replace(self._session, verdict=verdict, ranking=rows)
                 self._keep()
+            case Law():
+                self.law = message
             case Refused(line):
                 self._finished(line)
             case Done(line):

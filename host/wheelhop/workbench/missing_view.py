@@ -11,7 +11,7 @@ from wheelhop.files.words import chance, percent, signed
 from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
-from wheelhop.workbench.shown import Card, Ranking, Row, Trace, Verdict
+from wheelhop.workbench.shown import Card, Law, Ranking, Row, Trace, Verdict
 from wheelhop.workbench.view import Looking, acting
 
 SHOWN_S = 2.5
@@ -24,8 +24,9 @@ NONE = (
 )
 UNKNOWN = (
     "<h3>unknown</h3><p>Something is left that no effect of the library explains.</p>"
-    "<p>Look where it fails: the band and the motion say where to search. <code>wheelhop law</code>"
-    " finds the force that is missing as a curve and a formula.</p>"
+    "<p>Look where it fails: the band and the motion say where to search. Or let the force that is"
+    " missing be found in free form, as a curve and as a formula: that takes a minute or more.</p>"
+    '<p><button class="primary" data-act="law">Find the missing force</button></p>'
 )
 
 
@@ -41,6 +42,7 @@ class MissingView:
             self._start.props("no-caps unelevated")
             self._hint = ui.label().classes("soft")
         self._verdict = acting("", self._act)
+        self._law = ui.html("", sanitize=False)
         with ui.element("div").classes("bench-split wide"):
             self._table = acting("", self._act)
             with ui.element("aside").classes("card"):
@@ -60,6 +62,7 @@ class MissingView:
             self._table.set_content(self._table_html(ranking) if ranking else "")
             hint = "" if ranking or diagnosing else "Every effect of the library is tried."
             self._hint.set_text(hint)
+        self._law.set_content(_law_html(desk.law) if desk.law is not None else "")
         self._show_card(ranking)
 
     def _ranking(self) -> Ranking | None:
@@ -170,11 +173,19 @@ class MissingView:
             case "add":
                 desk.add(data["effect"])
                 self._looking.go("model")
+            case "law":
+                desk.find_law()
             case "add all" if desk.session.verdict is not None:
                 for effect in desk.session.verdict.effects:
                     if effect not in ("none", "unknown"):
                         desk.add(effect)
                 self._looking.go("model")
+
+
+def _law_html(law: Law) -> str:
+    words = escape("\n".join(law.lines))
+    figure = f"<figure>{law.figure}</figure>" if law.figure else ""
+    return f"<section><h2>The force that is missing</h2><pre>{words}</pre>{figure}</section>"
 
 
 def _not_applicable(rows: list[Row]) -> str:

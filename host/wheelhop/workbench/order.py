@@ -14,13 +14,14 @@ from wheelhop.workbench.session import Choice
 
 @dataclass(frozen=True)
 class Order:
-    """What to work out: the models that lead to a choice, a diagnosis too (`diagnose`), and files
-    to write of it (`report`, `model`)."""
+    """What to work out: the models that lead to a choice, a diagnosis too (`diagnose`), the force
+    that is missing beside the effects chosen (`law`), and files to write (`report`, `model`)."""
 
     folder: Path
     choice: Choice
     effects_file: Path | None = None
     diagnose: bool = False
+    law: bool = False
     report: Path | None = None
     model: Path | None = None
 

@@ -18,14 +18,12 @@ from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.gate import Finding
+from wheelhop.law import Found
 from wheelhop.report import sections
 from wheelhop.report.cases import records_of
-from wheelhop.report.svg import equation
-from wheelhop.report.words import (
-    headline,
-    limit_words,
-    next_run_words,
-)
+from wheelhop.report.law import law_figure, law_lines
+from wheelhop.report.svg import equation, inline
+from wheelhop.report.words import headline, limit_words, next_run_words
 from wheelhop.workbench import shown
 
 Array = NDArray[np.float64]
@@ -179,3 +177,11 @@ def verdict(diagnosis: Diagnosis) -> shown.Verdict:
 def _limit(limit: Limit) -> str:
     form = f" ({limit.form})" if limit.form else ""
     return f"{limit.effect}{form}: {limit_words(limit)}"
+
+
+def law(found: Found) -> shown.Law:
+    """A law in words and as a picture."""
+    figure = ""
+    if found.free is not None and found.moved is not None:
+        figure = inline(law_figure(found), "law", "the force that is missing")
+    return shown.Law(tuple(law_lines(found)), figure)

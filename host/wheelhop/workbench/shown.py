@@ -117,6 +117,15 @@ class Verdict:
     limits: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Law:
+    """A force of free form that explains what is left: words in a fixed pitch, and its picture
+    (SVG; "" where nothing was found or nothing tells how that place moved)."""
+
+    lines: tuple[str, ...]
+    figure: str
+
+
 # What the worker says, in the order in which it may come.
 
 
@@ -170,4 +179,4 @@ class Done:
     line: str = ""
 
 
-Message = Said | Findings | Library | Climbed | Ranking | Concluded | Refused | Done
+Message = Said | Findings | Library | Climbed | Ranking | Concluded | Law | Refused | Done

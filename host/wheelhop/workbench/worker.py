@@ -17,6 +17,7 @@ from wheelhop.diagnose.look import step_of
 from wheelhop.effects import Effect, beliefs, load_effects
 from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
+from wheelhop.law import find_law
 from wheelhop.report.model_file import write_model
 from wheelhop.report.reports import write_comparison_report, write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
@@ -60,6 +61,8 @@ class Worker:
             self._climb(work, order.choice.added)
             if order.diagnose:
                 self._diagnose(work)
+            if order.law:
+                self._find_law(work, order.choice.added)
             self._say(Done(self._written(work, order)))
         except InputError as error:
             self._say(Refused(str(error)))
@@ -113,6 +116,11 @@ class Worker:
         self._say(show.final_ranking(base.workshop, work.diagnosis))
         found = show.findings(work.diagnosis.findings)
         self._say(Concluded(show.verdict(work.diagnosis), found))
+
+    def _find_law(self, work: Work, added: Sequence[str]) -> None:
+        accepted, effects = [work.library[name] for name in added], list(work.library.values())
+        campaign = work.gated.campaign
+        self._say(show.law(find_law(campaign, work.vehicle, accepted, effects, self._progress)))
 
     def _written(self, work: Work, order: Order) -> str:
         """Write the files asked for; the line that says so."""

@@ -1,4 +1,5 @@
-"""The picture of a law: force over extension and over rate, with what is not known in grey."""
+"""A law that was found: its picture, force over extension and over rate, with what is not known in
+grey, and its words."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from wheelhop.law import Found, Rival
+from wheelhop.law import Formula, Found, Rival
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
 from wheelhop.report.svg import STYLE
@@ -62,3 +63,46 @@ def _draw(row: NDArray[np.object_], found: Found, rival: Rival) -> None:
         panel.axhline(0.0, color=SOFT, linewidth=0.6)
     panels[0].set_ylabel("force, N")
     panels[0].set_title(f"{rival.name}: held-out error {100 * rival.rung.error:.1f} %", loc="left")
+
+
+def law_lines(found: Found) -> list[str]:
+    """Where a force is missing, what it is, and how well each law does, the lowest held-out error
+    first; a table in a fixed pitch."""
+    free, where = found.free, found.where
+    if free is None or where is None:
+        return ["Nothing to find: no force at any place explains what these runs leave."]
+    lines = [f"A force is missing at the {where.name}."]
+    lines.append(f"{'law':22} {'fitted':>8} {'held out':>9}")
+    lines.append(_line("without it", found.base.error_fit, found.base.error))
+    for rival in sorted(rivals(found), key=lambda r: r.rung.error):
+        lines.append(_line(rival.name, rival.rung.error_fit, rival.rung.error))
+    lines.append(f"free: {free.words}")
+    if found.formula is not None:
+        lines.append("formula, force at the end of the motion recorded ± standard deviation:")
+        for name, (value, deviation) in amplitudes(found.formula).items():
+            lines.append(f"  {name:44} {value:10.4g} ± {deviation:.2g} N")
+    preferred = found.preferred
+    assert preferred is not None
+    lines.append(f"The simplest law that does as well as any: {preferred.name}.")
+    return lines
+
+
+def rivals(found: Found) -> list[Rival]:
+    """Every law that was fitted."""
+    return [r for r in (found.free, found.formula, *found.named) if r is not None]
+
+
+def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
+    """The fitted forces of a formula with their standard deviations, N, grown by what is left."""
+    fit = rival.rung.fit
+    formula = next(e for e in fit.model.effects if isinstance(e, Formula))
+    grown = max(fit.rss / (fit.size * fit.sigma**2), 1.0) ** 0.5
+    return {
+        term.words: (fit.model.values[key], fit.uncertainty(key) * grown)
+        for term in formula.terms
+        for key in (f"{formula.id}.{term.name}_N",)
+    }
+
+
+def _line(name: str, fitted: float, held_out: float) -> str:
+    return f"{name:22} {100 * fitted:7.2f}% {100 * held_out:8.2f}%"
