@@ -53,4 +53,19 @@ install_firmware_tools() {
     echo "wheelhop: the firmware's tests will be skipped; they need: sudo apt-get install$missing" >&2
 }
 
-case "$1" in *test*) install_firmware_tools ;; esac
+# The workbench's tests look at it in a real browser; without one they are skipped.
+install_browser() {
+    command -v chromium >/dev/null || command -v chromium-browser >/dev/null && return 0
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq &&
+        DEBIAN_FRONTEND=noninteractive \
+            apt-get install -y -qq --no-install-recommends chromium >/dev/null; then
+        return 0
+    fi
+    echo "wheelhop: the workbench's tests will be skipped; they need: sudo apt-get install chromium" >&2
+}
+
+case "$1" in *test*)
+    install_firmware_tools
+    install_browser
+    ;;
+esac

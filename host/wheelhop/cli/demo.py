@@ -34,17 +34,23 @@ from wheelhop.hil_sim.day import read_day
 from wheelhop.report.model_file import write_model
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
+from wheelhop.workbench.session import FILE as SESSION_FILE
 
 REPORT_FILE = "report.html"
 LEAVES = (
     *(TURNED, DRIVEN, CARD, CONSTANTS_FILE),
-    *("campaign.toml", "vehicle.toml", "runs", MODEL_FILE, REPORT_FILE),
+    *("campaign.toml", "vehicle.toml", "runs", MODEL_FILE, REPORT_FILE, SESSION_FILE),
 )
 
 
 def run(arguments: Namespace) -> int:
-    """Run the demo in the folder the user chose."""
-    return run_demo(arguments.folder)
+    """Run the demo in the folder the user chose, and open it on the workbench if he wants."""
+    status = run_demo(arguments.folder)
+    if arguments.workbench and status == 0:
+        from wheelhop.workbench.server import serve
+
+        serve(arguments.folder)
+    return status
 
 
 def run_demo(folder: Path) -> int:

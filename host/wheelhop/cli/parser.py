@@ -39,6 +39,7 @@ def make_parser() -> argparse.ArgumentParser:
         default=Path("wheelhop-demo"),
         help="where to put it (default ./wheelhop-demo)",
     )
+    demo.add_argument("--workbench", action="store_true", help="then open it in the browser")
     flash = commands.add_parser("flash", help="write the firmware into the logger")
     flash.add_argument("--port", metavar="PORT", help="serial port (default: the only one)")
     flash.add_argument(
