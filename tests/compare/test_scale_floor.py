@@ -28,7 +28,7 @@ def test_the_floor_grows_by_the_share_of_the_measured_power(tmp_path):
     class Record:
         def __init__(self, run):
             self.run, self.measured = run, run.record
-            self.predicted = np.ones(len(campaign.channels), bool)
+            self.predicted, self.doubt = np.ones(len(campaign.channels), bool), None
             self.band = type("Band", (), {"n": len(run.record)})
 
     records = [Record(run) for run in campaign.runs]

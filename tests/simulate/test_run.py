@@ -129,7 +129,8 @@ def test_measured_axles_move_the_body_as_the_road_did(track, reached):
     """Axle accelerations of MuJoCo's car, twice integrated and imposed, give its body channels.
 
     Where the wheel rests on two points the axle is jerked; what lies beyond half the sample rate
-    is folded into the band, and 3 % is as well as measured axles know the road.
+    is folded into the band, and 3 % is as well as measured axles know the road. The run says so:
+    what is left is about as large as each datum's doubt, not as the sensors' noise.
     """
     run = truth.Run(track, 3.9, 33.0, np.arange(1024) / 100.0)
     _, recorded = truth.simulate_run(ATV, run)
@@ -146,3 +147,9 @@ def test_measured_axles_move_the_body_as_the_road_did(track, reached):
     assert response.position_m is None
     assert np.isnan(response.record[:, 4:]).all()
     assert relative(response.record[:, :4], recorded[:, :4]) < reached
+    (bench,), (run_fit,) = workshop.benches.values(), fitted.runs
+    left = np.sqrt(np.mean(run_fit.residual**2)) / workshop.noise
+    assert left < 1.5
+    if track is WASHBOARD:
+        assert left > 0.3
+        assert np.sqrt(np.mean(bench.undoubted(run_fit.residual) ** 2)) > 5.0 * workshop.noise

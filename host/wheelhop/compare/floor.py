@@ -59,7 +59,8 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     """sqrt(Σ (noise² + (u · measured)²) / Σ measured²) in band.
 
     The noise is stated by the campaign or estimated; u is the standard uncertainty of a channel's
-    scale, where a calibration states it.
+    scale, where a calibration states it. Where measured axles drive the model the stated noise is
+    that of the sensors times the run's `Record.doubt`.
     """
     scale = np.array([channel.scale_uncertainty for channel in campaign.channels])
     if campaign.noise_rms is not None:
@@ -70,7 +71,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
 
     def error(role: str | None, noise: Array = noise) -> float:
         chosen = [r for r in records if role in (None, r.run.role)]
-        expected = sum(float(r.band.n * np.sum(noise[r.predicted] ** 2)) for r in chosen)
+        expected = sum(float(r.band.n * np.sum(_about(r, noise) ** 2)) for r in chosen)
         expected += sum(float(np.sum((r.measured * scale)[:, r.predicted] ** 2)) for r in chosen)
         measured = sum(float(np.sum(r.measured**2)) for r in chosen)
         return float(np.sqrt(expected / measured)) if measured > 0.0 else float("nan")
@@ -85,6 +86,12 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         campaign.unit,
         error(None, np.zeros_like(noise)),
     )
+
+
+def _about(record: Record, noise: Array) -> Array:
+    """Noise of every channel predicted (c,) about the model."""
+    about = noise if record.doubt is None else noise * record.doubt
+    return about[record.predicted]
 
 
 def estimate_noise(records: Sequence[Record]) -> Array:

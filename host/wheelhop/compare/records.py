@@ -25,7 +25,8 @@ class Record:
 
     ``predicted`` (n_channels,) says which channels the model predicts. The others are zero
     in ``measured`` and ``residual`` (measured - model), and so count nowhere.
-    ``position_m`` (n,) is the modelled x of the front axle, None where unknown.
+    ``position_m`` (n,) is the modelled x of the front axle, None where unknown. ``doubt``
+    (n_channels,) is the noise about the model per that of the sensors; None: there is no other.
     """
 
     run: Run
@@ -34,6 +35,7 @@ class Record:
     measured: Array
     residual: Array
     position_m: Array | None
+    doubt: Array | None = None
 
     @property
     def model(self) -> Array:
@@ -74,7 +76,15 @@ def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, 
         measured = band.coefficients(np.where(predicted, run.record, 0.0))
         model = band.coefficients(np.where(predicted, response.record, 0.0))
         records.append(
-            Record(run, band, predicted, measured, measured - model, response.position_m)
+            Record(
+                run,
+                band,
+                predicted,
+                measured,
+                measured - model,
+                response.position_m,
+                response.doubt,
+            )
         )
     return tuple(records)
 

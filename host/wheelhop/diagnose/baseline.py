@@ -21,7 +21,7 @@ from wheelhop.fit import (
     initial_model,
     vehicle_parameters,
 )
-from wheelhop.simulate import Model, frequency_response
+from wheelhop.simulate import Model
 from wheelhop.vehicle import CORNERS, Vehicle
 
 Progress = Callable[[str], None]
@@ -51,7 +51,6 @@ def fit_baseline(
     """
     _check(campaign)
     model = initial_model(campaign, vehicle)
-    campaign = _with_input_noise(campaign, model)
     workshop = Workshop(campaign, model, jobs=jobs)
     progress("finding each run's start and speed")
     free = tuple(vehicle_parameters(campaign, vehicle))
@@ -134,19 +133,6 @@ def _resting(campaign: Campaign, channels: list[int]) -> list[str]:
         largest = np.abs(band.coefficients(run.record[:, channels])).max()
         moves[run.role] = moves.get(run.role, False) or bool(largest > STILL)
     return [role for role, any_moves in moves.items() if not any_moves]
-
-
-def _with_input_noise(campaign: Campaign, model: Model) -> Campaign:
-    """Where measured axles drive every run, their noise reaches the prediction too: the stated
-    noise of one channel grows by the nominal vehicle's mean power transmission in band."""
-    if campaign.noise_rms is None or any(r.track.kind != "unknown" for r in campaign.runs):
-        return campaign
-    body = [c for c in campaign.channels if not c.is_axle]
-    frequency = np.linspace(*campaign.band_hz, 200)
-    response = frequency_response(model.system(body, "axles"), frequency)
-    transmitted = np.abs(response / (2 * np.pi * frequency[:, None, None]) ** 2) ** 2
-    growth = float(np.sqrt(1.0 + transmitted.sum(axis=2).mean()))
-    return replace(campaign, noise_rms=campaign.noise_rms * growth)
 
 
 def _check(campaign: Campaign) -> None:

@@ -68,4 +68,5 @@ class Rung:
 
 
 def _error(held_out: Fit) -> float:
-    return float(np.sqrt(held_out.charged / sum(run.bench.energy for run in held_out.runs)))
+    left = sum(run.left / run.spare for run in held_out.runs)
+    return float(np.sqrt(left / sum(run.bench.energy for run in held_out.runs)))

@@ -262,10 +262,10 @@ def _restored(run: RunFit, variant: Variant) -> Array:
     """How much larger the record is than the record set right, (size,)."""
     bench, campaign = run.bench, run.bench.simulator.campaign
     theta = {p.name: p.scale for p in variant.parameters}
-    right = bench.band.coefficients(
-        variant.effect.restore(theta, bench.run.record, campaign.channels, campaign.sample_rate_hz)
+    right = variant.effect.restore(
+        theta, bench.run.record, campaign.channels, campaign.sample_rate_hz
     )
-    return np.asarray((bench.measured - right)[:, bench.predicted].ravel())
+    return bench.coefficients(bench.run.record - right)
 
 
 def _stacked(columns: Sequence[Array], size: int) -> Array:

@@ -64,14 +64,40 @@ class Incumbent:
 
 
 def _inexact(workshop: Workshop, judging: Fit) -> float:
-    """Power by which the simulation of a model's effects may be wrong, in units of the noise's.
-    What a sensor does to the record needs no simulation."""
+    """Power by which a simulation may be wrong, in units of the noise's."""
+    if workshop.noise == 0.0:
+        return 0.0
+    power = _of_effects(workshop, judging) + _of_axles(workshop, judging)
+    return power / (judging.size * workshop.noise**2)
+
+
+def _of_axles(workshop: Workshop, judging: Fit) -> float:
+    """Power that axle motion as wrong as it may be adds to what a linear vehicle makes of it,
+    which every datum is weighed by: where friction turns, an axle a millisecond late is a jump a
+    millisecond late."""
+    model = judging.model
+    systems, astray = workshop.systems(model), workshop.astray
+
+    def added(bench: Bench) -> float:
+        wrong = astray.get(bench.run.id)
+        if wrong is None:
+            return 0.0
+        change = wrong.modelled(model, systems) - bench.modelled(model, systems)
+        foreseen = (1.0 - 1.0 / bench.doubt[:, bench.predicted] ** 2).sum() * workshop.noise**2
+        return max(float(change @ change - foreseen), 0.0)
+
+    return sum(workshop.each(added, [run.bench for run in judging.runs]))
+
+
+def _of_effects(workshop: Workshop, judging: Fit) -> float:
+    """Power by which the simulation of a model's effects may be wrong. What a sensor does to the
+    record needs no simulation."""
     model = judging.model
     bare = model
     for effect in model.effects:
         if effect.place != "sensor":
             bare = bare.without_effect(effect.id)
-    if bare is model or workshop.noise == 0.0:
+    if bare is model:
         return 0.0
     systems = workshop.systems(model), workshop.systems(bare)
 
@@ -80,5 +106,4 @@ def _inexact(workshop: Workshop, judging: Fit) -> float:
         difference = bench.coefficients(full - rest)
         return float(difference @ difference)
 
-    power = sum(workshop.each(contributed, [run.bench for run in judging.runs]))
-    return INEXACT**2 * power / (judging.size * workshop.noise**2)
+    return INEXACT**2 * sum(workshop.each(contributed, [run.bench for run in judging.runs]))

@@ -34,14 +34,13 @@ class Move:
     def parts(self, bench: Bench, change: Array) -> Iterator[tuple[int, Array]]:
         """Each member with the in-band coefficients (size,) of its part of a change of the record
         (n, channels)."""
-        predicted = change[:, bench.predicted]
         cuts = np.searchsorted(bench.run.time_s, [*self.begins_s[1:], inf])
         for member, first, last in zip(self.members, [0, *cuts[:-1]], cuts, strict=True):
-            part = predicted
+            part = change
             if len(self.members) > 1:
-                part = np.zeros_like(predicted)
-                part[first:last] = predicted[first:last]
-            yield member, bench.band.coefficients(part).ravel()
+                part = np.zeros_like(change)
+                part[first:last] = change[first:last]
+            yield member, bench.coefficients(part)
 
 
 def moves(

@@ -66,6 +66,12 @@ class RunFit:
             return float(self.residual @ self.residual)
 
     @property
+    def left(self) -> float:
+        """Σ residual² as recorded, however uncertain what drives the run is."""
+        with np.errstate(over="ignore"):
+            return float((self.bench.undoubted(self.residual) ** 2).sum())
+
+    @property
     def freedom(self) -> float:
         """Degrees of freedom this run was given for itself."""
         return len(self.own) + (0.0 if self.heights is None else self.heights.freedom)
@@ -142,7 +148,8 @@ class Fit:
     @property
     def error(self) -> float:
         """E over the runs fitted: √(Σ residual² / Σ measured²)."""
-        return float(np.sqrt(self.rss / sum(run.bench.energy for run in self.runs)))
+        energy = sum(run.bench.energy for run in self.runs)
+        return float(np.sqrt(sum(run.left for run in self.runs) / energy))
 
     @property
     def size(self) -> int:

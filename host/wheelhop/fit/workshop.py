@@ -6,7 +6,8 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
 from wheelhop.effects import Effect, Parameter
+from wheelhop.fit.measured_axles import doubt, led_astray
 from wheelhop.fit.spread import cost, spread
 from wheelhop.simulate import Model, Response, Simulator, drive_of, make_simulator
 from wheelhop.vehicle import Drive, System
@@ -43,9 +45,10 @@ class Bench:
     run: Run
     simulator: Simulator
     band: InBand
-    measured: Array  #: (2 n_bins, c) in-band coefficients of the record
+    measured: Array  #: (2 n_bins, c) in-band coefficients of the record, per `doubt`
     predicted: NDArray[np.bool_]  #: (c,) channels the model predicts in this run
     memory_s: float  #: after this time what has moved the vehicle is as good as forgotten
+    doubt: Array  #: (2 n_bins, c) noise of every datum per the sensors', `measured_axles.doubt`
 
     @property
     def drive(self) -> Drive:
@@ -64,7 +67,7 @@ class Bench:
     @property
     def energy(self) -> float:
         """Σ y² of the predicted channels, in band."""
-        return float((self.measured[:, self.predicted] ** 2).sum())
+        return float(((self.measured * self.doubt)[:, self.predicted] ** 2).sum())
 
     @property
     def size(self) -> int:
@@ -73,7 +76,10 @@ class Bench:
 
     def response(self, model: Model, systems: dict[Drive, System]) -> Response:
         """What the model says this run should have measured."""
-        return self.simulator.simulate(model, systems[self.drive])
+        found = self.simulator.simulate(model, systems[self.drive])
+        if self.drive != "axles":
+            return found
+        return replace(found, doubt=np.sqrt((self.doubt**2).mean(axis=0)))
 
     @RUNS_AWAY
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
@@ -94,8 +100,13 @@ class Bench:
 
     @RUNS_AWAY
     def coefficients(self, record: Array) -> Array:
-        """In-band coefficients (size,) of a record's predicted channels."""
-        return self.band.coefficients(record[:, self.predicted]).ravel()
+        """In-band coefficients (size,) of a record's predicted channels, each per `doubt`."""
+        found = self.band.coefficients(record[:, self.predicted])
+        return np.asarray(found / self.doubt[:, self.predicted]).ravel()
+
+    def undoubted(self, data: Array) -> Array:
+        """Data (size,) as they were before they were divided by `doubt`."""
+        return np.asarray(data * self.doubt[:, self.predicted].ravel())
 
     def residual(self, model: Model, systems: dict[Drive, System]) -> Array:
         """Measured minus modelled, (size,)."""
@@ -125,7 +136,9 @@ class Workshop:
         self.nominal = model.values
         self._pool = ThreadPoolExecutor(jobs or min(processors(), 8))
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
-        self._run_up_s = 0.0 if "rig" in self.drives else _run_up(self.systems(model))
+        nominal = self.systems(model)
+        self._run_up_s = 0.0 if "rig" in self.drives else _run_up(nominal)
+        self._on_axles = nominal.get("axles")
         self.benches = {run.id: self.bench(run) for run in campaign.runs}
         self.set_noise(campaign.noise_rms if noise_rms is None else noise_rms)
 
@@ -164,6 +177,16 @@ class Workshop:
         systems = self.systems(model)
         return self.each(lambda b: b.response(model, systems), self.benches.values())
 
+    @cached_property
+    def astray(self) -> dict[str, Bench]:
+        """Runs driven by measured axles on another bench, where these are as wrong as they may
+        be."""
+        return {
+            b.run.id: replace(b, simulator=self.bench(led_astray(self.campaign, b.run)).simulator)
+            for b in self.benches.values()
+            if b.drive == "axles" and self.campaign.noise_rms is not None
+        }
+
     def bench(self, run: Run) -> Bench:
         """A run of this campaign, or one that could be driven, on its bench."""
         simulator = make_simulator(self.campaign, run, self._run_up_s)
@@ -171,8 +194,11 @@ class Workshop:
         predicted = np.array(
             [simulator.drive != "axles" or not c.is_axle for c in self.campaign.channels]
         )
+        doubted = np.ones((band.count, len(predicted)))
+        if self._on_axles and simulator.drive == "axles" and self.campaign.noise_rms is not None:
+            doubted = doubt(self.campaign, run, self._on_axles, band.frequency_hz)
         measured, memory_s = band.coefficients(run.record), REMEMBERED * self._run_up_s
-        return Bench(run, simulator, band, measured, predicted, memory_s)
+        return Bench(run, simulator, band, measured / doubted, predicted, memory_s, doubted)
 
 
 def _run_up(systems: dict[Drive, System]) -> float:

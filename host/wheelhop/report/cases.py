@@ -62,8 +62,8 @@ def records_of(rung: Rung) -> Mapping[str, Record]:
 def _record(run: RunFit) -> Record:
     bench = run.bench
     residual = np.zeros_like(bench.measured)
-    residual[:, bench.predicted] = run.residual.reshape(bench.band.count, -1)
-    measured = np.where(bench.predicted, bench.measured, 0.0)
+    residual[:, bench.predicted] = bench.undoubted(run.residual).reshape(bench.band.count, -1)
+    measured = np.where(bench.predicted, bench.measured * bench.doubt, 0.0)
     return Record(bench.run, bench.band, bench.predicted, measured, residual, None)
 
 

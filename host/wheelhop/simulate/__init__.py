@@ -1,5 +1,6 @@
 """Simulation: what a model says a run should have measured."""
 
+from wheelhop.simulate.folding import folded_power, sample_of
 from wheelhop.simulate.frequency import frequency_response, linear_response
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.rig import RigSimulator
@@ -15,7 +16,9 @@ __all__ = [
     "RunSimulator",
     "Simulator",
     "drive_of",
+    "folded_power",
     "frequency_response",
     "linear_response",
     "make_simulator",
+    "sample_of",
 ]

@@ -18,6 +18,12 @@ ROUNDS = 8
 """At half the sample rate (1 − 2/π)⁸ = 0.03 % of the mean are then missing."""
 
 
+KEPT_BELOW = 2.0
+"""Measured axle motion is kept down to the band's lower edge over this. It is not compared there,
+but it moves what is not linear: friction holds or slips as the whole stroke goes. Further down the
+sensors' noise, twice integrated, is larger than the road."""
+
+
 def slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSpline:
     """Least-squares cubic spline with knots one period of the band's lower edge apart: it follows
     what drifts, constants of integration included, and leaves what lies in band. Unlike a filter
@@ -50,6 +56,16 @@ def unaveraged(
         guess = guess + record - mean
         found = interpolate.CubicSpline(time_s, guess)
     return found
+
+
+def twice_integrated(
+    acceleration: interpolate.CubicSpline, time_s: Array, lowest_hz: float
+) -> tuple[Array, Array]:
+    """Displacement and velocity (T, c) of an acceleration, without what drifts; the band that is
+    compared begins at `lowest_hz`."""
+    velocity, height = (acceleration.antiderivative(i)(time_s) for i in (1, 2))
+    drift = slow_part(time_s, height, KEPT_BELOW / lowest_hz)
+    return height - drift(time_s), velocity - drift(time_s, 1)
 
 
 def track_of(model: Model, run: Run, track: Track) -> Track:

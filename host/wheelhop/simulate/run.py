@@ -16,7 +16,7 @@ from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.simulate.job import Job, calibrations, heights_of, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
-from wheelhop.simulate.prescribed import slow_part, span, track_of, unaveraged, wheel_path
+from wheelhop.simulate.prescribed import span, track_of, twice_integrated, unaveraged, wheel_path
 from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
 from wheelhop.simulate.unevenness import HeightSeries
 from wheelhop.track import Wheel, make_track
@@ -71,12 +71,14 @@ class Response:
 
     ``record`` is (n, n_channels) at the run's samples, in the channels' order and units; NaN
     columns are not predicted. ``position_m`` (n,) is the x of the front axle at each sample, None
-    when the track is unknown.
+    when the track is unknown. ``doubt`` (n_channels,) is the noise about the record per that of the
+    sensors, where what drives the model is uncertain itself; None where it is not.
     """
 
     run_id: str
     record: Array
     position_m: Array | None
+    doubt: Array | None = None
 
 
 class RunSimulator:
@@ -378,9 +380,7 @@ class RunSimulator:
         acceleration = unaveraged(
             self.run.time_s, measured[:, columns], self.campaign.averaging_s, self._margin
         )
-        velocity, height = (acceleration.antiderivative(i)(time_s) for i in (1, 2))
-        drift = slow_part(time_s, height, 1.0 / self.campaign.band_hz[0])
-        return height - drift(time_s), velocity - drift(time_s, 1)
+        return twice_integrated(acceleration, time_s, self.campaign.band_hz[0])
 
     def _initial(self, model: Model, system: System) -> Array:
         """State (2 n,) at the first step: rest, or what a run on measured axles leaves free."""

@@ -157,8 +157,9 @@ def _columns(run: RunFit, fit: Fit, screened: Screened) -> tuple[Array, Array]:
     change = screened.contribution[run.bench.run.id] + run.weighed[:, :shared] @ moved
     own = run.weighed[:, shared:]
     change = (change - own @ np.linalg.lstsq(own, change)[0]) * run.spread
-    count = run.bench.band.count
-    return run.residual.reshape(count, -1), change.reshape(count, -1)
+    count, bench = run.bench.band.count, run.bench
+    residual, signature = bench.undoubted(run.residual), bench.undoubted(change)
+    return residual.reshape(count, -1), signature.reshape(count, -1)
 
 
 def verdict(diagnosis: Diagnosis) -> shown.Verdict:
