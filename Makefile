@@ -1,15 +1,18 @@
-# `make demo` shows what wheelhop does, `make test` checks that it does it.
-# Both set up a virtual environment in .venv the first time.
+# `make demo` shows what wheelhop does, `make test` checks that it does it; `make test-all`
+# asks what takes minutes, too. All set up a virtual environment in .venv the first time.
 
 bin := .venv/bin
 
-.PHONY: demo test lint firmware firmware-budget clean
+.PHONY: demo test test-all lint firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
 
 test: lint
 	$(bin)/pytest -n auto --dist worksteal
+
+test-all: lint
+	$(bin)/pytest -n auto --dist worksteal -m "slow or not slow"
 
 lint: .venv/installed-test
 	$(bin)/ruff check

@@ -21,7 +21,7 @@ SUPPLY_V = 3.3
 G_M_S2 = 9.80665
 
 
-@pytest.fixture(scope="module", params=["double", "firmware"])
+@pytest.fixture(scope="module", params=[pytest.param("double", marks=pytest.mark.slow), "firmware"])
 def campaign(request, tmp_path_factory):
     """The folder of a campaign recorded by the double, or by the firmware on the board."""
     elf = field.find_firmware() if request.param == "firmware" else None

@@ -38,6 +38,7 @@ def test_a_driver_on_a_stiff_seat_is_no_negative_mass(tmp_path):
     assert rung.model.values["driver-seat.freq_hz"] == pytest.approx(12.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_gap_that_is_never_used_up_is_not_believed_to_be_wide(tmp_path):
     """Behind, the strut hangs free and seldom reaches the gap's other side: a gap some times as
     wide fits nearly as well, and the search may begin there."""
@@ -65,7 +66,7 @@ def test_a_switch_gets_no_full_fit_beside_what_explains_nearly_all(tmp_path):
     assert friction.fit.rss < base.rung.fit.rss < fitted.fit.rss < rough.fit.rss
 
 
-@pytest.mark.parametrize("rate", [0.012, 0.02])
+@pytest.mark.parametrize("rate", [pytest.param(0.012, marks=pytest.mark.slow), 0.02])
 def test_sides_far_apart_are_placed_each_by_itself(tmp_path, rate):
     """Where one side is waves ahead in the end, one speed is true of neither, and a fit that begins
     with sides abreast ends in a false minimum in run after run."""

@@ -1,5 +1,7 @@
 """Exchange: a wrong effect on the ladder makes way for the right one."""
 
+import pytest
+
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.added import fit_with
@@ -14,6 +16,7 @@ def quiet(text):
     pass
 
 
+@pytest.mark.slow
 def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
     """Friction and a wrong gain are hidden, the ladder has come by a digressive damper and the
     gain: friction takes the damper's place, and then nothing is exchanged any more."""

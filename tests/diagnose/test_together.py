@@ -73,6 +73,7 @@ def test_a_loose_sensor_that_magnifies_friction(loose):
     assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
 
 
+@pytest.mark.slow
 def test_four_of_which_none_is_seen_alone(tmp_path):
     """Hand-held speed, friction and a driver on his seat, and wheels that leave the ground: until
     the three are in the model it lands them at the wrong moments."""
@@ -112,6 +113,7 @@ def test_no_pair_stands_in_for_what_is_not_in_the_library(loose):
     assert look_for_several(workshop, look, library, 2, quiet) is look
 
 
+@pytest.mark.slow
 def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
     """A progressive spring, taken for what friction and the loose sensor explain together, beside
     which nothing holds: both are found where the search began, and the spring is dropped."""
@@ -129,6 +131,7 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
     assert diagnosis.ladder[-1].over_floor <= 1.05
 
 
+@pytest.mark.slow
 def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
     """Friction is chosen, then friction with a mount, then the mount found idle: what the first
     look said of each by itself is what is reported, and friction is not its own rival."""

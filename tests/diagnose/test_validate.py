@@ -85,6 +85,7 @@ def test_a_user_reads_why_held_out_runs_stay_above_the_floor():
         assert caveats(SimpleNamespace(**{**vars(step), **other})) == []
 
 
+@pytest.mark.slow
 def test_no_flexible_effect_makes_up_for_uncertain_numbers(lifting):
     """A braking moment that is free at every instant would, and be a third effect of the two."""
     few = (*LIFTING, "longitudinal-pitch", "cornering-roll")

@@ -89,6 +89,7 @@ def assert_json_keeps_its_contract(document):
     assert all({"error_fit", "error_validate"} <= set(step) for step in document["ladder"])
 
 
+@pytest.mark.slow
 def test_before_nothing_is_believed_the_best_few_are_fitted_in_full(tmp_path):
     """Springs in series with soft mounts look like soft springs: a quick fit, with the derivatives
     of the car without mounts, does not come out of that valley."""
@@ -101,6 +102,7 @@ def test_before_nothing_is_believed_the_best_few_are_fitted_in_full(tmp_path):
     assert diagnosis.ladder[-1].over_floor <= 1.1
 
 
+@pytest.mark.slow
 def test_physics_that_is_not_in_the_library_is_unknown(tmp_path):
     """Friction is hidden and nobody has heard of it: whatever was accepted on the way, it is said
     that something is left, and the first entry is not claimed with confidence."""
