@@ -6,6 +6,9 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.ambiguity import AMBIGUOUS_DEG, Angles
+from wheelhop.diagnose.confirm import confirm
+from wheelhop.diagnose.look import Candidate
+from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import screen
 from wheelhop.effects.dry_friction import DryFriction
 
@@ -20,12 +23,16 @@ class Twin(DryFriction):
 
 
 @pytest.fixture(scope="module")
-def screened(tmp_path_factory):
+def base(tmp_path_factory):
     case = CASES["dry-friction"]
     folder = truth.make_campaign(
         tmp_path_factory.mktemp("friction"), seed=case.seed, effects=case.hidden, short=True
     )
-    base = baseline_of(folder)
+    return baseline_of(folder)
+
+
+@pytest.fixture(scope="module")
+def screened(base):
     names = ("dry-friction", "digressive-damper", "progressive-spring", "driver-seat")
     effects = [*(LIBRARY[name] for name in names), Twin()]
     fitted = base.rung.fit
@@ -52,3 +59,24 @@ def test_angles_are_symmetric_and_the_twin_cannot_be_told_apart(screened):
     assert near == sorted(near) and all(angle < AMBIGUOUS_DEG for angle in near)
     assert angles.between("dry-friction", "driver-seat") > AMBIGUOUS_DEG
     assert angles.between("dry-friction", "nobody") == 90.0
+
+
+def test_at_the_fitted_strength_the_angle_is_what_the_rival_leaves(base, screened):
+    """What explains everything changes the records by the whole residual r, a least-squares rival
+    by the part of it that it explains: sin² of the angle between is the share it leaves."""
+    fitted, found = screened
+    pair = {s.variant.effect.id: s for s in found}
+    candidates, share = [], dict[str, float]()
+    for name in ("dry-friction", "digressive-damper"):
+        fit = confirm(base.workshop, base.rung, pair[name]).fit
+        candidates.append(Candidate(pair[name], Rung(fit, None), 0.0, 1, True))
+        weighed = [
+            (run.residual / before.spread, before.surprise)
+            for run, before in zip(fit.runs, fitted.runs, strict=True)
+        ]
+        share[name] = sum(r @ r for r, _ in weighed) / sum(b @ b for _, b in weighed)
+    assert share["dry-friction"] < 0.2 * share["digressive-damper"]
+    angle = Angles(fitted, found, candidates).between("dry-friction", "digressive-damper")
+    expected = np.degrees(np.arcsin(np.sqrt(share["digressive-damper"] - share["dry-friction"])))
+    assert angle == pytest.approx(expected, rel=0.15)
+    assert angle < 0.6 * Angles(fitted, found).between("dry-friction", "digressive-damper")

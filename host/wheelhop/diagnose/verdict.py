@@ -32,7 +32,7 @@ def conclude(
 ) -> Diagnosis:
     """The diagnosis from the ladder's steps, the first look, the last one, what exchanging effects
     showed, and the library."""
-    angles = Angles(first.rung.fit, first.screened)
+    angles = Angles(first.rung.fit, first.screened, first.candidates)
     accepted = steps[-1].added
     verdict = (*accepted, "unknown") if steps[-1].above_floor else accepted or ("none",)
     stands_on = grounds(verdict, steps, first, last, stands, workshop.noise)

@@ -93,7 +93,7 @@ def _signals(record: Record) -> shown.Signals:
 
 def ranking(workshop: Workshop, look: Look) -> shown.Ranking:
     """What a look has found by now."""
-    ranked = ranked_so_far(look, Angles(look.rung.fit, look.screened))
+    ranked = ranked_so_far(look, Angles(look.rung.fit, look.screened, look.candidates))
     beside = tuple(effect.id for effect in look.rung.model.effects)
     best = [item.effect for item in ranked[:TRACED]]
     screened = [s for s in look.screened if s.variant.effect.id in best]
