@@ -3,7 +3,7 @@
 
 bin := .venv/bin
 
-.PHONY: demo test test-all lint firmware firmware-budget clean
+.PHONY: demo test test-all docs lint firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
@@ -13,6 +13,9 @@ test: lint
 
 test-all: lint
 	$(bin)/pytest -n auto --dist worksteal -m "slow or not slow"
+
+docs: .venv/installed-test
+	NO_MKDOCS_2_WARNING=1 $(bin)/mkdocs build --strict --quiet
 
 lint: .venv/installed-test
 	$(bin)/ruff check
@@ -26,7 +29,7 @@ firmware-budget: .venv/installed-test
 	$(bin)/python tools/firmware_budget.py
 
 clean:
-	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build dist wheelhop-demo
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build dist site wheelhop-demo
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 .venv/installed: pyproject.toml tools/setup.sh
