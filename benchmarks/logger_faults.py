@@ -26,7 +26,7 @@ from wheelhop.hil_sim import BadReply, CardImage, Event, Faults, PowerCut, Trace
 ROOT = Path(__file__).parents[1]
 ELF = ROOT / "build/firmware/nano/firmware.elf"
 TABLE_HZ, TABLE_S = 400.0, 30.0
-PAUSE_CYCLES = 5000  # between conversions: two runs of the converter
+PAUSE_CYCLES = 10_000  # between conversions: two runs of the converter
 REPLIES = (0xFF, 0x00, 0x01, 0x04, 0x08, 0x40, 0x7F)
 COMMANDS = (0, 8, 9, 10, 13, 16, 24, 41, 55, 58, 59)
 
@@ -141,6 +141,7 @@ def inputs(rng: Rng) -> NDArray[np.float64]:
 def runs_of(trace: Trace) -> list[NDArray[np.void]]:
     """The conversions that Timer1 has triggered, each run without a pause."""
     events = trace.of(Event.CONVERSION)
+    events = events[events["which"] < 8]  # the supply's aside
     steps = np.diff(events["cycle"].astype(np.int64))
     runs = np.split(events, np.flatnonzero(steps > PAUSE_CYCLES) + 1)
     return [run[_by_hand(run) :] for run in runs if len(run) > 16]

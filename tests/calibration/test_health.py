@@ -144,6 +144,8 @@ def test_gaps_are_listed_the_longest_first():
         ({"supply_mv": "2700"}, ["supply"]),
         ({"supply_mv": "3300", "end_supply_mv": "3100"}, ["supply"]),
         ({"supply_mv": "3300", "end_supply_mv": "3290"}, []),
+        ({"supply_mv": "3300", "low_supply_mv": "3000", "end_supply_mv": "3300"}, ["supply"]),
+        ({"supply_mv": "3300", "low_supply_mv": "3250", "end_supply_mv": "3300"}, []),
         ({"reset": "brown-out"}, ["brown-out"]),
         ({"late": "3"}, ["late"]),
         ({"supply_mv": "nonsense"}, []),
@@ -151,6 +153,12 @@ def test_gaps_are_listed_the_longest_first():
 )
 def test_the_recorders_own_notes_are_heeded(notes, kinds):
     assert [f[0] for f in found(road(), notes=notes)] == kinds
+
+
+def test_a_sag_is_told_with_its_figures():
+    notes = {"supply_mv": "3300", "low_supply_mv": "2950", "low_supply_s": "12.16"}
+    (finding,) = examine(recording(road(), notes=notes)).findings
+    assert finding.what == "the sensors' supply fell from 3300 to 2950 mV (-11 %) at 12.16 s"
 
 
 @settings(max_examples=60, deadline=None)

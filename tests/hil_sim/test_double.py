@@ -15,6 +15,7 @@ from wheelhop.hil_sim.double.card import Card
 from wheelhop.hil_sim.double.device import Device
 from wheelhop.hil_sim.double.wire import Wire
 from wheelhop.logger import LoggerError
+from wheelhop.logger import read_log as wheelhop_log
 from wheelhop.logger.frames import FrameReader, acknowledgement, pack_command, streamed_scan
 from wheelhop.logger.link_find import connect
 from wheelhop.logger.port import PortLost
@@ -121,7 +122,7 @@ def test_a_full_file_rolls_over_to_the_next(tmp_path, monkeypatch):
         one.run(one.time_s + 0.1)
     one.run(one.time_s + 10.0)
     log = read_log((tmp_path / "HOP00001.HOP").read_bytes())
-    assert log.summary["end"] == "full" and 17 < len(log.blocks) <= 20
+    assert log.summary["end"] == "full" and 16 < len(log.blocks) <= 20
     following = read_log((tmp_path / "HOP00002.HOP").read_bytes())
     assert following.header["continues"] == f"{log.session:08X}"
 
@@ -150,7 +151,7 @@ def test_the_line_goes_and_comes_back_under_its_name(port):
     with SerialDouble(factor=10, port=port) as one:
         for _ in range(2):
             with connect(one.url) as link:
-                assert link.info()["firmware"] == "1.1.0"
+                assert link.info()["firmware"] == "1.2.0"
                 one.tear(3.0)
                 with pytest.raises(PortLost):
                     for _ in range(3):
@@ -182,3 +183,11 @@ def test_it_runs_as_a_program(tmp_path):
         process.kill()
     done = subprocess.run([*command, "--campaign", CAMPAIGN, "--run", "x"], capture_output=True)
     assert done.returncode == 2 and done.stderr.count(b"\n") == 1
+
+
+def test_a_sag_of_the_supply_is_in_its_file(tmp_path):
+    session_of(device(tmp_path, supply=((1.0, 2950), (1.6, 3300))), 3.0)
+    log = wheelhop_log(tmp_path / "HOP00001.HOP")
+    (fell, low), (rose, again) = log.supply
+    assert (low, again) == (2950, 3300) and 30 <= rose - fell <= 90
+    assert log.summary["lowest_mv"] == "2950" and log.missing == 0 and not log.damage

@@ -7,8 +7,8 @@ import pytest
 
 from tests.logger.session import SESSION, blocks_of, random_sums, session
 from wheelhop.cli import info
-from wheelhop.logger import describe, read_log
-from wheelhop.logger.block import pack_block
+from wheelhop.logger import describe, read_log, recover
+from wheelhop.logger.block import DATA, SUMMARY, SUPPLY, pack_block, pack_text
 
 SUMS = random_sums(500)
 
@@ -80,3 +80,41 @@ def test_a_log_whose_header_is_only_numbers_of_another_kind_is_described_all_the
     told = describe(read_log(data))
     assert line(told, "rate") == "unknown"
     assert "is no date" in line(told, "start")
+
+
+def with_supply(readings, **ends):
+    """A log of 60 scans with blocks about its supply, before its last data block."""
+    first, second, *rest = blocks_of(session(random_sums(60)))[:3]
+    blocks = [first, second]
+    for scan, mv in readings:
+        text = pack_text({"supply_mv": mv, "scan": scan})
+        blocks.append(pack_block(SUPPLY, SESSION, len(blocks), first_scan=37, payload=text))
+    scans = bytes(rest[0][24:510])
+    blocks.append(pack_block(DATA, SESSION, len(blocks), first_scan=37, count=23, payload=scans))
+    if ends:
+        text = pack_text({"due": 60, "written": 60, "lost": 0, **ends})
+        blocks.append(pack_block(SUMMARY, SESSION, len(blocks), first_scan=60, payload=text))
+    return b"".join(map(bytes, blocks))
+
+
+def test_a_sag_of_the_supply_is_told_in_a_sentence():
+    sagged = read_log(with_supply([(16, 2950), (48, 3300)], supply_mv=3290, lowest_mv=2950))
+    assert sagged.missing == 0 and not sagged.damage
+    assert sagged.lowest_supply == (16, 2950)
+    text = describe(sagged)
+    assert "3300 mV, 3290 mV, lowest 2950 mV" in text
+    assert "! the sensors' supply fell from 3300 to 2950 mV (-11 %) at 0.16 s" in text
+
+
+def test_a_sag_is_told_of_a_log_that_was_not_closed_and_by_its_summary_alone():
+    assert "to 2950 mV (-11 %) at 0.16 s" in describe(read_log(with_supply([(16, 2950)])))
+    assert "to 3000 mV (-9 %) in between" in describe(read_log(with_supply([], lowest_mv=3000)))
+    steady = describe(read_log(with_supply([], supply_mv=3300, lowest_mv=3290)))
+    assert "lowest 3290 mV" in steady and "fell" not in steady
+
+
+def test_a_recovered_copy_still_knows_of_the_sag(tmp_path):
+    image = tmp_path / "card.img"
+    image.write_bytes(with_supply([(16, 2950)]))
+    (copy,) = recover(image, tmp_path / "out")
+    assert read_log(copy.path).lowest_supply == (-1, 2950)

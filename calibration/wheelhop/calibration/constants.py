@@ -15,6 +15,7 @@ import numpy as np
 
 from wheelhop.calibration.error import CalibrationError
 from wheelhop.logger.recording import ACCELERATION, CODE, Channel, Recording
+from wheelhop.logger.supply import supply_change
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 
@@ -128,6 +129,8 @@ class Constants:
         wanted = recording.notes.get("calibration", "")
         if wanted and wanted != self.id:
             found.append(f"the log asks for calibration {wanted}, this is {self.id}")
+        if change := supply_change(recording.notes):
+            found.append(change.text)
         return tuple(found)
 
     def _check_device(self, recording: Recording) -> None:

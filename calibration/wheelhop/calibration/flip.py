@@ -25,6 +25,7 @@ from wheelhop.calibration.constants import (
 )
 from wheelhop.calibration.error import CalibrationError
 from wheelhop.logger.recording import CODE, Recording
+from wheelhop.logger.supply import supply_change
 
 Array = NDArray[np.float64]
 
@@ -139,7 +140,11 @@ def flip_calibration(log: Recording, conditions: Conditions) -> Flip:
         _channel(log, column, rests, orientations, conditions)
         for column in range(len(log.channels))
     )
-    findings = tuple(_findings(channels, rests, orientations))
+    change = supply_change(log.notes)
+    findings = (
+        *([change.text] if change else ()),
+        *_findings(channels, rests, orientations),
+    )
     return Flip(
         *(conditions, device_of(log), tuple(rests)),
         *(tuple(int(sign) for sign in orientations), channels, findings),

@@ -33,7 +33,6 @@ const uint8_t kButton = _BV(2), kLed = _BV(1);
 const uint8_t kSelect = _BV(2), kSck = _BV(5), kMosi = _BV(3), kMiso = _BV(4);
 #endif
 
-const uint16_t kConversionClocks = 2500;     // 156.25 µs
 const uint16_t kEarliestEnd = 1600;          // a conversion ends 13.5 × 128 clocks after its start
 const uint8_t kConverterOn = _BV(ADEN) | 7;  // its clock: F_CPU/128
 
@@ -44,7 +43,6 @@ const uint8_t kBandgap = 0x1E;
 #else
 const uint8_t kBandgap = 0x0E;
 #endif
-const uint16_t kBandgapMv = 1100;
 
 uint8_t reset_flags __attribute__((section(".noinit")));
 uint8_t handed_on __attribute__((section(".noinit")));
@@ -64,6 +62,14 @@ void save_reset_flags() {
     reset_flags = MCUSR;
     MCUSR = 0;
     wdt_disable();
+}
+
+// Let the next conversion start `clocks` after the last one.
+void set_round(uint16_t clocks) {
+    const uint16_t top = clocks - 1;
+    if (OCR1A == top) return;
+    OCR1A = OCR1B = top;
+    if (TCNT1 > top) TCNT1 = top - 1;  // late: or else the timer would go round by its 16 bits
 }
 
 uint8_t causes() { return reset_flags ? reset_flags : handed_on; }
@@ -182,21 +188,20 @@ void sample(uint8_t conversions) {
     ADCSRB = _BV(ADTS2) | _BV(ADTS0);  // trigger: Timer1 compare match B
     TCCR1A = 0;
     TCNT1 = 0;
-    OCR1A = OCR1B = kConversionClocks - 1;
+    OCR1A = OCR1B = Sampler::kClocks - 1;
     TIFR1 = _BV(OCF1B);
     ADCSRA = kConverterOn | _BV(ADATE) | _BV(ADIE) | _BV(ADIF);
     TCCR1B = _BV(WGM12) | _BV(CS10);
 }
 
-uint16_t supply_mv() {
+uint16_t reference_code() {
     ADCSRA = kConverterOn;
     ADMUX = kBandgap;
     uint16_t code = 0;
     for (uint8_t k = 0; k < 8; ++k)
         code = convert();  // the reference needs a millisecond to settle
     ADCSRA = 0;
-    const uint32_t mv = code ? 1023ul * kBandgapMv / code : 0;
-    return mv < 10000 ? static_cast<uint16_t>(mv) : 0;
+    return code;
 }
 
 void start_transmitter() { UCSR0B |= _BV(UDRIE0); }
@@ -222,7 +227,9 @@ ISR(ADC_vect) {
     TIFR1 = _BV(OCF1B);
     const uint16_t clocks = TCNT1;
     if (clocks < kEarliestEnd && !(ADCSRA & _BV(ADSC))) board::sampler.note_late_trigger();
-    ADMUX = board::sampler.collect(ADC);
+    const uint8_t next = board::sampler.collect(ADC);
+    ADMUX = next == Sampler::kSupply ? kBandgap : next;
+    set_round(board::sampler.clocks());
 }
 
 ISR(USART_UDRE_vect) {

@@ -2,13 +2,17 @@
 
 #include <string.h>
 
+Ring::Ring(Block& one, Block& other, Block* more) : blocks_{&one, &other} {
+    for (uint8_t k = 2; k < kBlocks; ++k) blocks_[k] = more++;
+}
+
 void Ring::begin(uint8_t scan_bytes) {
     next_ = lost_ = 0;
     scan_bytes_ = scan_bytes;
     const uint16_t fit = Block::kPayload / scan_bytes;
     capacity_ = static_cast<uint8_t>(fit < 127 ? fit : 127);
     deepest_ = 0;
-    waiting_ = false;
+    waiting_ = 0;
     filling().clear('D');
 }
 
@@ -19,7 +23,7 @@ bool Ring::add(uint32_t number, const uint8_t* scan, uint16_t late) {
     // that one may have found no room.
     const bool follows = filling().first_scan + filling().count == number;
     if (filling().count == capacity_ || (filling().count && !follows)) {
-        if (waiting_) {
+        if (!spare()) {
             ++lost_;
             return false;
         }
@@ -33,41 +37,56 @@ bool Ring::add(uint32_t number, const uint8_t* scan, uint16_t late) {
     memcpy(block.payload + block.count * scan_bytes_, scan, scan_bytes_);
     ++block.count;
     block.late = late;
-    if (depth() > deepest_) deepest_ = depth();
-    if (block.count == capacity_ && !waiting_) hand_over();
+    const uint16_t held = depth();
+    if (held > deepest_) deepest_ = held;
+    if (block.count == capacity_ && spare()) hand_over();
     return true;
 }
 
+Block& Ring::insert(char kind) {
+    const Block& next = filling();
+    waiting_ = 1;
+    Block& block = *waiting();
+    block.clear(kind);
+    block.first_scan = next.count ? next.first_scan : next_;
+    block.lost = next.count ? next.lost : lost_;
+    block.late = next.late;
+    return block;
+}
+
 void Ring::release() {
-    waiting_ = false;
+    --waiting_;
     if (filling().count == capacity_) hand_over();
 }
 
 void Ring::lose(uint8_t scans) {
     lost_ += scans;
-    if (waiting_) waiting()->lost += scans;
+    for (uint8_t k = waiting_; k; --k) blocks_[before(k)]->lost += scans;
     if (filling().count) filling().lost += scans;
 }
 
 void Ring::finish(uint32_t due) {
     lost_ += due - next_;
     next_ = due;
-    if (filling().count && !waiting_) hand_over();
+    if (filling().count && spare()) hand_over();
 }
 
 void Ring::abandon() {
     lost_ += depth();
-    waiting_ = false;
+    waiting_ = 0;
     filling().count = 0;
 }
 
-uint8_t Ring::depth() const {
-    const uint8_t whole = waiting_ ? blocks_[filling_ ^ 1]->count : 0;
-    return static_cast<uint8_t>(whole + blocks_[filling_]->count);
+uint16_t Ring::depth() const {
+    uint16_t scans = blocks_[filling_]->count;
+    for (uint8_t k = waiting_; k; --k) scans += blocks_[before(k)]->count;
+    return scans;
 }
 
 void Ring::hand_over() {
-    waiting_ = true;
-    filling_ ^= 1;
+    const uint16_t late = filling().late;
+    ++waiting_;
+    filling_ = (filling_ + 1) & (kBlocks - 1);
     filling().clear('D');
+    filling().late = late;
 }

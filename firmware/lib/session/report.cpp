@@ -16,6 +16,14 @@ void put(Text& text, const FlashChar* key, uint32_t value) {
     text.number(value);
 }
 
+__attribute__((noinline)) void put_supply_mv(Text& text, uint16_t mv) {
+    put(text, FLASH("supply_mv="), mv);
+}
+
+__attribute__((noinline)) void put_unix_s(Text& text, const Session& session) {
+    put(text, FLASH("unix_s="), session.unix_s);
+}
+
 const FlashChar* end_text(End end) {
     switch (end) {
         case End::Button:
@@ -71,10 +79,10 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
             put_clock(text, session.clock_ppm());
             break;
         case 8:
-            put(text, FLASH("unix_s="), session.unix_s);
+            put_unix_s(text, session);
             break;
         case 9:
-            put(text, FLASH("supply_mv="), session.supply_mv);
+            put_supply_mv(text, session.supply_mv);
             break;
         case 10:
             text.put(FLASH("reset="));
@@ -128,13 +136,16 @@ bool summary_line(const Session& session, uint8_t index, Text& text) {
             put(text, FLASH("unsent="), tally.unsent);
             break;
         case 10:
-            put(text, FLASH("supply_mv="), session.supply_mv);
+            put_supply_mv(text, session.supply_mv);
             break;
         case 11:
             put_clock(text, session.clock_ppm());
             break;
         case 12:
-            put(text, FLASH("unix_s="), session.unix_s);
+            put_unix_s(text, session);
+            break;
+        case 13:
+            put(text, FLASH("lowest_mv="), tally.lowest_mv);
             break;
         default:
             return false;
@@ -145,6 +156,13 @@ bool summary_line(const Session& session, uint8_t index, Text& text) {
 void put_header(const Session& session, Block& block) { put_lines(session, header_line, block); }
 
 void put_summary(const Session& session, Block& block) { put_lines(session, summary_line, block); }
+
+void put_supply(Block& block, uint16_t mv, uint32_t scan) {
+    Text text(block.payload, Block::kPayload);
+    put_supply_mv(text, mv);
+    put(text, FLASH("\nscan="), scan);
+    text.put('\n');
+}
 
 void put_recovered(Block& block, uint32_t written) {
     Text text(block.payload, Block::kPayload);

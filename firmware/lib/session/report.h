@@ -12,6 +12,7 @@ bool summary_line(const Session& session, uint8_t index, Text& text);
 
 void put_header(const Session& session, Block& block);
 void put_summary(const Session& session, Block& block);
+void put_supply(Block& block, uint16_t mv, uint32_t scan);
 void put_recovered(Block& block, uint32_t written);
 
 const FlashChar* trouble_text(Trouble trouble);

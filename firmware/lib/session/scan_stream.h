@@ -41,7 +41,7 @@ class ScanStream {
                                    session.lost()};
         const uint16_t shorts[] = {tally.late, tally.stall_ms};
         const uint8_t bytes[] = {
-            session.deepest(),
+            static_cast<uint8_t>(session.deepest() < 255 ? session.deepest() : 255),
             static_cast<uint8_t>(tally.card_errors < 255 ? tally.card_errors : 255)};
         uint8_t* payload = link_.payload();
         memcpy(payload, counts, sizeof counts);

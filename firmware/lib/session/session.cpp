@@ -12,6 +12,15 @@ namespace {
 const uint16_t kWakeEveryMs = 500;
 const uint16_t kFlushLimitMs = 5000;
 const uint8_t kTries = 3;
+const uint16_t kBandgapMv = 1100;
+const uint16_t kSupplyStepMv = 50;  // a larger change goes into the file
+const uint8_t kSoon = 4;            // scans
+
+// Of the converter's reference, from the code of the internal one; 0 if that makes no sense.
+uint16_t supply_from(uint16_t code) {
+    const uint32_t mv = code ? 1023ul * kBandgapMv / code : 0;
+    return mv < 10000 ? static_cast<uint16_t>(mv) : 0;
+}
 
 Trouble card_trouble() {
     if (card.state() != SdCard::Ready) return kNoCard;
@@ -30,12 +39,19 @@ union {
     FATFS volume;
 } second;
 
+// A board with more RAM has blocks that are the ring's alone.
+#ifdef __AVR_ATmega2560__
+Block more[Ring::kBlocks - 2];
+#else
+Block* const more = nullptr;
+#endif
+
 }  // namespace
 
 Session::Session(Sampler& sampler, ConfigProblem config_problem)
     : sampler_(sampler),
       config_problem_(config_problem),
-      ring_(first.block, second.block),
+      ring_(first.block, second.block, more),
       running_(false),
       known_card_(false),
       in_flight_(false),
@@ -43,7 +59,7 @@ Session::Session(Sampler& sampler, ConfigProblem config_problem)
 
 void Session::begin() {
     if (!identity::clock_ppm(clock_ppm_)) clock_ppm_ = kUnknownPpm;
-    supply_mv = board::supply_mv();
+    supply_mv = supply_from(board::reference_code());
 }
 
 Trouble Session::meet() {
@@ -82,7 +98,9 @@ Trouble Session::start(bool resumes) {
 Trouble Session::begin_file(uint16_t number) {
     identity::set_session_number(number);
     board::sample(0);
-    supply_mv = board::supply_mv();
+    supply_mv = supply_from(board::reference_code());
+    told_mv_ = supply_mv;
+    untold_mv_ = 0;
     read_clock();
     memset(&tally, 0, sizeof tally);
     id_ = static_cast<uint32_t>(number) << 16 | board::dice();
@@ -104,7 +122,7 @@ Trouble Session::stop(End end) {
     continues = end == End::Full ? id_ : 0;
     store_clock();
     end_ = end;
-    supply_mv = board::supply_mv();
+    supply_mv = supply_from(board::reference_code());
     read_clock();
     trouble_ = flushed ? close_file() : card_trouble();
     if (trouble_) known_card_ = false;  // when the card is met again, its file is closed
@@ -118,6 +136,7 @@ bool Session::take(Scan& scan) {
     if (running_) {
         ring_.add(scan.number, scan.packed, scan.late);
         tally.late = scan.late;
+        if (Sampler::reads_supply(scan.number)) read_supply(scan.number);
     }
     return true;
 }
@@ -127,7 +146,10 @@ bool Session::poll() {
     card.poll();
     if (in_flight_) return settle_block();
     Block* block = ring_.waiting();
-    if (!block) return false;
+    if (!block) {
+        if (untold_mv_) tell_supply();
+        return false;
+    }
     if (card.state() != SdCard::Ready || card.id() != card_id_) {
         wake_card();
     } else if (!sealed_) {  // in a step of its own: together with the transfer it would take too
@@ -145,6 +167,26 @@ bool Session::poll() {
         }
     }
     return false;
+}
+
+void Session::read_supply(uint32_t scan) {
+    const uint16_t mv = supply_from(sampler_.supply_code());
+    if (!mv) return;
+    supply_mv = mv;
+    if (!tally.lowest_mv || mv < tally.lowest_mv) tally.lowest_mv = mv;
+    const bool changed = static_cast<uint16_t>(mv - told_mv_ + kSupplyStepMv) > 2 * kSupplyStepMv;
+    if (!changed || (untold_mv_ && mv >= untold_mv_)) return;
+    untold_mv_ = mv;
+    untold_scan_ = scan;
+}
+
+// A block about the supply takes the place of a waiting one. The card can have it at once and the
+// other is nearly empty: no memory for a stall is spent on it.
+void Session::tell_supply() {
+    if (card.state() != SdCard::Ready || ring_.depth() >= kSoon) return;
+    report::put_supply(ring_.insert('V'), untold_mv_, untold_scan_);
+    told_mv_ = untold_mv_;
+    untold_mv_ = 0;
 }
 
 void Session::set_clock_ppm(int16_t ppm) {
@@ -235,7 +277,7 @@ bool Session::flush() {
         board::feed_watchdog();
         ring_.finish(sampler_.due());
         poll();
-        if (!ring_.depth() && !in_flight_) return card.state() == SdCard::Ready;
+        if (!ring_.waiting() && !ring_.depth() && !in_flight_ && !untold_mv_) return card.state() == SdCard::Ready;
     } while (board::milliseconds() - start_ms < kFlushLimitMs);
     if (in_flight_) ring_.lose(scans_in_flight_);
     ring_.abandon();

@@ -28,6 +28,7 @@ class Session {
         uint16_t late;
         uint16_t stall_ms;
         uint16_t card_errors;
+        uint16_t lowest_mv;  // lowest reading; 0: none yet
     };
 
     // `config_problem` is told every line of HOP.CFG that was not understood.
@@ -48,7 +49,7 @@ class Session {
     bool running() const { return running_; }
     // A reset has ended a session that shall go on.
     bool interrupted() const;
-    bool full() const { return running_ && tally.blocks + 4 > place_.blocks; }
+    bool full() const { return running_ && tally.blocks + Ring::kBlocks + 3 > place_.blocks; }
 
     // Fetch a finished scan from the sampler; while a session runs it is kept for the card.
     bool take(Scan& scan);
@@ -61,8 +62,8 @@ class Session {
     End end() const { return end_; }
     uint32_t due() const { return ring_.due(); }
     uint32_t lost() const { return ring_.lost(); }
-    uint8_t deepest() const { return ring_.deepest(); }
-    uint8_t room() const { return ring_.room(); }
+    uint16_t deepest() const { return ring_.deepest(); }
+    uint16_t room() const { return ring_.room(); }
     void read_clock();  // into unix_s
 
     static const int16_t kUnknownPpm = INT16_MIN;
@@ -76,7 +77,7 @@ class Session {
     uint32_t unix_s = 0;
     uint32_t continues = 0;  // id of the session that this one goes on with, or the next one may
     uint16_t config_errors = 0;
-    uint16_t supply_mv = 0;
+    uint16_t supply_mv = 0;  // the last reading; 0: no sensible one
 
   private:
     Trouble begin_file(uint16_t number) __attribute__((noinline));
@@ -87,6 +88,8 @@ class Session {
     bool settle_block();
     void wake_card();
     void store_clock();
+    void read_supply(uint32_t scan);
+    void tell_supply();
     static void take_config_line(void* session, uint16_t number, Line::State state, char* text);
 
     Sampler& sampler_;
@@ -95,6 +98,9 @@ class Session {
     logfile::Place place_ = {};
     uint32_t id_ = 0;  // of the running or the last session
     int16_t clock_ppm_ = kUnknownPpm;
+    uint32_t untold_scan_ = 0;
+    uint16_t told_mv_ = 0;    // what the file says of the supply,
+    uint16_t untold_mv_ = 0;  // and what it has still to say; 0: nothing
     uint16_t woken_ms_ = 0;
     uint16_t card_id_ = 0;
     uint8_t scans_in_flight_ = 0;

@@ -81,7 +81,8 @@ class Board:
     `card` is what lies in the socket: an image, its path (an SDHC card), or nothing. `signals` are
     the sensors, at mid-scale if not given. `trace` and `journal` record events and card writes.
     `eeprom` is the MCU's, erased if not given; it survives resets and power cuts.
-    Assigning to `signals` or `faults` changes them while the board runs.
+    `reference_volts` are at AREF. Assigning to it, to `signals` or `faults` changes them while the
+    board runs.
 
     Raises `SimulationError` if the program cannot be built or the ELF not be used.
     """
@@ -106,7 +107,7 @@ class Board:
         self.serial = Serial(self._process)
         try:
             self._process.ask(f"record {trace:d} {journal:d}")
-            self._process.ask(f"reference {round(reference_volts * 1000)}")
+            self.reference_volts = reference_volts
             self.signals = signals or constant(MIDDLE)
             self.faults = faults or Faults()
             self.insert(card)
@@ -122,6 +123,16 @@ class Board:
     def time(self) -> float:
         """Board time in seconds; it goes on over resets and while the power is off."""
         return self._cycle / CPU_HZ
+
+    @property
+    def reference_volts(self) -> float:
+        """Volts at AREF. The signals are codes, a ratio to it: they stay."""
+        return self._reference_volts
+
+    @reference_volts.setter
+    def reference_volts(self, volts: float) -> None:
+        self._process.ask(f"reference {round(volts * 1000)}")
+        self._reference_volts = volts
 
     @property
     def signals(self) -> Signals:

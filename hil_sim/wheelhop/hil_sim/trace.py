@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 CPU_HZ = 16_000_000
+CHANNELS = 8
 EVENT = np.dtype(
     [
         ("cycle", "<u8"),
@@ -45,9 +46,24 @@ class Trace:
         return chosen
 
     def conversion_jitter(self) -> int:
-        """Largest deviation of the time between conversions from its median, in cycles."""
-        steps = np.diff(self.of(Event.CONVERSION)["cycle"].astype(np.int64))
-        return int(np.abs(steps - np.median(steps)).max()) if len(steps) else 0
+        """Largest deviation of the time between conversions from what it should be, in cycles.
+
+        It should be the median. In a scan of L conversions with one of the internal reference in
+        its middle, the others are s clocks closer together, and the reference is converted
+        (L − 1)·s clocks, and one step, after the one before it (firmware/SPEC.md, "The supply").
+        """
+        events = self.of(Event.CONVERSION)
+        steps = np.diff(events["cycle"].astype(np.int64))
+        if not len(steps):
+            return 0
+        usual = int(np.median(steps))
+        due = np.full(len(steps), usual)
+        for at in np.flatnonzero(events["which"][1:-1] >= CHANNELS) + 1:
+            closer = usual - int(steps[at])
+            half = round((steps[at - 1] / closer + 1) / 2) if closer else 0
+            due[max(at - half, 0) : at + half] = usual - closer
+            due[at - 1] = (2 * half - 1) * closer
+        return int(np.abs(steps - due).max())
 
     def interrupts(self, vector: int) -> NDArray[np.int64]:
         """Start and end of every run of one interrupt routine, in cycles: shape (n, 2).

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wheelhop.logger.log import Log
 from wheelhop.logger.settings import CONVERSION_S, find_settings, number
+from wheelhop.logger.supply import supply_change
 from wheelhop.logger.survey import Progress, Verdict
 
 MOST_ROWS = 10  # of a list
@@ -85,6 +86,8 @@ def warnings(log: Log) -> Iterator[str]:
         yield "not closed: what was in the logger's memory at the end, and perhaps a block, is gone"
     if log.late:
         yield f"late triggers: scans at the end are {log.late * CONVERSION_S * 1e3:g} ms late"
+    if change := supply_change(log.notes):
+        yield f"{change.text}: battery, plug and the 3.3 V regulator; see wheelhop health"
     if number(head, "config_errors"):
         yield f"{head['config_errors']} lines of HOP.CFG were not understood"
     if number(tail, "card_errors"):
@@ -109,8 +112,7 @@ def _facts(log: Log) -> Iterator[tuple[str, str]]:
         yield "channels", ", ".join(f"A{k} {name}" for k, name in settings.inputs)
     end = tail.get("end", "")
     yield "end", ENDS.get(end, end) if log.summary is not None else "not closed"
-    supplies = [values["supply_mv"] for values in (head, tail) if number(values, "supply_mv")]
-    yield "supply", ", ".join(f"{mv} mV" for mv in supplies) or "unknown"
+    yield "supply", _supply(log)
     yield "reset", head.get("reset", "")
     yield "clock", "never measured" if log.clock_ppm is None else f"{log.clock_ppm:+g} ppm"
     yield "scans", _scans(log)
@@ -122,6 +124,15 @@ def _facts(log: Log) -> Iterator[tuple[str, str]]:
     bad = sum(damage.blocks for damage in log.damage)
     blocks = _count(log.end_block, "block")
     yield "file", f"{blocks}, {bad} of them not good, {log.behind} behind the end"
+
+
+def _supply(log: Log) -> str:
+    told = [number(values, "supply_mv") for values in (log.header, log.summary or {})]
+    text = ", ".join(f"{mv:.0f} mV" for mv in told if mv > 0)
+    low = log.lowest_supply
+    if low and low.mv < min((mv for mv in told if mv > 0), default=np.inf):
+        text += f"{', ' if text else ''}lowest {low.mv:.0f} mV"
+    return text or "unknown"
 
 
 def _scans(log: Log) -> str:

@@ -38,6 +38,13 @@ class Gap(NamedTuple):
     offset: int
 
 
+class Supply(NamedTuple):
+    """The sensors' supply was found to be `mv` millivolts in scan number `scan`."""
+
+    scan: int
+    mv: float
+
+
 class Damage(NamedTuple):
     """`blocks` blocks in a row inside the session, from byte `offset` on, that are not good."""
 
@@ -52,8 +59,8 @@ class Log:
 
     `header` and `summary` map keys to texts as in SPEC.md; the header is empty where block 0 is
     damaged, the summary None where the session was not closed. `blocks` (n,) are the facts of the
-    good data blocks. `due` counts the scans that should be there: without a summary, those up to
-    the last good block.
+    good data blocks, `supply` the changes of the sensors' supply. `due` counts the scans that
+    should be there: without a summary, those up to the last good block.
     """
 
     source: Path | bytes
@@ -65,6 +72,7 @@ class Log:
     due: int
     lost: int
     late: int
+    supply: tuple[Supply, ...]
     damage: tuple[Damage, ...]
     end_block: int  # number of the first block behind the session
     behind: int  # blocks from there to the end of the file
@@ -102,6 +110,18 @@ class Log:
         """Error of the logger's clock, the later of two measurements; None: never measured."""
         values = {**self.header, **(self.summary or {})}
         return number(values, "clock_ppm") if values.get("clock_ppm") else None
+
+    @property
+    def lowest_supply(self) -> Supply | None:
+        """The lowest reading of the sensors' supply during the session; None: there is none.
+
+        Its scan is -1 where the summary alone knows of it.
+        """
+        low = min(self.supply, key=lambda reading: reading.mv, default=None)
+        told = number(self.summary or {}, "lowest_mv")
+        if told > 0 and (low is None or told < low.mv):
+            return Supply(-1, told)
+        return low
 
     @property
     def start_unix_s(self) -> float | None:
@@ -192,7 +212,7 @@ class Log:
             averaging_s=8 * settings.conversions * CONVERSION_S,
             start_unix_s=self.start_unix_s,
             history=tuple(self._history(missing, stop - first)),
-            notes=self._notes(),
+            notes=self.notes,
         )
 
     def _check_believable(self, gaps: list[Gap], first: int, stop: int) -> None:
@@ -222,10 +242,17 @@ class Log:
                 f" {self.late * CONVERSION_S * 1e3:g} ms later than their number says"
             )
 
-    def _notes(self) -> dict[str, str]:
+    @property
+    def notes(self) -> dict[str, str]:
+        """What header and summary say, as a recording carries it."""
         notes = {**(self.summary or {}), **self.header, "session": f"{self.session:08x}"}
         if self.summary and "clock_ppm" in self.summary:
             notes["clock_ppm"] = self.summary["clock_ppm"]
         if self.summary and "supply_mv" in self.summary:  # the header's is that of the start
             notes["end_supply_mv"] = self.summary["supply_mv"]
+        if low := self.lowest_supply:
+            notes["low_supply_mv"] = f"{low.mv:.0f}"
+            rate_hz = number(self.header, "rate_hz")
+            if low.scan >= 0 and rate_hz > 0:
+                notes["low_supply_s"] = f"{low.scan / rate_hz:.2f}"
         return notes

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, SUMMARY, parse_text
+from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, SUMMARY, SUPPLY, parse_text
 from wheelhop.logger.chain import agreeing, unrolled
-from wheelhop.logger.log import Damage, Log
-from wheelhop.logger.settings import block_capacity, find_settings
+from wheelhop.logger.log import Damage, Log, Supply
+from wheelhop.logger.settings import block_capacity, find_settings, number
 from wheelhop.logger.survey import Progress, Verdict, open_source, pieces, survey
 
 SETTINGS_KEYS = ("device", "calibration", "rate_hz", "conversions", "channels")
@@ -54,6 +54,7 @@ def read_log(
         due=int((last["first_scan"] + last["count"])[0]),
         lost=int(last["lost"][0]),
         late=int(last["late"][0]),
+        supply=_supply(source, facts[facts["kind"] == SUPPLY[0]]["block"]),
         damage=_damage(verdicts[:end]),
         end_block=end,
         behind=len(verdicts) - end,
@@ -72,6 +73,12 @@ def _text(source: Path | bytes, block: int) -> dict[str, str]:
         for _, blocks in pieces(file, block):
             return parse_text(blocks.view(FIELDS)[0, 0]["payload"].tobytes())
     return {}
+
+
+def _supply(source: Path | bytes, blocks: NDArray[np.int64]) -> tuple[Supply, ...]:
+    texts = (_text(source, int(block)) for block in blocks)
+    readings = (Supply(int(number(text, "scan")), number(text, "supply_mv")) for text in texts)
+    return tuple(reading for reading in readings if reading.mv > 0)
 
 
 def _damage(verdicts: NDArray[np.uint8]) -> tuple[Damage, ...]:

@@ -30,7 +30,7 @@ HEADER_KEYS = (
 )
 SUMMARY_KEYS = (
     *("end", "due", "written", "lost", "late", "stall_ms", "deepest", "room", "card_errors"),
-    *("unsent", "supply_mv", "clock_ppm", "unix_s"),
+    *("unsent", "supply_mv", "clock_ppm", "unix_s", "lowest_mv"),
 )
 
 Ask = Callable[[], dict[str, str]]

@@ -23,6 +23,7 @@ from wheelhop.logger.block import (
     PAYLOAD_AT,
     PAYLOAD_BYTES,
     SUMMARY,
+    SUPPLY,
     pack_block,
     pack_text,
     parse_text,
@@ -153,8 +154,16 @@ def _plan(
     summary = _block(file, end) if closed else b""
     if not closed or result.damaged or end["block"] != len(data) + 1:
         said = parse_text(summary[PAYLOAD]) if closed else {"end": "recovered"}
+        if low := _lowest_supply(file, kept):
+            said = {"lowest_mv": f"{low:.0f}", **said}
         summary = _summary(said, result, int(end["late"]), len(data) + 1)
     return _Plan(header, data, summary), result
+
+
+def _lowest_supply(file: BinaryIO, kept: NDArray[np.void]) -> float:
+    """Millivolts that blocks about the supply tell, which are not copied; 0: there are none."""
+    texts = (parse_text(_block(file, p)[PAYLOAD]) for p in kept[kept["kind"] == SUPPLY[0]])
+    return min((mv for text in texts if (mv := number(text, "supply_mv")) > 0), default=0.0)
 
 
 def _summary(said: dict[str, str], result: Recovered, late: int, sequence: int) -> bytes:

@@ -15,7 +15,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, MAGIC, SUMMARY, crcs
+from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, MAGIC, SUMMARY, SUPPLY, crcs
 from wheelhop.logger.error import LoggerError
 
 PIECE = 2048  # blocks read at a time, 1 MiB
@@ -48,7 +48,7 @@ class Verdict(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """A file block by block: `verdicts` (n,) of all, `facts` of the good H, D and S blocks."""
+    """A file block by block: `verdicts` (n,) of all, `facts` of the good H, D, V and S blocks."""
 
     session: int
     verdicts: NDArray[np.uint8]
@@ -127,7 +127,7 @@ def _judge(
     words = blocks.view(np.uint64)[odd]
     alike = (words == words[:, :1]).all(axis=1) & (blocks[odd, :8] == blocks[odd, :1]).all(axis=1)
     verdict[odd[alike]] = Verdict.EMPTY
-    known = good & np.isin(fields["kind"], [kind[0] for kind in (HEADER, DATA, SUMMARY)])
+    known = good & np.isin(fields["kind"], [kind[0] for kind in (HEADER, DATA, SUPPLY, SUMMARY)])
     facts = np.empty(int(known.sum()), FACTS)
     facts["block"] = number[known]
     for field in ("first_scan", "lost", "late", "count", "kind"):

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from tests.firmware.promises.logger import ADC_VECTOR, configure
+from tests.firmware.promises.reader import parse_text
 from wheelhop.hil_sim import Event, constant, from_array
+from wheelhop.logger import read_log as wheelhop_log
 
 CPU_HZ = 16e6
 SAMPLE_DELAY_S = 259 / CPU_HZ  # from the trigger: ATmega328P data sheet, table 24-1
@@ -38,8 +40,8 @@ def session(logger, card, seconds=2.0, **options):
 def triggers_of(trace, log):
     """Times of the conversions of the session, the last uninterrupted run of triggers."""
     events = trace.of(Event.CONVERSION)
-    cycles = events["cycle"].astype(np.int64)
-    pauses = np.flatnonzero(np.diff(cycles) > 5000) + 1
+    cycles = events["cycle"][events["which"] < 8].astype(np.int64)
+    pauses = np.flatnonzero(np.diff(cycles) > 10000) + 1  # the supply's reading takes 8700
     runs = np.split(cycles, pauses)
     needed = len(log.scans) * int(log.header["conversions"]) * 8
     return max(runs, key=len), needed
@@ -83,17 +85,17 @@ def test_conversions_start_without_jitter_while_card_and_line_are_busy(logger, c
         one.run(0.4)
         assert one.command("status").ok
     trace = one.board.trace()
-    steps = np.diff(trace.of(Event.CONVERSION)["cycle"].astype(np.int64))
+    conversions = trace.of(Event.CONVERSION).size
     runs = trace.interrupts(ADC_VECTOR)
     took = runs[:, 1] - runs[:, 0]
     idle = one.board.counters().idle_cycles / (one.board.time * CPU_HZ)
     with capsys.disabled():
         print(
-            f"\nfirmware: jitter {np.ptp(steps)} cycles over {len(steps)} conversions, interrupt "
-            f"at most {took.max()} cycles, idle {idle:.0%} of the time since power-on, "
+            f"\nfirmware: jitter {trace.conversion_jitter()} cycles over {conversions} conversions,"
+            f" interrupt at most {took.max()} cycles, idle {idle:.0%} of the time since power-on, "
             f"{one.board.stack_left()} bytes of RAM never touched"
         )
-    assert set(steps) == {2500}
+    assert trace.conversion_jitter() == 0
     assert trace.of(Event.MISSED).size == 0
     assert took.max() < 2500 - 13.5 * 128  # or else the next trigger meets a raised flag
 
@@ -150,3 +152,81 @@ def test_full_scale_on_all_channels_is_stored_unharmed(logger, card):
 def test_the_supply_of_the_sensors_is_measured(logger, card, volts):
     _, log, _ = session(logger, card, 0.5, reference_volts=volts)
     assert abs(int(log.header["supply_mv"]) - 1000 * volts) < 15  # one code at 1.1 V
+
+
+@pytest.mark.parametrize("rate", [100, 200, 400])
+def test_reading_the_supply_leaves_every_mean_instant_where_it_was(logger, card, rate):
+    configure(card, f"size_mb = 1\nstream = on\nrate = {rate}\n")
+    _, log, trace = session(logger, card, 1.0)
+    length = 8 * int(log.header["conversions"])
+    events = trace.of(Event.CONVERSION)
+    at = np.flatnonzero(events["which"] >= 8)
+    at = at[at < len(events) - length]
+    # Before and behind a session the reference is converted several times in a row.
+    at = at[(events["which"][at - 1] < 8) & (events["which"][at + 1] < 8)]
+    assert len(at) >= 3 * rate // 100
+    for i in at:
+        scan = np.delete(events[i - length // 2 : i + length // 2 + 1], length // 2)
+        cycles = scan["cycle"].astype(np.int64) - int(scan["cycle"][0])
+        assert list(scan["which"][:16]) == [*range(8), *range(7, -1, -1)]
+        assert cycles[-1] == (length - 1) * 2500
+        means = {cycles[scan["which"] == k].mean() for k in range(8)}
+        assert means == {(length - 1) * 2500 / 2}
+        # From the end of the conversion before, 13.5 of 128 cycles, the reference has 170 µs.
+        assert int(events["cycle"][i] - events["cycle"][i - 1]) > 1731 + 170 * 16
+    runs = trace.interrupts(ADC_VECTOR)
+    begun = events["cycle"].astype(np.int64)
+    which = np.searchsorted(begun, runs[:, 1]) - 1
+    assert (runs[:, 1] - begun[which]).max() < 2500 - 300 - 50  # done before the next trigger
+
+
+def sag(one, volts, seconds):
+    """The sensors' supply falls for so long."""
+    one.board.reference_volts = volts
+    one.run(seconds)
+    one.board.reference_volts = 3.3
+
+
+def told(log):
+    """Scan and millivolts of the file's blocks about the supply."""
+    texts = [parse_text(block.payload) for block in log.blocks if block.kind == b"V"]
+    return [(int(text["scan"]), int(text["supply_mv"])) for text in texts]
+
+
+@pytest.mark.parametrize("rate", [100, 200, 400])
+def test_a_sag_of_the_supply_is_in_the_file_and_in_the_summary(logger, card, rate):
+    configure(card, f"size_mb = 1\nstream = on\nrate = {rate}\n")
+    one = logger(card)
+    assert one.command("start").ok
+    one.run(1.0)
+    sag(one, 2.95, 0.5)
+    one.run(1.2)
+    assert abs(int(one.command("status").values["supply_mv"]) - 3300) < 15
+    assert one.command("stop").ok
+    log = one.log()
+    (fell, low), (rose, again) = told(log)
+    assert rate <= fell <= 1.4 * rate < 1.5 * rate <= rose <= 1.9 * rate
+    assert abs(low - 2950) < 15 and abs(again - 3300) < 15
+    assert int(log.summary["lowest_mv"]) == low
+    assert abs(int(log.summary["supply_mv"]) - 3300) < 15
+    assert log.summary["lost"] == "0" and log.summary["late"] == "0"
+    assert sorted(log.scans) == list(range(int(log.summary["due"])))
+    decoded = wheelhop_log(card.read("HOP00001.HOP"))
+    assert decoded.missing == 0 and not decoded.damage
+
+
+def test_a_sag_is_in_the_file_when_the_power_fails_behind_it(logger, card):
+    one = logger(card)
+    assert one.command("start").ok
+    one.run(1.0)
+    sag(one, 2.7, 1.0)
+    one.board.cut_power()
+    log = one.log()
+    assert log.summary is None
+    assert [abs(low - 2700) < 15 for _, low in told(log)] == [True]
+
+
+def test_a_steady_supply_takes_no_room_in_the_file(logger, card):
+    _, log, _ = session(logger, card)
+    assert told(log) == []
+    assert abs(int(log.summary["lowest_mv"]) - 3300) < 15

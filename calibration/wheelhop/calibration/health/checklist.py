@@ -18,6 +18,7 @@ from wheelhop.logger.error import LoggerError
 from wheelhop.logger.recording import CODE, Recording
 from wheelhop.logger.settings import number
 
+SUPPLIES = ("supply_mv", "low_supply_mv", "end_supply_mv")
 PASS, FAIL, OPEN = "pass", "fail", "open"
 REST_S = 10.0  # hands off, before the first strike
 REST_LEFT_S = 6.0  # of it, at least: what is needed to tell hum
@@ -78,7 +79,7 @@ def _settings(recording: Recording) -> Check:
 
 def _supply(recording: Recording, findings: list[Finding]) -> Check:
     notes = recording.notes
-    volts = [notes[key] for key in ("supply_mv", "end_supply_mv") if number(notes, key)]
+    volts = [notes[key] for key in SUPPLIES if number(notes, key)]
     seen = f"{' to '.join(dict.fromkeys(volts)) or 'unknown'} mV, reset: {notes.get('reset', '?')}"
     wrong = [f.remedy for f in findings]
     if notes.get("reset") == "watchdog":

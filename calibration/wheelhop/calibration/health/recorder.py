@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from wheelhop.calibration.health.finding import CERTAIN, LIKELY, Finding
 from wheelhop.calibration.sync.delay import stretches
 from wheelhop.logger.recording import Recording
+from wheelhop.logger.supply import SAG, supply_change
 
 LOW_SUPPLY_MV = 2900.0  # 3.3 V less what the logger's own reading may be off, ±10 %
-SAG = 0.03  # change of the supply within a session; the reading's error cancels
 GAPS_TOLD = 5  # longest gaps that get a line of their own
 
 
@@ -17,11 +17,9 @@ def recorder_findings(recording: Recording) -> Iterator[Finding]:
     start, stop = recording.start_s, recording.start_s + len(recording.values) / recording.rate_hz
     notes = recording.notes
     first, last = (_number(notes.get(key, "")) for key in ("supply_mv", "end_supply_mv"))
-    if first and last and abs(last / first - 1) > SAG:
-        change = last / first - 1
+    if change := supply_change(notes):
         yield Finding(
-            "supply", (), f"the sensors' supply went from {first:.0f} to {last:.0f} mV", LIKELY,
-            abs(change) / SAG, start, stop,
+            "supply", (), change.text, LIKELY, abs(change.relative) / SAG, start, stop,
             "charge or change the battery; ratiometric gains hold, the sensors' range does not",
         )  # fmt: skip
     elif 0 < (lowest := min(v for v in (first or 1e9, last or 1e9))) < LOW_SUPPLY_MV:

@@ -34,6 +34,7 @@ from wheelhop.calibration.shaker.result import (
 from wheelhop.calibration.shaker.steps import Step, find_steps, stepped_drift, stepped_points
 from wheelhop.calibration.shaker.sweep import swept_points, usable_band_hz
 from wheelhop.logger.recording import CODE, Recording
+from wheelhop.logger.supply import supply_change
 
 Array = NDArray[np.float64]
 
@@ -84,7 +85,11 @@ def compare_with_reference(
     mean = np.zeros(len(chain.parameters))
     mean[1 + OFFSET :: 3] = 1 / len(channels)
     offset = Value(chain.clock.offset_s, 2 * chain.deviation(mean))
-    findings = tuple(find(channels, usable, chain, conditions))
+    change = supply_change(log.notes)
+    findings = (
+        *([change.text] if change else ()),
+        *find(channels, usable, chain, conditions),
+    )
     return Comparison(conditions, device_of(log), bool(steps), offset, drift, channels, findings)
 
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 PIECE = 44  # bytes of a file in a frame
 LARGEST_BLOCK = 8_388_607
 NO_CARD = "no card, or it does not answer"
-SUPPLY_MV = 3300
 SAMPLED = ("stream", "conversions", "channels")  # settings that make sampling begin anew
 NO_SUMMARY = (
     *("end", "due", "written", "lost", "late", "stall_ms", "deepest", "room"),
@@ -168,7 +167,7 @@ class Console:
     def _header(self) -> dict[str, object]:
         settings = self._device.settings
         return {
-            "firmware": "1.1.0",
+            "firmware": "1.2.0",
             "device": settings.device,
             "calibration": settings.calibration,
             "name": settings.name,
@@ -177,7 +176,7 @@ class Console:
             "channels": " ".join(settings.channels),
             "clock_ppm": "" if settings.clock_ppm is None else settings.clock_ppm,
             "unix_s": self._epoch_s + self._up_s() if self._epoch_s else 0,
-            "supply_mv": SUPPLY_MV,
+            "supply_mv": self._device.faults.supply_mv(self._device.time_s),
             "reset": self._device.cause,
             "config_errors": 0,
             "continues": f"{self._continues:08X}" if self._continues else "",
@@ -185,8 +184,9 @@ class Console:
 
     def _rest(self) -> dict[str, object]:
         """The end of a summary."""
-        header = self._header()
-        return {key: header[key] for key in ("supply_mv", "clock_ppm", "unix_s")}
+        header, session = self._header(), self._device.session
+        values = {key: header[key] for key in ("supply_mv", "clock_ppm", "unix_s")}
+        return values | {"lowest_mv": session.lowest_mv if session else 0}
 
     def _status(self) -> dict[str, object]:
         device = self._device

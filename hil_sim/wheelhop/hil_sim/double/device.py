@@ -18,6 +18,7 @@ from wheelhop.logger.frames import pack_acknowledgement, pack_frame, pack_scan_f
 STEP_S = 2.5e-3  # a scan at the highest rate
 BYTE_S = 10 / 500_000
 WATCHDOG_S = 0.25
+SUPPLY_EVERY = 32  # scans
 
 
 class Device:
@@ -125,6 +126,8 @@ class Device:
             session = self.session if self.running else None
             if session and not any(scan in gone for gone in self.faults.lost):
                 session.memory.add(scan, stored)
+            if session and scan % SUPPLY_EVERY == SUPPLY_EVERY // 2:
+                session.read_supply(scan, self.faults.supply_mv(self.time_s))
             if self.settings.stream:
                 if self._scan and session:
                     session.unsent += 1

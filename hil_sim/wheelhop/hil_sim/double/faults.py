@@ -3,12 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+SUPPLY_MV = 3300
+
 
 @dataclass(frozen=True)
 class DoubleFaults:
     """Faults of card, line and logger; moments are seconds of the double's time since its start.
 
     `stalls`: seconds for which the card is busy with a block, by its number in the file.
+    `supply`: (moment, millivolts) from which on the sensors' supply is so high; 3300 before.
     `lost`: ranges of scan numbers that never reach memory; they are streamed all the same.
     `noise`, `dropped`, `duplicated`: chance of a byte of either direction to get a wrong bit, to
     vanish, to come twice. `garbled`: the line is heard at a wrong speed.
@@ -17,6 +20,7 @@ class DoubleFaults:
     """
 
     stalls: Mapping[int, float] = field(default_factory=dict)
+    supply: tuple[tuple[float, int], ...] = ()
     lost: tuple[range, ...] = ()
     noise: float = 0.0
     dropped: float = 0.0
@@ -26,3 +30,8 @@ class DoubleFaults:
     resets: tuple[float, ...] = ()
     reply_delay_s: float = 0.0
     seed: int = 0
+
+    def supply_mv(self, time_s: float) -> int:
+        """The sensors' supply at a moment."""
+        past = [mv for since_s, mv in sorted(self.supply) if since_s <= time_s]
+        return past[-1] if past else SUPPLY_MV

@@ -47,6 +47,12 @@ class Memory:
         """Scans that wait."""
         return len(self._filling.scans) + (len(self.waiting.scans) if self.waiting else 0)
 
+    @property
+    def next_block(self) -> tuple[int, int]:
+        """First scan of the block that goes to the card next, and scans lost before it."""
+        block = self.waiting or self._filling
+        return (block.first_scan, block.lost) if block.scans else (self.due, self.lost)
+
     def add(self, number: int, stored: bytes) -> None:
         """Take a scan; numbers that were skipped count as lost."""
         skipped = number - self.due

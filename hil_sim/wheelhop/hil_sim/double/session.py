@@ -6,11 +6,13 @@ from pathlib import Path
 from wheelhop.hil_sim.double.card import Card, log_name
 from wheelhop.hil_sim.double.memory import Memory
 from wheelhop.hil_sim.double.settings import Settings
-from wheelhop.logger.block import BLOCK_BYTES, HEADER, SUMMARY, pack_block, pack_text
+from wheelhop.logger.block import BLOCK_BYTES, HEADER, SUMMARY, SUPPLY, pack_block, pack_text
 from wheelhop.logger.frames import Acknowledgement
 
 MEBIBYTE = 1 << 20
-SPARE_BLOCKS = 4  # what the firmware leaves free for the last blocks
+SUPPLY_STEP_MV = 50  # a larger change goes into the file
+SOON = 4  # scans that may wait when it does
+SPARE_BLOCKS = 5  # what the firmware leaves free for the last blocks
 
 
 class Session:
@@ -23,6 +25,9 @@ class Session:
         self.memory = Memory(len(settings.recorded))
         self.blocks = self.written = self.unsent = self.stall_ms = 0
         self.end = ""
+        self.lowest_mv = 0
+        self._told_mv = 0
+        self._untold: tuple[int, int] | None = None  # scan and millivolts
         self._card = card
         self._stalls = stalls
         self._most_blocks = settings.size_mb * MEBIBYTE // BLOCK_BYTES
@@ -48,7 +53,14 @@ class Session:
     @property
     def idle(self) -> bool:
         """Whether all that came is safe on the card."""
-        return not self.memory.depth and not self._writing
+        return not self.memory.depth and not self._writing and self._untold is None
+
+    def read_supply(self, scan: int, mv: int) -> None:
+        """Take a reading of the sensors' supply."""
+        self.lowest_mv = min(self.lowest_mv or mv, mv)
+        changed = abs(mv - self._told_mv) > SUPPLY_STEP_MV
+        if changed and (self._untold is None or mv < self._untold[1]):
+            self._untold = scan, mv
 
     @property
     def path(self) -> Path:
@@ -57,6 +69,7 @@ class Session:
 
     def begin(self, header: Mapping[str, object]) -> None:
         """Write the header."""
+        self._told_mv = int(str(header["supply_mv"]))
         self._card.append(self.number, pack_block(HEADER, self.id, 0, payload=pack_text(header)))
         self.blocks = 1
 
@@ -76,6 +89,16 @@ class Session:
             self._busy_until_s = now_s + stall_s
             self._in_flight, self._writing = len(waiting.scans), True
             self.memory.release()
+        elif self._untold and self.memory.depth < SOON:
+            scan, self._told_mv = self._untold
+            self._untold = None
+            first_scan, lost = self.memory.next_block
+            text = pack_text({"supply_mv": self._told_mv, "scan": scan})
+            block = pack_block(
+                SUPPLY, self.id, self.blocks, first_scan=first_scan, lost=lost, payload=text
+            )
+            self._card.append(self.number, block)
+            self._in_flight, self._writing = 0, True
         return False
 
     def close(self, end: str, rest: Mapping[str, object]) -> None:

@@ -13,6 +13,7 @@ const char* image_path = nullptr;
 uint32_t now_us = 0;
 std::vector<uint8_t> eeprom;
 uint8_t sampling = 0;
+uint16_t reference_code = 341;  // 3300 mV
 Sampler sampler;
 Card card;
 
@@ -20,6 +21,7 @@ void power_on() {
     now_us = 0;
     eeprom.assign(64, 0xFF);
     sampling = 0;
+    reference_code = 341;
     card = Card();
     card.content.assign(64 * 512, 0);
     ::card = SdCard();
@@ -236,7 +238,7 @@ void sample(uint8_t conversions) {
     if (conversions) fake::sampler.start(conversions);
 }
 
-uint16_t supply_mv() { return 3300; }
+uint16_t reference_code() { return fake::reference_code; }
 void start_transmitter() {}
 
 }  // namespace board

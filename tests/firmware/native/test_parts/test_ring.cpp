@@ -85,6 +85,27 @@ TEST(scans_behind_a_gap_wait_for_a_block_of_their_own) {
     CHECK(rig.ring.lost() == 7 && rig.stored + rig.ring.lost() == rig.next);
 }
 
+TEST(an_inserted_block_goes_first_and_keeps_the_count) {
+    Rig rig;
+    rig.add(kCapacity);
+    rig.take();
+    rig.next += 2;
+    rig.add(3);
+    Block& block = rig.ring.insert('V');
+    CHECK(block.kind == 'V' && rig.ring.waiting() == &block && rig.ring.depth() == 3);
+    CHECK(block.first_scan == static_cast<uint32_t>(kCapacity) + 2 && block.lost == 2);
+    rig.add(kCapacity - 3);  // the block behind it is full, and stays until it has gone
+    rig.take();
+    CHECK(rig.ring.waiting() && rig.ring.waiting()->kind == 'D');
+    rig.take();
+    CHECK(rig.ring.insert('V').first_scan == rig.next && rig.ring.depth() == 0);
+    rig.take();
+    rig.add(1);
+    rig.ring.finish(rig.next);
+    rig.take();
+    CHECK(rig.ring.lost() == 2 && rig.stored + rig.ring.lost() == rig.next);
+}
+
 TEST(a_block_that_failed_after_release_is_charged_to_all_that_follow) {
     Rig rig;
     rig.add(2 * kCapacity + 3 - 3);

@@ -44,6 +44,42 @@ TEST(collect_tells_the_input_of_the_next_conversion) {
     }
 }
 
+TEST(one_scan_in_32_reads_the_supply_and_keeps_its_mean_instants) {
+    for (uint8_t conversions : {8, 4, 2}) {
+        Sampler sampler;
+        sampler.start(conversions);
+        const uint64_t length = 8u * conversions;
+        uint64_t now = 0;  // in clocks
+        int readings = 0;
+        uint8_t input = 0;
+        for (uint64_t scan = 0; scan < 100; ++scan) {
+            uint64_t instants[8] = {};
+            for (uint64_t left = length; left;) {
+                if (input == Sampler::kSupply) {
+                    CHECK(left == length / 2 && scan % 32 == 16);
+                    ++readings;
+                    input = sampler.collect(static_cast<uint16_t>(scan));
+                } else {
+                    instants[input] += now;
+                    --left;
+                    input = sampler.collect(1);
+                }
+                now += sampler.clocks();
+            }
+            CHECK(now == (scan + 1) * length * 2500);
+            for (uint64_t sum : instants) {
+                CHECK(2 * sum == conversions * (2 * scan * length + length - 1) * 2500);
+            }
+            uint16_t sums[8], late;
+            uint32_t number;
+            CHECK(sampler.take(sums, number, late) && number == scan);
+            for (uint16_t sum : sums) CHECK(sum == conversions);
+            if (Sampler::reads_supply(number)) CHECK(sampler.supply_code() == scan);
+        }
+        CHECK(readings == 3);
+    }
+}
+
 TEST(a_scan_not_fetched_in_time_is_missing_from_the_numbers) {
     Sampler sampler;
     uint16_t sums[8], late, code = 0;

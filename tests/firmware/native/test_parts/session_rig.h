@@ -1,0 +1,101 @@
+#pragma once
+// Whole sessions on a FAT image, and what a reader finds in the file.
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include <ff.h>
+
+#include <diskio.h>
+
+#include "board.h"
+#include "check.h"
+#include "fake_board.h"
+#include "session.h"
+
+static int config_problems = 0;
+
+struct Rig {
+    Session session{fake::sampler, [](uint16_t, const FlashChar*) { ++config_problems; }};
+    uint32_t code = 0;
+
+    Rig() {
+        config_problems = 0;
+        session.begin();
+        session.settings.size_mb = 1;
+    }
+
+    // So many scans of time pass; the main loop does what main.cpp's pump() does.
+    void run(int scans) {
+        Scan scan;
+        for (; scans; --scans) {
+            for (int k = 0; k < 8 * fake::sampling; ++k) {
+                if (fake::sampler.collect(code++ / 64 & 1023) == Sampler::kSupply) {
+                    fake::sampler.collect(fake::reference_code);
+                }
+            }
+            session.take(scan);
+            const uint32_t until_us = fake::now_us + 10000;
+            while (fake::now_us < until_us) {
+                session.poll();
+                fake::now_us += 156;
+            }
+        }
+    }
+
+    Trouble stop() {
+        board::sample(0);
+        return session.stop(End::Command);
+    }
+};
+
+// Every test begins with the empty file system. False where there is none.
+inline bool insert_card() {
+    std::FILE* file = fake::image_path ? std::fopen(fake::image_path, "rb") : nullptr;
+    if (!file) return false;
+    std::fseek(file, 0, SEEK_END);
+    fake::card.content.resize(static_cast<size_t>(std::ftell(file)));
+    std::rewind(file);
+    const bool whole = std::fread(fake::card.content.data(), fake::card.content.size(), 1, file);
+    std::fclose(file);
+    return whole;
+}
+
+struct File {
+    FATFS volume;
+    FIL file;
+    ~File() { f_mount(nullptr, "", 0); }
+    bool open(const char* name) {
+        return f_mount(&volume, "", 1) == FR_OK && f_open(&file, name, FA_READ) == FR_OK;
+    }
+    uint32_t blocks() { return static_cast<uint32_t>(f_size(&file) / 512); }
+    bool read(uint32_t position, Block& block) {
+        UINT count;
+        return f_lseek(&file, position * 512) == FR_OK &&
+               f_read(&file, &block, 512, &count) == FR_OK && count == 512;
+    }
+};
+
+struct Found {
+    std::string kinds, supply;
+    uint32_t scans = 0, due = 0, lost = 0;
+};
+
+// Read a session as SPEC.md says.
+inline Found decode(const char* name) {
+    File file;
+    Found found;
+    Block block;
+    if (!file.open(name) || !file.read(0, block)) return found;
+    const uint32_t session = block.session;
+    for (uint32_t k = 0; k < file.blocks(); ++k) {
+        if (!file.read(k, block) || !block.good(session, k)) continue;
+        if (found.kinds.empty() || block.kind != 'D') found.kinds += block.kind;
+        if (block.kind == 'V') found.supply += reinterpret_cast<const char*>(block.payload);
+        if (block.kind != 'H') CHECK(block.first_scan == found.scans + block.lost);
+        found.scans += block.count;
+        found.lost = block.lost;
+        found.due = block.first_scan + block.count;
+    }
+    return found;
+}
