@@ -8,6 +8,7 @@ platformio.ini; only what PlatformIO's platform adds by itself is repeated here.
 
 import configparser
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -46,7 +47,7 @@ def read_ini() -> configparser.ConfigParser:
     """Return platformio.ini with its references resolved."""
     ini = configparser.ConfigParser(interpolation=configparser.ExtendedInterpolation())
     text = (ROOT / "platformio.ini").read_text(encoding="utf-8")
-    ini.read_string(text.replace("${env.build_flags}", "${env:build_flags}"))
+    ini.read_string(re.sub(r"\$\{(\w+)\.build_flags\}", r"${\1:build_flags}", text))
     return ini
 
 

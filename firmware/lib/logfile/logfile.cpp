@@ -5,6 +5,10 @@
 #include "files.h"
 #include "sdcard.h"
 
+#ifndef BLOCKS_PER_MB  // tests want files that are soon full
+#define BLOCKS_PER_MB 2048
+#endif
+
 namespace {
 
 // The steps of create(). Not inlined, so that their memory is not on the stack below FatFs's
@@ -13,7 +17,7 @@ namespace {
 __attribute__((noinline)) FRESULT choose_place(FATFS& volume, Block& scratch, uint16_t size_mb,
                                                logfile::Place& place) {
     // One cluster more than wanted: the directory may take one.
-    const uint32_t per_mb = 2048 / volume.csize;
+    const uint32_t per_mb = BLOCKS_PER_MB / volume.csize;
     logfile::Run run;
     const FRESULT result =
         logfile::find_room(volume, size_mb * per_mb + 1, reinterpret_cast<uint8_t*>(&scratch), run);
