@@ -19,6 +19,7 @@ from wheelhop.logger.block import BLOCK_BYTES, scans_per_block
 
 ROOT = Path(__file__).resolve().parents[1]
 RAM = {"nano": 2048, "mega": 8192}
+RING = {"nano": 2, "mega": 8}  # blocks that the firmware keeps: firmware/lib/ring
 BUILDS = (("nano", 8), ("nano", 4), ("nano", 2), ("mega", 8))
 RATES = (100, 200, 400)
 NAMES = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
@@ -117,7 +118,8 @@ def main() -> None:
         scans = scans_per_block(8)
         for build, size in RAM.items():
             free = size - static_ram(build) - STACK[build] - 300
-            report(build, f"{static_ram(build)} B static", 2 + max(free, 0) // BLOCK_BYTES, scans)
+            blocks = RING[build] + max(free, 0) // BLOCK_BYTES
+            report(build, f"{static_ram(build)} B static", blocks, scans)
         report("23LC1024", f"{SRAM_23LC1024} B outside", 2 + SRAM_23LC1024 // BLOCK_BYTES, scans)
         print("\npower cut at the end of a stall of 600 ms, eight channels at 100 Hz")
         due, written = session(folder, "nano", 8, 100, 0.6, cut_s=0.595)

@@ -1,4 +1,5 @@
-"""Print what the firmware uses of the ATmega328P, and fail if it is more than it may.
+"""Print what the firmware uses of the ATmega328P, its memory on the ATmega2560, and fail if it is
+more than it may.
 
     python tools/firmware_budget.py
 
@@ -19,6 +20,7 @@ from wheelhop.hil_sim import Board, CardImage, Faults, SimulationError, ramp
 
 ROOT = Path(__file__).resolve().parents[1]
 ELF = ROOT / "build/firmware/nano/firmware.elf"
+MEGA_ELF = ROOT / "build/firmware/mega/firmware.elf"
 CPU_HZ = 16_000_000
 ADC_VECTOR = 21
 CONFIG = b"# budget\nname = budget\nsize_mb = 1\nstream = on\nnonsense\n"
@@ -34,6 +36,20 @@ class Line:
     within: bool
 
 
+@dataclass(frozen=True)
+class Limits:
+    """What a board may use, in bytes, and what its lines begin with."""
+
+    name: str
+    chip: firmware_stack.Chip
+    flash: int
+    ram: int
+
+
+NANO = Limits("", firmware_stack.ATMEGA328P, 30720, 1500)
+MEGA = Limits("Mega: ", firmware_stack.ATMEGA2560, 253952, 7500)
+
+
 def sections(elf: Path) -> dict[str, int]:
     """Return the sizes of the ELF's sections in bytes."""
     done = subprocess.run(["avr-size", "-A", str(elf)], capture_output=True, text=True, check=True)
@@ -41,16 +57,17 @@ def sections(elf: Path) -> dict[str, int]:
     return {row[0]: int(row[1]) for row in rows}
 
 
-def memory() -> list[Line]:
-    """Flash and static RAM."""
-    size = sections(ELF)
+def memory(elf: Path, limits: Limits) -> list[Line]:
+    """Flash, static RAM and stack."""
+    size = sections(elf)
     flash = size[".text"] + size[".data"]
     static = size[".data"] + size[".bss"] + size.get(".noinit", 0)
-    left, _ = firmware_stack.bound(ELF)
+    left, _ = firmware_stack.bound(elf, limits.chip)
+    name, most, ram = limits.name, limits.flash, limits.ram
     return [
-        Line("flash", f"{flash} B", "≤ 30720 B", flash <= 30720),
-        Line("static RAM", f"{static} B of 2048", "≤ 1500 B", static <= 1500),
-        Line("RAM left by the deepest calls", f"{left} B", "≥ 256 B", left >= 256),
+        Line(f"{name}flash", f"{flash} B", f"≤ {most} B", flash <= most),
+        Line(f"{name}static RAM", f"{static} B", f"≤ {ram} B", static <= ram),
+        Line(f"{name}RAM left by the deepest calls", f"{left} B", "≥ 256 B", left >= 256),
     ]
 
 
@@ -125,8 +142,10 @@ def life(folder: Path) -> list[Line]:
 
 def main() -> int:
     """Print the table; return 1 if a budget is exceeded."""
-    subprocess.run([ROOT / "tools/build_firmware.sh", "nano"], check=True, stdout=sys.stderr)
-    lines = memory()
+    subprocess.run(
+        [ROOT / "tools/build_firmware.sh", "nano", "mega"], check=True, stdout=sys.stderr
+    )
+    lines = memory(ELF, NANO) + memory(MEGA_ELF, MEGA)
     try:
         with tempfile.TemporaryDirectory() as folder:
             lines += life(Path(folder))

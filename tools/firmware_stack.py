@@ -1,4 +1,4 @@
-"""Bound the stack of the Nano's firmware from its machine code.
+"""Bound the stack of the firmware from its machine code: the Nano's, and the Mega's.
 
     python tools/firmware_stack.py
 
@@ -17,8 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 ELF = ROOT / "build/firmware/nano/firmware.elf"
-RAM_END = 0x900  # of the ATmega328P
-RETURN_ADDRESS = 2
+
 PUSHES = 18  # of libgcc's shared prologue (-mcall-prologues): r2 to r17, r28 and r29
 
 # Calls through pointers: who calls, and whom.
@@ -43,12 +42,23 @@ class StackError(Exception):
     """Something in the machine code that this program has no rule for."""
 
 
+@dataclass(frozen=True)
+class Chip:
+    """End of the RAM, and bytes of a return address."""
+
+    ram_end: int
+    return_address: int
+
+
+ATMEGA328P, ATMEGA2560 = Chip(0x900, 2), Chip(0x2200, 3)
+
+
 @dataclass
 class Function:
     """The bytes that a function takes of the stack, and the addresses of those it calls."""
 
     name: str
-    takes: int = RETURN_ADDRESS
+    takes: int
     calls: set[int] = field(default_factory=set)
     by_pointer: bool = False
 
@@ -62,7 +72,7 @@ class Instruction:
     words: str
 
 
-def read(elf: Path) -> dict[int, Function]:
+def read(elf: Path, chip: Chip) -> dict[int, Function]:
     """Disassemble: the functions by address."""
     command = ["avr-objdump", "-d", "-C", "--no-show-raw-insn", str(elf)]
     text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -70,14 +80,14 @@ def read(elf: Path) -> dict[int, Function]:
     bodies: list[list[Instruction]] = []
     for line in text.splitlines():
         if start := re.match(r"([0-9a-f]{8}) <(.*)>:$", line):
-            functions[int(start[1], 16)] = Function(plain(start[2]))
+            functions[int(start[1], 16)] = Function(plain(start[2]), chip.return_address)
             bodies.append([])
         elif found := re.match(r"\s+([0-9a-f]+):\t(\S+)\s*(.*)", line):
             bodies[-1].append(Instruction(int(found[1], 16), found[2], found[3]))
     starts = sorted(functions)
     for function, body in zip(functions.values(), bodies, strict=True):
         function.takes += sum(line.code == "push" for line in body) + frames(body)
-        function.by_pointer = any(line.code == "icall" for line in body)
+        function.by_pointer = any(line.code in ("icall", "eicall") for line in body)
         for line in body:
             if line.code not in ("call", "rcall", "jmp", "rjmp"):
                 continue
@@ -87,7 +97,7 @@ def read(elf: Path) -> dict[int, Function]:
             if "<__prologue_saves__" in line.words:
                 function.takes += shared_prologue(line, body)
             elif line.code == "rcall" and target == line.address + 2:
-                function.takes += RETURN_ADDRESS  # a short way to make room for two bytes
+                function.takes += chip.return_address  # a short way to make room
             elif target:  # 0: a function that is not there
                 function.calls.add(starts[bisect_right(starts, target) - 1])
     return functions
@@ -173,14 +183,14 @@ def static_end(elf: Path) -> int:
     return int(end, 16)
 
 
-def bound(elf: Path = ELF) -> tuple[int, tuple[Function, ...]]:
+def bound(elf: Path = ELF, chip: Chip = ATMEGA328P) -> tuple[int, tuple[Function, ...]]:
     """Bytes of RAM that are left where the stack is deepest, and the chain of calls there."""
-    functions = read(elf)
+    functions = read(elf, chip)
     address = {function.name: start for start, function in functions.items()}
     main, chain = deepest(functions, address["main"])
     interrupts = [start for name, start in address.items() if re.match(r"__vector_\d+$", name)]
     interrupt = max(deepest(functions, start)[0] for start in interrupts)
-    return RAM_END - static_end(elf) - main - interrupt, chain
+    return chip.ram_end - static_end(elf) - main - interrupt, chain
 
 
 def main() -> int:

@@ -27,7 +27,7 @@ void eeprom_write(uint8_t address, const void* data, uint8_t size);
 
 // Converter
 void sample(uint8_t conversions);  // of each input in a scan; 0 stops
-uint16_t reference_code();  // of the internal reference; only while nothing is sampled
+uint16_t reference_code();         // of the internal reference; only while nothing is sampled
 
 // Serial line: fetch bytes from Link::transmit() until there are none
 void start_transmitter();

@@ -8,9 +8,9 @@
 // scan, so that all eight sums have the same mean sampling instant. Two sets of sums: the interrupt
 // fills one while the main loop reads the other.
 //
-// One scan in 32 leaves time for a conversion of the internal reference, which tells the supply: its
-// other conversions move apart in the middle, as much before it as behind, so that the mean instants
-// stay (SPEC.md, "The supply").
+// One scan in 32 leaves time for a conversion of the internal reference, which tells the supply:
+// its other conversions move apart in the middle, as much before it as behind, so that the mean
+// instants stay (SPEC.md, "The supply").
 class Sampler {
   public:
     static const uint8_t kInputs = 8;
@@ -84,7 +84,8 @@ class Sampler {
         return true;
     }
 
-    // Main loop: code of the internal reference in the last scan that reads it, once that was taken.
+    // Main loop: code of the internal reference in the last scan that reads it, once that was
+    // taken.
     uint16_t supply_code() const { return supply_code_; }
 
     // Scans finished since start(), fetched or not. Interrupt must be off.
@@ -113,7 +114,7 @@ class Sampler {
     uint8_t length_ = 0;   // of a scan
     uint8_t squeeze_ = 0;  // by how many 100 clocks conversions are closer when the supply is read
     uint8_t position_ = 0;
-    uint8_t filling_ = 0;  // the interrupt's set of sums
+    uint8_t filling_ = 0;       // the interrupt's set of sums
     bool supply_scan_ = false;  // this scan reads the supply
     bool reading_ = false;      // the conversion under way is the supply's
     volatile bool ready_ =

@@ -277,7 +277,8 @@ bool Session::flush() {
         board::feed_watchdog();
         ring_.finish(sampler_.due());
         poll();
-        if (!ring_.waiting() && !ring_.depth() && !in_flight_ && !untold_mv_) return card.state() == SdCard::Ready;
+        if (!ring_.waiting() && !ring_.depth() && !in_flight_ && !untold_mv_)
+            return card.state() == SdCard::Ready;
     } while (board::milliseconds() - start_ms < kFlushLimitMs);
     if (in_flight_) ring_.lose(scans_in_flight_);
     ring_.abandon();

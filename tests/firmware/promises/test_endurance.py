@@ -75,6 +75,24 @@ def test_a_session_that_has_lost_more_than_there_are_numbers_keeps_its_totals(lo
     assert seen == written and blocks[-1].kind == b"S"
 
 
+def test_scans_skipped_while_the_card_is_busy_leave_every_other_at_its_number(logger, card):
+    """One block waits and one is half full: what follows the gap has no place in either."""
+    one = logger(card, signals=sawtooth())
+    assert one.command("start").ok
+    first = one.board.counters().card_writes
+    one.board.faults = Faults(stalls={first + 2: 0.7})
+    one.until(lambda: one.board.counters().card_writes == first + 3)
+    one.run(0.5)
+    due = int(one.command("status").values["due"])
+    set_counter(one, DUE, due + 5, 4)
+    one.run(2.0)
+    reply = one.command("stop")
+    log = one.log()
+    assert 4 <= check_totals(one, log, reply)[2] < 40
+    streamed = {number: sums for (_, number), sums in one.streamed().items()}
+    assert [n for n, sums in log.scans.items() if streamed.get(n) != sums] == []
+
+
 def test_the_count_of_late_triggers_stays_at_its_end(logger, card):
     one = logger(card)
     assert one.command("start").ok

@@ -13,7 +13,7 @@ namespace fake {
 extern const char* image_path;  // of an empty FAT file system, or nullptr
 extern uint32_t now_us;
 extern std::vector<uint8_t> eeprom;
-extern uint8_t sampling;  // what board::sample() was told last
+extern uint8_t sampling;         // what board::sample() was told last
 extern uint16_t reference_code;  // of the internal reference
 extern Sampler sampler;
 

@@ -9,8 +9,8 @@
 
 namespace {
 
-// The host's side, from SPEC.md: the good frames among the bytes, without counter and CRC.
-std::vector<std::string> frames(const std::string& bytes) {
+// The host's side, from SPEC.md: the good frames among the bytes, without CRC.
+std::vector<std::string> counted_frames(const std::string& bytes) {
     std::vector<std::string> found;
     for (size_t start = 0; start < bytes.size();) {
         size_t end = bytes.find('\0', start);
@@ -28,8 +28,15 @@ std::vector<std::string> frames(const std::string& bytes) {
             static_cast<uint16_t>(static_cast<uint8_t>(content[content.size() - 2]) |
                                   static_cast<uint8_t>(content.back()) << 8);
         if (crc16(content.data(), content.size() - 2) != told) continue;
-        found.push_back(content.substr(0, 1) + content.substr(2, content.size() - 4));
+        found.push_back(content.substr(0, content.size() - 2));
     }
+    return found;
+}
+
+// And without counter.
+std::vector<std::string> frames(const std::string& bytes) {
+    std::vector<std::string> found = counted_frames(bytes);
+    for (std::string& frame : found) frame.erase(1, 1);
     return found;
 }
 
@@ -68,6 +75,14 @@ TEST(frames_arrive_as_sent) {
         }
     }
     CHECK(!link.sending());
+}
+
+TEST(frames_are_counted_modulo_256) {
+    Link link;
+    for (int k = 0; k < 600; ++k) {
+        const std::string frame = counted_frames(send(link, k % 3 ? 'D' : 'L', "text")).at(0);
+        CHECK(static_cast<uint8_t>(frame[1]) == k % 256);
+    }
 }
 
 TEST(a_wrong_byte_costs_one_frame) {

@@ -118,6 +118,19 @@ TEST(a_block_that_failed_after_release_is_charged_to_all_that_follow) {
     CHECK(rig.ring.lost() == kCapacity && rig.stored + rig.ring.lost() == rig.next);
 }
 
+TEST(a_new_session_counts_from_zero) {
+    Rig rig;
+    rig.next = 5;
+    rig.add(2 * kCapacity + 3);
+    rig.ring.begin(kScanSize);
+    CHECK(rig.ring.due() == 0 && rig.ring.lost() == 0);
+    CHECK(rig.ring.depth() == 0 && rig.ring.deepest() == 0 && !rig.ring.waiting());
+    rig.next = 0;
+    rig.add(kCapacity);
+    rig.take();
+    CHECK(rig.ring.lost() == 0 && rig.ring.deepest() == kCapacity);
+}
+
 TEST(what_is_abandoned_is_lost) {
     Rig rig;
     rig.add(kCapacity + 9);

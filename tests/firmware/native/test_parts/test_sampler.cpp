@@ -137,4 +137,12 @@ TEST(a_block_is_good_only_where_it_belongs_and_whole) {
         CHECK(!block.good(0x00010002, 7));
         bytes[bit / 8] ^= static_cast<uint8_t>(1 << bit % 8);
     }
+    for (char& letter : block.magic) {  // another magic, with the check sum that belongs to it
+        ++letter;
+        block.crc = crc16(&block, 510);
+        CHECK(!block.good(0x00010002, 7));
+        --letter;
+        block.crc = crc16(&block, 510);
+        CHECK(block.good(0x00010002, 7));
+    }
 }

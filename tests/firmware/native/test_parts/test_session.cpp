@@ -1,5 +1,6 @@
 // Whole sessions on a FAT image.
 #include <map>
+#include <vector>
 
 #include "files.h"
 #include "identity.h"
@@ -253,17 +254,38 @@ TEST(a_file_that_is_not_there_is_told_from_a_card_that_is_not) {
     f_mount(nullptr, "", 0);
 }
 
-TEST(the_longest_run_of_free_clusters_is_found) {
-    if (!insert_card()) return;
-    FATFS volume;
-    CHECK(logfile::mount(volume) == kNoTrouble);
-    const logfile::Run runs[] = {{500, 50}, {2000, 120}, {5000, 80}};
+// Let these clusters be free, and no others.
+static void set_free(const FATFS& volume, const std::vector<logfile::Run>& runs) {
     uint8_t* table = &fake::card.content[volume.fatbase * 512];
     for (uint32_t k = 2; k < volume.n_fatent; ++k) {
         bool is_free = false;
         for (const logfile::Run& run : runs) is_free |= k - run.start < run.length;
         table[2 * k] = table[2 * k + 1] = is_free ? 0 : 0xFF;
     }
+}
+
+TEST(a_run_up_to_the_last_cluster_is_found_and_does_not_go_on_at_the_first) {
+    if (!insert_card()) return;
+    FATFS volume;
+    CHECK(logfile::mount(volume) == kNoTrouble);
+    volume.n_fatent &= ~255u;  // the table's last sector is full
+    const uint32_t last = volume.n_fatent - 90;
+    set_free(volume, {{2, 60}, {last, 90}});
+    uint8_t sector[512];
+    logfile::Run found;
+    for (uint32_t from : {uint32_t{2}, uint32_t{1000}, last, last + 80}) {
+        volume.last_clst = from;
+        CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
+        CHECK(found.start == last && found.length == 90);
+    }
+    f_mount(nullptr, "", 0);
+}
+
+TEST(the_longest_run_of_free_clusters_is_found) {
+    if (!insert_card()) return;
+    FATFS volume;
+    CHECK(logfile::mount(volume) == kNoTrouble);
+    set_free(volume, {{500, 50}, {2000, 120}, {5000, 80}});
     uint8_t sector[512];
     logfile::Run found;
     CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
