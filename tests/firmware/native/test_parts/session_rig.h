@@ -14,9 +14,13 @@
 #include "session.h"
 
 static int config_problems = 0;
+static uint16_t last_problem = 0;  // its line
 
 struct Rig {
-    Session session{fake::sampler, [](uint16_t, const FlashChar*) { ++config_problems; }};
+    Session session{fake::sampler, [](uint16_t line, const FlashChar*) {
+                        ++config_problems;
+                        last_problem = line;
+                    }};
     uint32_t code = 0;
 
     Rig() {

@@ -254,6 +254,42 @@ TEST(a_file_that_is_not_there_is_told_from_a_card_that_is_not) {
     f_mount(nullptr, "", 0);
 }
 
+static void write_config(const std::string& text) {
+    FATFS volume;
+    FIL file;
+    UINT count;
+    CHECK(f_mount(&volume, "", 1) == FR_OK);
+    CHECK(f_open(&file, "HOP.CFG", FA_WRITE | FA_CREATE_ALWAYS) == FR_OK);
+    CHECK(f_write(&file, text.data(), static_cast<UINT>(text.size()), &count) == FR_OK);
+    CHECK(f_close(&file) == FR_OK && count == text.size());
+    f_mount(nullptr, "", 0);
+}
+
+TEST(hop_cfg_is_read_as_editors_leave_it) {
+    const std::string mark = "\xEF\xBB\xBF";  // of UTF-8
+    for (const std::string& text :
+         {mark + "rate = 400\r\nname = kerb\r\nresume = off",
+          std::string("rate=400\nname=kerb\nresume=off\n"),
+          std::string("# seat\n\n  rate = 400\n\tname = kerb\nresume = off\n")}) {
+        if (!insert_card()) return;
+        write_config(text);
+        Rig rig;
+        CHECK(rig.session.meet() == kNoTrouble && config_problems == 0);
+        CHECK(rig.session.config_errors == 0 && rig.session.settings.conversions == 2);
+        CHECK(std::string(rig.session.settings.name) == "kerb" && !rig.session.settings.resume);
+        fake::power_on();
+    }
+}
+
+TEST(a_line_that_is_not_understood_is_counted_and_told_by_its_number) {
+    if (!insert_card()) return;
+    write_config("rate = 400\n\nnonsense\nname = k\xEF\n" + std::string(70, 'x') +
+                 "\nresume = off\n");
+    Rig rig;
+    CHECK(rig.session.meet() == kNoTrouble && config_problems == 3 && last_problem == 5);
+    CHECK(rig.session.config_errors == 3 && !rig.session.settings.resume);
+}
+
 // Let these clusters be free, and no others.
 static void set_free(const FATFS& volume, const std::vector<logfile::Run>& runs) {
     uint8_t* table = &fake::card.content[volume.fatbase * 512];
