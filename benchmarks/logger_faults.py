@@ -93,6 +93,16 @@ def stalls(rng: Rng, one: Logger) -> Faults:
     return Faults(stalls={int(write): float(rng.uniform(0.05, 0.9)) for write in writes})
 
 
+def sags(rng: Rng, one: Logger) -> Faults:
+    """The sensors' supply sags and recovers, and the card is busy for long."""
+    faults = stalls(rng, one)
+    for volts in rng.uniform(2.6, 3.6, rng.integers(1, 5)):
+        one.board.reference_volts = float(volts)
+        one.run(float(rng.uniform(0.05, 0.5)))
+    one.board.reference_volts = 3.3
+    return faults
+
+
 def rejects(rng: Rng, one: Logger) -> Faults:
     """Writes are refused."""
     first = one.board.counters().card_writes
@@ -129,6 +139,7 @@ CAUSES: dict[str, Callable[[Rng, Logger], Faults]] = {
     "refused writes": rejects,
     "power cuts": cut,
     "resets": reset,
+    "supply sags": sags,
 }
 
 

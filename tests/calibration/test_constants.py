@@ -83,6 +83,14 @@ def test_out_of_date_is_a_warning_that_stays_in_the_history():
     assert CONSTANTS.warnings(late) == ("B1: out of date since 2027-05-31",)
     assert "out of date" in CONSTANTS.apply(late).history[-1]
     assert CONSTANTS.warnings(recording(Channel("B1", "code"))) == ()
+
+
+def test_a_supply_that_sagged_is_a_warning_that_stays_in_the_history():
+    notes = {"supply_mv": "3300", "low_supply_mv": "2950", "low_supply_s": "12.16"}
+    sagged = recording(Channel("B1", "code"), notes=notes)
+    sentence = "the sensors' supply fell from 3300 to 2950 mV (-11 %) at 12.16 s"
+    assert CONSTANTS.warnings(sagged) == (sentence,)
+    assert sentence in CONSTANTS.apply(sagged).history[-1]
     other = recording(Channel("B1", "code"), notes={"device": "3", "calibration": "cal-2"})
     assert "asks for calibration cal-2" in CONSTANTS.apply(other).history[-1]
 

@@ -1,6 +1,7 @@
 """Calibration by turning over: what it finds, and what it notices."""
 
 import datetime as dt
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,15 @@ PAIR = (Sensor("B1", rest_code=530.3), Sensor("A1", rest_code=520.8))
 def flip(sensors=PAIR, orientations=(1, -1, 1, -1, 1), seed=0, **options):
     log = flip_log(sensors, np.random.default_rng(seed), orientations, **options)
     return flip_calibration(log, CONDITIONS)
+
+
+def test_a_supply_that_changed_is_found():
+    log = flip_log(PAIR, np.random.default_rng(0), (1, -1, 1, -1, 1))
+    steady = flip_calibration(log, CONDITIONS)
+    notes = {**log.notes, "supply_mv": "3300", "low_supply_mv": "3000"}
+    found = flip_calibration(replace(log, notes=notes), CONDITIONS)
+    sentence = "the sensors' supply fell from 3300 to 3000 mV (-9 %) in between"
+    assert found.findings == (sentence, *steady.findings)
 
 
 def test_gain_and_offset_are_within_their_uncertainty():

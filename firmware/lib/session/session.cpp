@@ -14,7 +14,7 @@ const uint16_t kFlushLimitMs = 5000;
 const uint8_t kTries = 3;
 const uint16_t kBandgapMv = 1100;
 const uint16_t kSupplyStepMv = 50;  // a larger change goes into the file
-const uint8_t kSoon = 4;            // scans
+const uint8_t kSoon = 8;            // scans
 
 // Of the converter's reference, from the code of the internal one; 0 if that makes no sense.
 uint16_t supply_from(uint16_t code) {

@@ -5,11 +5,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, SUMMARY, SUPPLY, parse_text
+from wheelhop.logger.block import (
+    BLOCK_BYTES,
+    CRC_AT,
+    DATA,
+    FIELDS,
+    HEADER,
+    PAYLOAD_AT,
+    SUMMARY,
+    SUPPLY,
+    parse_text,
+)
 from wheelhop.logger.chain import agreeing, unrolled
 from wheelhop.logger.log import Damage, Log, Supply
 from wheelhop.logger.settings import block_capacity, find_settings, number
-from wheelhop.logger.survey import Progress, Verdict, open_source, pieces, survey
+from wheelhop.logger.survey import Progress, Verdict, open_source, pieces, read_bytes, survey
 
 SETTINGS_KEYS = ("device", "calibration", "rate_hz", "conversions", "channels")
 
@@ -76,8 +86,12 @@ def _text(source: Path | bytes, block: int) -> dict[str, str]:
 
 
 def _supply(source: Path | bytes, blocks: NDArray[np.int64]) -> tuple[Supply, ...]:
-    texts = (_text(source, int(block)) for block in blocks)
-    readings = (Supply(int(number(text, "scan")), number(text, "supply_mv")) for text in texts)
+    readings = []
+    with open_source(source) as file:
+        for block in blocks:
+            file.seek(int(block) * BLOCK_BYTES)
+            text = parse_text(bytes(read_bytes(file, BLOCK_BYTES)[PAYLOAD_AT:CRC_AT]))
+            readings.append(Supply(int(number(text, "scan")), number(text, "supply_mv")))
     return tuple(reading for reading in readings if reading.mv > 0)
 
 

@@ -11,7 +11,7 @@ from wheelhop.logger.frames import Acknowledgement
 
 MEBIBYTE = 1 << 20
 SUPPLY_STEP_MV = 50  # a larger change goes into the file
-SOON = 4  # scans that may wait when it does
+SOON = 8  # scans that may wait when it does
 SPARE_BLOCKS = 5  # what the firmware leaves free for the last blocks
 
 

@@ -212,7 +212,7 @@ bool was_reset() { return true; }
 const FlashChar* reset_cause() { return FLASH("watchdog"); }
 
 void card_select(bool selected) { fake::card.select(selected); }
-void spi_fast(bool) {}
+void spi_fast(bool fast) { fake::card.fast = fast; }
 uint8_t spi_exchange(uint8_t sent) { return fake::card.exchange(sent); }
 
 uint16_t spi_send(const uint8_t* data, uint16_t size) {

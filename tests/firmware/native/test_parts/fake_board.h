@@ -30,6 +30,7 @@ struct Card {
     int refuse = 0;          // so many of the next writes
     int fail_later = 0;      // accept them, and fail afterwards
     int writes = 0;
+    bool fast = false;              // the clock
     int commands[64] = {};          // how often each came
     int bad_replies = 0;            // so many of the next answers to `bad_command` are `bad_reply`,
     uint8_t bad_command = 0;        // and the command is not carried out

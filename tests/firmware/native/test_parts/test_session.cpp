@@ -114,6 +114,36 @@ TEST(a_session_that_a_reset_ended_is_closed_when_the_card_is_met_again) {
     }
 }
 
+TEST(a_file_whose_header_is_not_its_own_is_left_as_it_is) {
+    for (const bool same_name : {false, true}) {
+        fake::power_on();
+        if (!insert_card()) return;
+        {
+            Rig rig;
+            CHECK(rig.session.start() == kNoTrouble);
+            rig.run(500);
+        }
+        {
+            File card;
+            CHECK(card.open("HOP00001.HOP") && f_close(&card.file) == FR_OK);
+            if (!same_name) CHECK(f_rename("HOP00001.HOP", "HOP00002.HOP") == FR_OK);
+            if (!same_name) identity::set_session_number(2);
+            if (same_name) {  // no header at its start
+                char wrong = 'D';
+                UINT count;
+                CHECK(f_open(&card.file, "HOP00001.HOP", FA_WRITE) == FR_OK);
+                CHECK(f_lseek(&card.file, 4) == FR_OK);
+                CHECK(f_write(&card.file, &wrong, 1, &count) == FR_OK);
+                CHECK(f_close(&card.file) == FR_OK);
+            }
+        }
+        Rig rig;
+        CHECK(rig.session.meet() == kNoTrouble && rig.session.continues == 0);
+        File file;
+        CHECK(file.open(same_name ? "HOP00001.HOP" : "HOP00002.HOP") && file.blocks() == 2048);
+    }
+}
+
 // Long runs of damage: what SPEC.md's reader finds before the file is closed it finds afterwards.
 TEST(recovery_cuts_nothing_that_a_reader_reaches) {
     if (!insert_card()) return;
