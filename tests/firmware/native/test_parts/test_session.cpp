@@ -320,6 +320,30 @@ TEST(a_line_that_is_not_understood_is_counted_and_told_by_its_number) {
     CHECK(rig.session.config_errors == 3 && !rig.session.settings.resume);
 }
 
+TEST(log_files_are_those_with_five_digits_in_their_name) {
+    if (!insert_card()) return;
+    FATFS volume;
+    FIL file;
+    CHECK(f_mount(&volume, "", 1) == FR_OK);
+    for (const char* name : {"HOP0000A.HOP", "HOP00019.HOP", "HOP00-01.HOP", "HOP0001.HOP",
+                             "HIP00001.HOP", "HOP90000.HOP", "HOP00001.TXT", "HOP.CFG"}) {
+        CHECK(f_open(&file, name, FA_WRITE | FA_CREATE_NEW) == FR_OK && f_close(&file) == FR_OK);
+    }
+    CHECK(f_mkdir("HOP00003.HOP") == FR_OK);
+    logfile::Work work;
+    CHECK(logfile::open_folder(work) == kNoTrouble);
+    std::string found;
+    for (bool more = true; more;) {
+        char line[40] = {};
+        Text text(line, sizeof line - 1);
+        CHECK(logfile::next_log(work, text) == kNoTrouble);
+        more = text.length();
+        found += std::string(line) + "\n";
+    }
+    CHECK(found == "HOP00019.HOP 0\nHOP90000.HOP 0\n\n");
+    f_mount(nullptr, "", 0);
+}
+
 // Let these clusters be free, and no others.
 static void set_free(const FATFS& volume, const std::vector<logfile::Run>& runs) {
     uint8_t* table = &fake::card.content[volume.fatbase * 512];
