@@ -14,7 +14,7 @@ PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_si
 # A room may import itself and the rooms before it.
 ROOMS = (
     *("files", "logger", "exchange", "calibration", "campaign", "track"),
-    *("material", "vehicle", "effects", "simulate", "gate", "compare", "fit", "identify"),
+    *("material", "frame", "vehicle", "effects", "simulate", "gate", "compare", "fit", "identify"),
     *("diagnose", "law", "hil_sim", "report", "workbench", "cli"),
 )
 LONGEST_FILE = 400  # lines
@@ -89,7 +89,7 @@ def test_nothing_is_left_half_done_and_no_path_belongs_to_one_machine():
     assert found == []
 
 
-@pytest.mark.parametrize("room", ["campaign", "vehicle", "track", "simulate", "compare"])
+@pytest.mark.parametrize("room", ["campaign", "frame", "vehicle", "track", "simulate", "compare"])
 def test_rooms_that_compute_do_not_load_the_plotting(room):
     if not (ROOT / "host/wheelhop" / room).exists():
         pytest.skip(f"{room} is not built yet")

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import NoReturn
 
+from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
 
 BAD_INPUT = 2
@@ -60,6 +61,7 @@ def make_parser() -> argparse.ArgumentParser:
     convert.add_argument("--force", action="store_true", help="replace a file that exists")
     _make_import(commands.add_parser("import", help="read recordings of other recorders, into SI"))
     _make_bushing(commands.add_parser("bushing", help="find the complex modulus of bushings"))
+    add_frame(commands)
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
     commands.add_parser("version", help="print the version")
     return parser

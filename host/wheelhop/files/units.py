@@ -43,6 +43,11 @@ UNITS = {
     "kg_m2": Unit("inertia", 1.0, "kilogram square metres"),
     "m_s2": Unit("acceleration", 1.0, "metres per second squared"),
     "mm_s2": Unit("acceleration", 1e-3, "millimetres per second squared"),
+    "kg_m3": Unit("density", 1.0, "kilograms per cubic metre"),
+    "g_cm3": Unit("density", 1e3, "grams per cubic centimetre"),
+    "Pa": Unit("pressure", 1.0, "pascals"),
+    "MPa": Unit("pressure", 1e6, "megapascals"),
+    "GPa": Unit("pressure", 1e9, "gigapascals"),
     "m3": Unit("unevenness", 1.0, "cubic metres"),
     "cm3": Unit("unevenness", 1e-6, "cubic centimetres"),
     "N_m": Unit("stiffness", 1.0, "newtons per metre"),
@@ -68,6 +73,8 @@ SIZES = {
     "acceleration": (1e-9, 1e6),
     "stiffness": (1e-3, 1e10),
     "damping": (1e-4, 1e8),
+    "density": (1e-3, 1e5),
+    "pressure": (1e3, 1e15),
 }
 """The least and the largest number, in SI, that anything on wheels has of a dimension: beyond that
 a file is broken, and powers of it overflow."""
