@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from wheelhop.frame.beam import Beams, element_matrices, local_axes
-from wheelhop.frame.error import FrameError
 from wheelhop.frame.model import CORNERS, Frame, Tube
 
 Array = NDArray[np.float64]
@@ -22,7 +21,6 @@ Matrix = Any
 
 DOF = 6
 """Coordinates of a node: three displacements, m, and three rotations, rad."""
-MOST_ELEMENTS = 50_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,22 +41,13 @@ class FiniteElements:
 
 
 def assemble(frame: Frame) -> FiniteElements:
-    """Cut every tube into equal elements no longer than `element_m` and add them up.
-
-    Raises `FrameError` if that makes more than 50 000 elements.
-    """
+    """Cut every tube into equal elements no longer than `element_m` and add them up."""
     position = [np.array(list(frame.nodes.values()), dtype=float)]
     node = {name: i for i, name in enumerate(frame.nodes)}
-    lines, count, elements = [], len(node), 0
+    lines, count = [], len(node)
     for tube in frame.tubes:
         start, end = (np.array(frame.nodes[name]) for name in (tube.start, tube.end))
         parts = ceil(float(np.linalg.norm(end - start)) / frame.element_m - 1e-9)
-        elements += parts
-        if elements > MOST_ELEMENTS:
-            raise FrameError(
-                f"{frame.name}: more than {MOST_ELEMENTS} elements: raise element_mm ="
-                f" {1e3 * frame.element_m:g}"
-            )
         share = np.arange(1, parts)[:, None] / parts
         position.append(start + share * (end - start))
         inner = np.arange(count, count + parts - 1)

@@ -52,6 +52,8 @@ def held_modes(stiffness: Matrix, mass: Matrix, count: int) -> Modes:
     """The lowest modes of a structure whose supports have been struck out of its matrices."""
     size = mass.shape[0]
     count = min(count, size)
+    if count == 0:
+        return Modes(np.zeros(0), np.zeros((size, 0)))
     if LANCZOS_SHARE * count > size:
         squares, shape = linalg.eigh(
             stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1)

@@ -13,6 +13,10 @@ from wheelhop.frame.model import CORNERS, ELEMENT_M, Frame, Point, PointMass, Tu
 from wheelhop.frame.section import Material, Section, round_tube
 
 LEAST_LENGTH_M = 1e-4
+FARTHEST_M = 1000.0
+MOST_ELEMENTS = 50_000
+SMALL, LARGE = 1e-6, 1e12
+"""Between these lie the numbers of every section, in mm² and mm⁴."""
 ROUND = ("outer_diameter_mm", "wall_thickness_mm")
 GENERAL = ("A_mm2", "Iy_mm4", "Iz_mm4", "J_mm4", "shear_coefficient")
 USUAL_SHEAR = 5 / 6
@@ -48,8 +52,19 @@ def read_frame(path: Path) -> Frame:
         _mass(table, nodes) for table in (top.tables("mass", "node") if "mass" in top else ())
     )
     interface = _interface(top.table("interface"), nodes)
-    element_m = top.number("element_mm", 1e3 * ELEMENT_M, at_least=1.0) / 1e3
+    element_m = _element_m(top, nodes, tubes)
     return Frame(top.text("name"), material, sections, nodes, tubes, masses, interface, element_m)
+
+
+def _element_m(top: Table, nodes: Mapping[str, Point], tubes: Sequence[Tube]) -> float:
+    element_m = top.number("element_mm", 1e3 * ELEMENT_M, at_least=1.0) / 1e3
+    count = sum(dist(nodes[tube.start], nodes[tube.end]) / element_m for tube in tubes)
+    if count > MOST_ELEMENTS:
+        raise top.error(
+            f"element_mm = {1e3 * element_m:g} would make {count:.0f} elements:"
+            f" {MOST_ELEMENTS} are allowed"
+        )
+    return element_m
 
 
 def _material(top: Table) -> Material:
@@ -80,9 +95,9 @@ def _section(table: Table, material: Material) -> Section:
             )
         return round_tube(outer / 1e3, wall / 1e3, material.poisson)
     table.only(GENERAL, f"; give {' and '.join(ROUND)}, or {', '.join(GENERAL[:-1])}")
-    area, *second = (table.number(key, above=0.0) for key in GENERAL[:-1])
+    area, *second = (table.number(key, at_least=SMALL, below=LARGE) for key in GENERAL[:-1])
     bend_y, bend_z, torsion = (1e-12 * value for value in second)
-    kappa = table.number("shear_coefficient", USUAL_SHEAR, above=0.0)
+    kappa = table.number("shear_coefficient", USUAL_SHEAR, at_least=1e-3, below=LARGE)
     return Section(1e-6 * area, bend_y, bend_z, torsion, kappa)
 
 
@@ -96,6 +111,8 @@ def _nodes(table: Table) -> dict[str, Point]:
     places: dict[Point, str] = {}
     for name in table.values:
         place = _point(table, name)
+        if max(map(abs, place)) > FARTHEST_M:
+            raise table.error(f"{name} lies more than {FARTHEST_M:g} m away: write metres")
         if place in places:
             raise table.error(f"{name} lies where {places[place]} lies: use one node for both")
         places[place] = name
