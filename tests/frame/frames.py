@@ -14,12 +14,12 @@ def rigid_in_shear(section: Section) -> Section:
     return Section(section.area_m2, section.Iy_m4, section.Iz_m4, section.J_m4, 1e6)
 
 
-def chain(points, section=TUBE, material=STEEL, element_m=0.1, closed=False):
+def chain(points, section=TUBE, material=STEEL, element_m=0.1, closed=False, up=None):
     """The finite elements of tubes from point to point."""
     names = [f"n{i}" for i in range(len(points))]
     nodes = {name: tuple(map(float, p)) for name, p in zip(names, points, strict=True)}
     ends = list(zip(names, names[1:] + names[:1], strict=True))
-    tubes = tuple(Tube(a, b, "s") for a, b in (ends if closed else ends[:-1]))
+    tubes = tuple(Tube(a, b, "s", up) for a, b in (ends if closed else ends[:-1]))
     corners = dict(zip(CORNERS, (names * 4)[:4], strict=True))
     return assemble(Frame("chain", material, {"s": section}, nodes, tubes, (), corners, element_m))
 

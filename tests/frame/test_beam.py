@@ -12,8 +12,8 @@ LENGTH = 1.3
 E, G, RHO = STEEL.young_Pa, STEEL.shear_Pa, STEEL.density_kg_m3
 
 
-def cantilever(section=TUBE, element_m=10.0, along=(1.0, 0.0, 0.0)):
-    return chain([(0, 0, 0), LENGTH * np.array(along)], section, element_m=element_m)
+def cantilever(section=TUBE, element_m=10.0, along=(1.0, 0.0, 0.0), up=None):
+    return chain([(0, 0, 0), LENGTH * np.array(along)], section, element_m=element_m, up=up)
 
 
 def tip_load(elements, direction):
@@ -62,10 +62,32 @@ def test_each_second_moment_resists_its_own_direction():
     assert upward == pytest.approx(LENGTH**3 / (3 * E * 2e-8), rel=1e-5)
 
 
-def test_reactions_balance_the_load():
-    found = tip_load(cantilever(element_m=0.3), 2)
-    assert found.reaction[:6] == pytest.approx([0, 0, -1, 0, LENGTH, 0], abs=1e-8)
+def test_the_section_of_an_upright_tube_points_ahead_and_any_can_be_turned():
+    flat = Section(4e-4, Iy_m4=2e-8, Iz_m4=9e-8, J_m4=1e-8, shear_coefficient=1e6)
+    upright = cantilever(flat, along=(0.0, 0.0, 1.0))
+    ahead, sideways = (tip_load(upright, d).displacement[6 + d] for d in (0, 1))
+    assert ahead == pytest.approx(LENGTH**3 / (3 * E * 2e-8), rel=1e-5)
+    assert sideways == pytest.approx(LENGTH**3 / (3 * E * 9e-8), rel=1e-5)
+    turned = cantilever(flat, up=(0.0, 1.0, 0.0))
+    sideways, upward = (tip_load(turned, d).displacement[6 + d] for d in (1, 2))
+    assert sideways == pytest.approx(ahead) and upward == pytest.approx(
+        LENGTH**3 / (3 * E * 9e-8), rel=1e-5
+    )
+
+
+def test_reactions_balance_all_loads_those_on_the_supports_too():
+    elements = cantilever(element_m=0.3)
+    load = np.zeros(elements.mass.shape[0])
+    load[dofs_of([0, 1], [2])] = 5.0, 1.0
+    found = solve_static(elements, load, dofs_of([0]))
+    assert found.reaction[:6] == pytest.approx([0, 0, -6, 0, LENGTH, 0], abs=1e-8)
     assert not found.reaction[6:].any()
+
+
+def test_supports_that_leave_the_frame_loose_are_refused():
+    elements = cantilever()
+    with pytest.raises(ValueError, match="free to move"):
+        solve_static(elements, np.zeros(12), dofs_of([0], (0, 1, 2)))
 
 
 def test_the_consistent_mass_is_that_of_archer_without_shear():

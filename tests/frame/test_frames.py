@@ -45,15 +45,16 @@ def test_a_rigid_motion_strains_nothing_and_the_rest_is_positive(seed):
 def test_mass_properties_are_those_of_rods_and_points():
     """Thin rods: mL²/12 about the middle; the rest by Steiner."""
     thin = round_tube(0.002, 0.001, 0.3)
-    weight = PointMass("MC", 5.0, (0.1, 0.2, 0.3))
-    frame = ladder(section=thin, masses=[weight], length=2.0, width=1.0)
+    weights = [PointMass("MC", 2.0, (0.1, 0.0, 0.3)), PointMass("MC", 3.0, (0.0, 0.2, 0.0))]
+    frame = ladder(section=thin, masses=weights, length=2.0, width=1.0)
     found = mass_properties(assemble(frame))
     line = STEEL.density_kg_m3 * thin.area_m2
     assert found.mass_kg == pytest.approx(7 * line + 5.0)
     assert found.centre_m == pytest.approx(np.zeros(3), abs=1e-12)
     roll = line * (3 * 1 / 12 + 2 * 2.0 * 0.25) + 0.1
     pitch = line * (2 * 8 / 12 + 2 * 1.0 * 1.0) + 0.2
-    wanted = np.diag([roll, pitch, roll + pitch])
+    yaw = line * (3 * 1 / 12 + 2 * 2.0 * 0.25 + 2 * 8 / 12 + 2 * 1.0 * 1.0) + 0.3
+    wanted = np.diag([roll, pitch, yaw])
     assert found.inertia_kg_m2 == pytest.approx(wanted, rel=1e-4, abs=1e-9)
 
 

@@ -2,6 +2,7 @@
 
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, between
 from wheelhop.vehicle.component import component, is_component
+from wheelhop.vehicle.flexible_frame import add_frame, car_on_frame, frame_values
 from wheelhop.vehicle.full_car import (
     CORNERS,
     Drive,
@@ -35,14 +36,17 @@ __all__ = [
     "System",
     "Usual",
     "Vehicle",
+    "add_frame",
     "axle",
     "axle_name",
     "baseline",
     "between",
     "body_corner",
+    "car_on_frame",
     "component",
     "corner_position",
     "ends",
+    "frame_values",
     "ground",
     "is_component",
     "mounted",
