@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -56,24 +57,22 @@ def two_recordings(folder: Path) -> None:
 
 def fitted(folder: Path) -> None:
     """A campaign whose fit is known already: what is tested is how it is written down."""
-    import wheelhop.cli.add as add
-    import wheelhop.cli.compare as compare
-    from wheelhop.diagnose.added import steps_with
+    import wheelhop.cli.compare as compare_command
+    from wheelhop.api import compare, verbs
     from wheelhop.report import reports
     from wheelhop.report.page import write_page
-    from wheelhop.vehicle import read_nominal
 
     write_campaign(folder)
-    campaign = read_campaign(folder)
-    steps = steps_with(campaign, read_nominal(campaign), [], lambda text: None)
+    result = compare(folder)
     pages: list[tuple[str, list[str]]] = []
     reports.write_page = lambda path, name, body: pages.append((name, list(body)))
-    reports.write_comparison_report(folder / "page", campaign, steps)
+    result.write_report(folder / "page")
     name, body = pages[0]
-    for module in (add, compare):
-        module.steps_with = lambda *rest: steps
-    compare._driven_by_axles = lambda *rest: None
-    compare.write_comparison_report = lambda path, *rest: write_page(path, name, body)
+    reports.write_comparison_report = lambda path, *rest: write_page(path, name, body)
+    compare_command.compare = lambda *words, **options: result
+    verbs.fit_baseline = lambda *rest, **options: SimpleNamespace(workshop=result.workshop)
+    verbs.fit_with = lambda *rest: [None]
+    verbs.step_of = lambda *rest: result.last
 
 
 def fitted_before(folder: Path) -> None:

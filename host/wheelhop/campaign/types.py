@@ -1,20 +1,28 @@
 """What a campaign is once it has left the disk: one vehicle, one instrument set-up, many runs."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from html import escape
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files import InputError
+from wheelhop.files import InputError, did_you_mean, shown
+from wheelhop.files.words import ending_of
+from wheelhop.logger.recording import Channel as Recorded
+from wheelhop.logger.recording import Recording
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")
 RigDrive = Literal["displacement", "force"]
 """What a rig imposes."""
-UNIT_IN_KEYS = {"m/s²": "m_s2"}
 
 
 class CampaignError(InputError):
@@ -87,8 +95,12 @@ class Run:
     time_s: NDArray[np.float64]
     record: NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        how = f"{self.track.kind}, {self.speed_m_s * 3.6:.3g} km/h"
+        return f"<Run {self.id}: {self.role}, {how}, {len(self.time_s)} samples>"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class RigRun(Run):
     """One recording of a component on a rig; it stands still, on no track.
 
@@ -100,6 +112,10 @@ class RigRun(Run):
     displacement: NDArray[np.float64]
     force: NDArray[np.float64]
     velocity: NDArray[np.float64] | None
+
+    def __repr__(self) -> str:
+        how = f"{self.drive} imposed"
+        return f"<RigRun {self.id}: {self.role}, {how}, {len(self.time_s)} samples>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,10 +156,72 @@ class Campaign:
     @property
     def noise_key(self) -> str:
         """Under which key campaign.toml states the noise."""
-        return f"noise_rms_{UNIT_IN_KEYS.get(self.unit, self.unit)}"
+        return f"noise_rms{ending_of(self.unit)}"
+
+    def select(self, *ids: str) -> Self:
+        """The campaign with these runs alone, in the campaign's order.
+
+        Raises
+        ------
+        CampaignError
+            There is no run of such an id.
+        """
+        known = [run.id for run in self.runs]
+        for id_ in ids:
+            if id_ not in known:
+                raise CampaignError(
+                    f'{self.folder / "campaign.toml"}: there is no run "{id_}"'
+                    f"{did_you_mean(id_, known)}"
+                )
+        return replace(self, runs=tuple(run for run in self.runs if run.id in ids))
+
+    def recording(self, run_id: str) -> Recording:
+        """The samples (n, n_channels) of one run, in the channels' units.
+
+        Raises
+        ------
+        CampaignError
+            There is no run of this id.
+        """
+        (run,) = self.select(run_id).runs
+        channels = tuple(Recorded(c.name, c.unit, c.point) for c in self.channels)
+        return Recording(
+            run.record, self.sample_rate_hz, channels, float(run.time_s[0]), self.averaging_s
+        )
+
+    def to_dataframe(self) -> DataFrame:
+        """The runs, one a row: role, track, nominal speed, duration, samples, and the rms of all
+        channels without their means, in their unit."""
+        import pandas
+
+        return pandas.DataFrame(
+            [
+                {
+                    "run": run.id,
+                    "role": run.role,
+                    "track": run.track.kind,
+                    "speed_m_s": run.speed_m_s,
+                    "duration_s": len(run.time_s) / self.sample_rate_hz,
+                    "samples": len(run.time_s),
+                    f"rms{ending_of(self.unit)}": float(np.sqrt(run.record.var(axis=0).mean())),
+                }
+                for run in self.runs
+            ]
+        ).set_index("run")
+
+    def __repr__(self) -> str:
+        low, high = self.band_hz
+        runs = f"{len(self.fit_runs)} runs to fit and {len(self.validate_runs)} to judge"
+        return (
+            f"<{type(self).__name__} {shown(self.title)}: {runs}, {len(self.channels)} channels"
+            f" at {self.sample_rate_hz:g} Hz, compared from {low:g} to {high:g} Hz>"
+        )
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self))}</p>{self.to_dataframe().to_html(float_format='%.4g')}"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ComponentCampaign(Campaign):
     """One component on a rig: there is one channel, what the rig does not impose; `nominal` holds
     the numbers of [component] and `uncertainty` one standard deviation of each (0 for a nominal

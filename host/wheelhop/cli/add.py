@@ -4,31 +4,23 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from wheelhop.campaign import read_campaign
+from wheelhop.api import MODEL_FILE, add
 from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import pick
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters
-from wheelhop.diagnose.added import steps_with
-from wheelhop.effects import beliefs, load_effects
-from wheelhop.report.model_file import write_model
-from wheelhop.vehicle import read_nominal
-
-MODEL_FILE = "model.toml"
 
 
 def run(arguments: Namespace) -> int:
     """Refit, print the ladder, store CAMPAIGN/model.toml; raises CampaignError."""
-    campaign = read_campaign(arguments.campaign)
-    vehicle = read_nominal(campaign)
-    library = {**load_effects(arguments.effects_file), **beliefs(campaign, vehicle)}
-    effects = pick(arguments.effects, library)
     with stages() as progress:
-        steps = steps_with(campaign, vehicle, effects, progress)
+        result = add(
+            arguments.campaign,
+            *arguments.effects,
+            effects=arguments.effects_file,
+            progress=progress,
+        )
     console = open_console()
-    print_ladder(steps, console)
-    print_parameters(steps[-1], console)
-    file = arguments.campaign / MODEL_FILE
-    write_model(file, campaign, vehicle, steps)
-    console.print(f"stored in {file}", markup=False)
+    print_ladder(result.steps, console)
+    print_parameters(result.last, console)
+    console.print(f"stored in {arguments.campaign / MODEL_FILE}", markup=False)
     return 0

@@ -9,9 +9,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
+from wheelhop.api import MODEL_FILE
 from wheelhop.campaign import Campaign, CampaignError, read_campaign
 from wheelhop.campaign.read import CONSTANTS_FILE
-from wheelhop.cli.add import MODEL_FILE
 from wheelhop.cli.console import open_console
 from wheelhop.cli.demo_field import (
     CARD,

@@ -6,7 +6,7 @@ from argparse import Namespace
 
 from rich.console import Console
 
-from wheelhop.campaign import read_campaign
+from wheelhop.api import diagnose
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.progress import stages
@@ -18,33 +18,26 @@ from wheelhop.cli.show import (
     print_ranking,
     print_verdict,
 )
-from wheelhop.diagnose import Diagnosis, diagnose, to_json
-from wheelhop.effects import load_effects
-from wheelhop.report.reports import write_diagnosis_report
+from wheelhop.diagnose import Diagnosis
 from wheelhop.report.words import next_run_words
-from wheelhop.vehicle import read_nominal
 
 
 def run(arguments: Namespace) -> int:
     """Diagnose, print, write JSON and report; raises CampaignError."""
-    effects = load_effects(arguments.effects)
-    campaign = read_campaign(arguments.campaign)
-    vehicle = read_nominal(campaign)
     with stages() as progress:
-        diagnosis = diagnose(
-            campaign,
-            vehicle,
-            effects,
+        result = diagnose(
+            arguments.campaign,
+            effects=arguments.effects,
             max_effects=arguments.max_effects,
             jobs=arguments.jobs,
             progress=progress,
         )
     console = open_console()
-    print_diagnosis(diagnosis, console)
+    print_diagnosis(result.diagnosis, console)
     if arguments.json:
-        write_json(arguments.json, to_json(diagnosis))
+        write_json(arguments.json, result.to_json())
     if arguments.report:
-        write_diagnosis_report(arguments.report, campaign, diagnosis, effects)
+        result.write_report(arguments.report)
         console.print(f"report: {arguments.report}", markup=False)
     return 0
 

@@ -9,9 +9,9 @@ from rich.console import Console
 
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import pick, write_json
+from wheelhop.cli.exchange import write_json
 from wheelhop.cli.progress import stages
-from wheelhop.effects import load_effects
+from wheelhop.effects import load_effects, pick
 from wheelhop.files import write_text
 from wheelhop.law import Formula, Found, find_law, source_of
 from wheelhop.report.law import amplitudes, law_lines, rivals, write_law_figure

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from html import escape
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -16,8 +17,12 @@ from wheelhop.compare.floor import Floor, noise_floor
 from wheelhop.compare.records import Record, in_band, relative_error
 from wheelhop.compare.slices import Slice
 from wheelhop.compare.where import Breakdown, breakdown
+from wheelhop.files import shown
+from wheelhop.files.words import ending_of, percent
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from wheelhop.simulate import Response
 
 
@@ -44,6 +49,73 @@ class Comparison:
         """One entry per run and channel the model predicts; made when asked for, because rating
         long records takes seconds."""
         return channel_figures(self.records, self.channels, self.floor.noise_rms)
+
+    def residuals(self, by: Literal["band", "run"] = "band") -> DataFrame:
+        """What the model leaves in each channel, by third-octave band (its nominal centre, Hz) or
+        by run, a row for each pair.
+
+        Rms of residual, measurement and expected noise over all samples, in the channels' unit;
+        `error` is E of the pair, residual over measurement, `over_floor` residual over noise.
+        """
+        import pandas
+
+        where = self.breakdown
+        grid = where.bands_channels if by == "band" else where.runs_channels
+        rows = [float(name) for name in grid.rows] if by == "band" else list(grid.rows)
+        samples = np.array([record.band.n * record.predicted for record in self.records])
+        if by == "band":
+            samples = np.tile(samples.sum(axis=0), (len(grid.rows), 1))
+        unit = ending_of(self.floor.unit)
+        sums = {"residual": grid.residual, "measured": grid.measured, "noise": grid.noise}
+        index = pandas.MultiIndex.from_product(
+            [rows, grid.columns], names=["band_hz" if by == "band" else "run", "channel"]
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            columns = {f"{k}_rms{unit}": np.sqrt(v / samples).ravel() for k, v in sums.items()}
+            columns["error"] = np.sqrt(grid.residual / grid.measured).ravel()
+            columns["over_floor"] = np.sqrt(grid.residual / grid.noise).ravel()
+        return pandas.DataFrame(columns, index=index)
+
+    def agreement(self) -> DataFrame:
+        """The field's figures of agreement, a row for each run and channel the model predicts: see
+        `ChannelFigures`, and the ISO/TS 18571 rating."""
+        import pandas
+
+        height = f"height{ending_of(self.floor.unit)}"
+        rows = [
+            {
+                "run": f.run_id,
+                "channel": f.channel,
+                "error": f.error,
+                "floor": f.floor,
+                "nrmse": f.nrmse,
+                "coherence": f.coherence,
+                "measured_peak_hz": f.measured_peak.frequency_hz,
+                f"measured_peak_{height}": f.measured_peak.height,
+                "model_peak_hz": f.model_peak.frequency_hz,
+                f"model_peak_{height}": f.model_peak.height,
+                "iso18571": f.rating.overall,
+            }
+            for f in self.figures
+        ]
+        return pandas.DataFrame(rows).set_index(["run", "channel"])
+
+    def __repr__(self) -> str:
+        errors = [
+            f"E = {percent(error)} on {len(runs)} runs {what}"
+            for role, what, error in (
+                ("fit", "fitted", self.error_fit),
+                ("validate", "held out", self.error_validate),
+            )
+            if (runs := [run for run, its in self.roles.items() if its == role])
+        ]
+        words = [*errors, f"noise floor {percent(self.floor.error)}"]
+        return f"<Comparison {shown(self.title)}: {', '.join(words)}>"
+
+    def _repr_html_(self) -> str:
+        table = self.residuals("run")["over_floor"].unstack(sort=False)
+        caption = "Residual over noise floor, by run and channel:"
+        return f"<p>{escape(repr(self))}<br>{caption}</p>{table.to_html(float_format='%.2g')}"
 
 
 def compare(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -93,16 +94,19 @@ def axle_driven(campaign: Campaign) -> Campaign | None:
     return replace(campaign, runs=tuple(replace(run, track=unknown) for run in campaign.runs))
 
 
-def comparison_of(workshop: Workshop, rung: Rung) -> Comparison:
-    """The fitted model against all runs. Gains are fitted: what is left of a scale's uncertainty is
-    what a sensor shows of motion across its axis."""
+def comparison_of(
+    workshop: Workshop, rung: Rung, changes: Mapping[str, float] = MappingProxyType({})
+) -> Comparison:
+    """The fitted model, with some of its numbers changed if wanted, against all runs. Gains are
+    fitted: what is left of a scale's uncertainty is what a sensor shows of motion across its
+    axis."""
     campaign = workshop.campaign
     channels = tuple(
         replace(c, scale_uncertainty=float(np.sqrt(c.scale_uncertainty**2 - c.gain_uncertainty**2)))
         for c in campaign.channels
     )
     fitted = replace(campaign, channels=channels)
-    return compare(fitted, workshop.responses(rung.model), charged(rung))
+    return compare(fitted, workshop.responses(rung.model.with_values(changes)), charged(rung))
 
 
 def charged(rung: Rung) -> dict[str, float]:

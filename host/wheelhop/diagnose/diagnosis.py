@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from html import escape
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,9 +13,13 @@ from wheelhop.compare import Comparison, where_to_json
 from wheelhop.diagnose.judge import EXACT
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.diagnose.rung import Rung
+from wheelhop.files.words import percent, unit_of
 from wheelhop.gate import Finding
 from wheelhop.gate import to_json as findings_to_json
 from wheelhop.identify import Linearity
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 FORMAT = 1
 
@@ -67,6 +72,10 @@ class Step:
     rung: Rung
     parameters: Mapping[str, tuple[float, float]]
     comparison: Comparison
+
+    def __repr__(self) -> str:
+        model = " + ".join(("baseline", *self.added))
+        return f"<Step {model}: E = {percent(self.rung.error)}, floor {percent(self.floor)}>"
 
     @property
     def floor(self) -> float:
@@ -134,6 +143,73 @@ class Diagnosis:
     axle_to_body: Linearity | None = None
     limits: tuple[Limit, ...] = ()  #: what else these runs would have shown, and from where on
     findings: tuple[Finding, ...] = ()  #: of the gate before the fit and of the critic after it
+
+    def __repr__(self) -> str:
+        first, last = self.ladder[0], self.ladder[-1]
+        fall = f"E {percent(first.rung.error)} → {percent(last.rung.error)}"
+        verdict = ", ".join(self.verdict)
+        sure = f"confidence {100 * self.confidence:.0f} %"
+        return f"<Diagnosis: {verdict}; {sure}; {fall}, floor {percent(last.floor)}>"
+
+    def _repr_html_(self) -> str:
+        tables = ranking_frame(self.ranking).head(6), ladder_frame(self.ladder)
+        return f"<p>{escape(repr(self))}</p>" + "".join(
+            table.to_html(float_format="%.3g", na_rep="") for table in tables
+        )
+
+
+def ranking_frame(ranking: Sequence[Ranked]) -> DataFrame:
+    """The effects on the first rung, best first; NaN where one was not tried so far. See `Ranked`;
+    `angle_deg` is that to the effect hardest to tell from it."""
+    import pandas
+
+    rows = [
+        {
+            "effect": item.effect,
+            "place": item.place,
+            "screened_error": item.screened_error,
+            "confirmed_error": item.confirmed_error,
+            "validated_error": item.validated_error,
+            "log_evidence": item.evidence,
+            "p_value": item.p_value,
+            "hard_to_tell_from": ", ".join(name for name, _ in item.ambiguous_with),
+            "angle_deg": min((angle for _, angle in item.ambiguous_with), default=None),
+            "reason": item.reason,
+        }
+        for item in ranking
+    ]
+    words = {"effect", "place", "hard_to_tell_from", "reason"}
+    table = pandas.DataFrame(rows)
+    return table.astype({k: float for k in table if k not in words}).set_index("effect")
+
+
+def ladder_frame(ladder: Sequence[Step]) -> DataFrame:
+    """The rungs from the baseline on: the effects in the model, E over the runs fitted and held
+    out (NaN without such), E that the sensors' noise leaves, and the error over that floor."""
+    import pandas
+
+    rows = [
+        {
+            "model": " + ".join(("baseline", *step.added)),
+            "error_fit": step.rung.error_fit,
+            "error_validate": step.rung.error_validate,
+            "floor": step.floor,
+            "over_floor": step.rung.error / step.floor if step.floor > 0 else np.nan,
+        }
+        for step in ladder
+    ]
+    return pandas.DataFrame(rows).set_index("model")
+
+
+def parameters_frame(step: Step) -> DataFrame:
+    """Every fitted number of a rung under its name: value and one standard deviation (NaN for what
+    is fixed, or stands for what each run leaves free), in `unit`, SI."""
+    import pandas
+
+    names = list(step.parameters)
+    values = list(step.parameters.values())
+    table = pandas.DataFrame(values, index=names, columns=["value", "uncertainty"], dtype=float)
+    return table.rename_axis("number").assign(unit=[unit_of(name) for name in names])
 
 
 def to_json(diagnosis: Diagnosis) -> dict[str, Any]:

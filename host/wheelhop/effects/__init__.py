@@ -10,7 +10,7 @@ from wheelhop.effects.base import (
     law,
 )
 from wheelhop.effects.beliefs import beliefs
-from wheelhop.effects.library import load_effects
+from wheelhop.effects.library import load_effects, pick
 
 __all__ = [
     "Effect",
@@ -22,4 +22,5 @@ __all__ = [
     "beliefs",
     "law",
     "load_effects",
+    "pick",
 ]

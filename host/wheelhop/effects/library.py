@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import get_args
@@ -91,6 +92,18 @@ def load_effects(user_file: str | Path | None = None) -> Mapping[str, Effect]:
             effect = _made(cls, str(user_file))
             effects[effect.id] = effect
     return effects
+
+
+def pick(names: Sequence[str], library: Mapping[str, Effect]) -> list[Effect]:
+    """The effects of these names, each once; raises CampaignError for a name that is not there."""
+    for name in names:
+        if name not in library:
+            near = get_close_matches(name, library, n=1)
+            hint = f'did you mean "{near[0]}"? ' if near else ""
+            raise CampaignError(
+                f'there is no effect "{name}": {hint}the library has {", ".join(library)}'
+            )
+    return [library[name] for name in dict.fromkeys(names)]
 
 
 def _made(cls: type[Effect], where: str) -> Effect:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from math import floor, isfinite, log10
 
@@ -79,6 +80,12 @@ def _grouped(value: float, decimals: int) -> str:
 def unit_of(name: str) -> str:
     """The unit a name ends in; empty for a pure number."""
     return next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
+
+
+def ending_of(unit: str) -> str:
+    """What the name of a number in this unit ends in: "m/s²" gives "_m_s2"; empty for none."""
+    spelt = unit.replace("²", "2").replace("³", "3").replace("°", "deg")
+    return "_" + "_".join(re.findall(r"\w+", spelt)) if spelt.strip() else ""
 
 
 def squared(unit: str) -> str:

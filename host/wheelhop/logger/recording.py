@@ -2,9 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from html import escape
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wheelhop.files.words import ending_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 CODE = "code"
 """Unit of a raw sample: mean code of the converter, 0 … 1023, whose reference is code 1024."""
@@ -51,6 +58,13 @@ class Recording:
         if self.values.ndim != 2 or self.values.shape[1] != len(self.channels):
             raise ValueError(f"values {self.values.shape}, expected (n, {len(self.channels)})")
 
+    def __repr__(self) -> str:
+        rows, count = self.values.shape
+        names = ", ".join(f"{c.name} ({c.unit})" for c in self.channels[:8])
+        more = ", …" if count > 8 else ""
+        seconds = f"{rows / self.rate_hz:.4g} s"
+        return f"<Recording: {rows} samples at {self.rate_hz:g} Hz, {seconds}: {names}{more}>"
+
     @property
     def time_s(self) -> NDArray[np.float64]:
         """(n,) the instant of each row, seconds."""
@@ -60,6 +74,39 @@ class Recording:
     def missing(self) -> NDArray[np.bool_]:
         """(n,) True where a sample is missing."""
         return np.asarray(np.isnan(self.values).any(axis=1))
+
+    @staticmethod
+    def from_dataframe(
+        table: "DataFrame", *, rate_hz: float | None = None, unit: str = ""
+    ) -> "Recording":
+        """A recording from a pandas DataFrame, a column per channel.
+
+        Time is the column "time_s" or an index of times (seconds, timedeltas or dates); without
+        either, or to say it exactly, give `rate_hz`. A column's name ends in its unit
+        ("A1_m_s2", "A1 [g]"), or `unit` holds; known units become SI. "A1" … "B4" and "body" are
+        places of the campaign format. Gaps of the time stamps become rows of NaN.
+
+        Raises
+        ------
+        ExchangeError
+            A column without a unit or with something else than numbers, times that are not uniform.
+        """
+        from wheelhop.exchange.frame import from_dataframe
+
+        return from_dataframe(table, rate_hz, unit)
+
+    def to_dataframe(self) -> "DataFrame":
+        """A pandas DataFrame (n, n_channels): index `time_s`, each column's name ends in its unit
+        ("A1_m_s2")."""
+        import pandas
+
+        names = [f"{channel.name}{ending_of(channel.unit)}" for channel in self.channels]
+        index = pandas.Index(self.time_s, name="time_s")
+        return pandas.DataFrame(self.values.copy(), index=index, columns=names)
+
+    def _repr_html_(self) -> str:
+        table = self.to_dataframe().describe().drop("count")
+        return f"<p>{escape(repr(self))}</p>{table.to_html(float_format='%.3g')}"
 
     def after(self, step: str, **changes: object) -> "Recording":
         """Return the recording with `changes` of its fields, and the `step` that made them."""

@@ -17,6 +17,7 @@ from scipy import signal
 from wheelhop.compare import Breakdown, Locking, Slice
 from wheelhop.diagnose import Step
 from wheelhop.files.words import significant, squared
+from wheelhop.logger import Recording
 from wheelhop.report.cases import Case
 from wheelhop.report.svg import COLOURS, STYLE
 
@@ -156,6 +157,23 @@ def _bandwidth(case: Case) -> tuple[tuple[float, float], float]:
     frequency = np.fft.rfftfreq(len(case.measured), 1 / case.rate_hz)
     inside = frequency[power > 1e-18 * power.max()]
     return (float(inside[0]), float(inside[-1])), float(inside[-1] - inside[0])
+
+
+def recording_figure(recording: Recording) -> Figure:
+    """Every channel against time, one above the other, those of one unit on one scale."""
+    with mpl.rc_context(STYLE):
+        count = len(recording.channels)
+        figure = Figure(figsize=(WIDTH, 0.5 + 0.85 * count), layout="constrained")
+        panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+        units = [channel.unit for channel in recording.channels]
+        for axes, channel, column in zip(panels, recording.channels, range(count), strict=True):
+            axes.plot(recording.time_s, recording.values[:, column], color=AFTER, linewidth=0.8)
+            axes.set_ylabel(f"{channel.name}, {channel.unit}" if channel.unit else channel.name)
+            axes.yaxis.set_major_locator(MaxNLocator(3))
+            axes.sharey(panels[units.index(channel.unit)])
+            axes.margins(x=0.0)
+        panels[-1].set_xlabel("time, s")
+    return figure
 
 
 def where_figure(before: Breakdown, after: Breakdown | None) -> Figure:

@@ -34,6 +34,10 @@ class Model:
     runs: Mapping[str, Values] = field(default_factory=dict)
     heights: Mapping[str, ComplexArray] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        effects = ", ".join(effect.id for effect in self.effects) or "none"
+        return f"<Model: {len(self.values)} numbers, {len(self.runs)} runs, effects: {effects}>"
+
     @property
     def random_heights(self) -> Effect | None:
         """The effect that adds heights nobody knows; of several the first counts."""

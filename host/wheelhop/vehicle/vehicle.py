@@ -1,13 +1,21 @@
 """The numbers of vehicle.toml: what the user believes about the vehicle before any fit."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
-from wheelhop.files import Table, read_toml
+from wheelhop.files import Table, read_toml, shown
+from wheelhop.files.words import significant, unit_of
 from wheelhop.vehicle.mount import mount_values
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 WHEEL = ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m", "radius_m")
 SUSPENSION = ("stiffness_N_m", "damping_N_s_m")
@@ -45,11 +53,27 @@ class Vehicle:
     def __getitem__(self, key: str) -> float:
         return self.values[key]
 
-    def with_values(self, changes: Mapping[str, float]) -> "Vehicle":
+    def with_values(self, changes: Mapping[str, float]) -> Vehicle:
         """This vehicle with some values changed; KeyError for a key it does not have."""
         for key in changes:
             self.values[key]
         return replace(self, values={**self.values, **changes})
+
+    def to_dataframe(self) -> DataFrame:
+        """The numbers by their names: value, one standard deviation, and their unit, SI."""
+        import pandas
+
+        columns = {"value": dict(self.values), "uncertainty": dict(self.uncertainty)}
+        table = pandas.DataFrame(columns).rename_axis("number")
+        return table.assign(unit=[unit_of(name) for name in table.index])
+
+    def __repr__(self) -> str:
+        mass = self.values.get("body.mass_kg", self.values.get("component.mass_kg"))
+        heavy = "" if mass is None else f", {significant(mass)} kg"
+        return f"<Vehicle {shown(self.name)}{heavy}, {len(self.values)} numbers>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self))}</p>{self.to_dataframe().to_html(float_format='%.4g')}"
 
 
 def read_vehicle(path: Path) -> Vehicle:

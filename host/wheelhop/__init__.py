@@ -1,0 +1,154 @@
+"""Find out which physics a suspension model is missing.
+
+    import wheelhop as wh
+
+    campaign = wh.read("my-campaign")       # campaign.toml, vehicle.toml and the recordings
+    found = wh.diagnose(campaign)           # which effects are missing
+    fitted = wh.compare(campaign, "dry-friction")
+    fitted.residuals()                      # a DataFrame
+    wh.plot(fitted)                         # a matplotlib Figure
+
+docs/python.md lists what is public: `__all__`. Everything loads when it is first used. The rooms
+are packages of their own, `wheelhop.campaign`, `wheelhop.simulate` and so on, in three folders of
+the repository; `wheelhop.compare` and `wheelhop.diagnose` are rooms that can be called as well.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Mapping
+from importlib import import_module
+from pkgutil import extend_path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+__path__ = extend_path(__path__, __name__)
+
+if TYPE_CHECKING:
+    from wheelhop.api import (
+        ComparisonResult,
+        DiagnosisResult,
+        add,
+        compare,
+        diagnose,
+        plot,
+        read,
+        read_log,
+        read_recording,
+        read_vehicle,
+    )
+    from wheelhop.campaign import Campaign, CampaignError, Run
+    from wheelhop.campaign.write import NewRun, add_run, new_campaign
+    from wheelhop.effects import Effect, Parameter, load_effects
+    from wheelhop.files import InputError
+    from wheelhop.logger import Channel, Log, Recording
+    from wheelhop.simulate import Model
+    from wheelhop.vehicle import Vehicle
+
+__all__ = [
+    "Campaign",
+    "CampaignError",
+    "Channel",
+    "ComparisonResult",
+    "DiagnosisResult",
+    "Effect",
+    "InputError",
+    "Log",
+    "Model",
+    "NewRun",
+    "Parameter",
+    "Recording",
+    "Run",
+    "Vehicle",
+    "__version__",
+    "add",
+    "add_run",
+    "compare",
+    "diagnose",
+    "load_effects",
+    "new_campaign",
+    "plot",
+    "read",
+    "read_log",
+    "read_recording",
+    "read_vehicle",
+]
+
+_ROOM_OF = {
+    **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plot"), "api"),
+    **dict.fromkeys(("read", "read_log", "read_recording", "read_vehicle"), "api"),
+    **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
+    **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),
+    **dict.fromkeys(("Effect", "Parameter", "load_effects"), "effects"),
+    "InputError": "files",
+    **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
+    "Model": "simulate",
+    "Vehicle": "vehicle",
+}
+
+_CALLED = ("compare", "diagnose")
+"""Rooms whose name is also the verb a guest looks for."""
+
+_RENAMED: Mapping[str, str] = {}
+"""Names of earlier versions and those that stand for them now, for two minor versions."""
+
+
+def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        new = _RENAMED[name]
+        warnings.warn(f"wheelhop.{name} is now wheelhop.{new}", DeprecationWarning, stacklevel=2)
+        return getattr(sys.modules[__name__], new)
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("wheelhop")
+    if name in _ROOM_OF:
+        value = getattr(import_module(f"wheelhop.{_ROOM_OF[name]}"), name)
+        globals()[name] = value
+        return value
+    if not name.startswith("_"):
+        try:
+            return import_module(f"wheelhop.{name}")
+        except ModuleNotFoundError as error:
+            if error.name != f"wheelhop.{name}":
+                raise
+    raise AttributeError(f"module 'wheelhop' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
+class _CalledRoom(ModuleType):
+    """A room that can be called: `wheelhop.compare(…)` beside `wheelhop.compare.Comparison`."""
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        return _verb(self)(*arguments, **options)
+
+    @property
+    def __signature__(self) -> Any:
+        from inspect import signature
+
+        return signature(_verb(self))
+
+    @property
+    def __doc__(self) -> str | None:  # type: ignore[override]
+        text: str | None = _verb(self).__doc__
+        return text
+
+
+def _verb(room: ModuleType) -> Any:
+    return getattr(import_module("wheelhop.api"), room.__name__.rpartition(".")[2])
+
+
+class _Door(ModuleType):
+    """This module: a room of `_CALLED` can be called from the moment it is imported."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in _CALLED and isinstance(value, ModuleType):
+            value.__class__ = _CalledRoom
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Door

@@ -1,0 +1,48 @@
+"""`plot`: the figure a result, a campaign's run or a recording is usually looked at with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from wheelhop.api.results import ComparisonResult, DiagnosisResult
+from wheelhop.files.words import listed
+from wheelhop.logger import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Kind = Literal["ladder", "where", "worst", "typical"]
+
+
+def plot(thing: ComparisonResult | DiagnosisResult | Recording, kind: Kind = "ladder") -> Figure:
+    """Draw a result, or the channels of a recording against time.
+
+    Parameters
+    ----------
+    thing
+        A result of `compare`, `add` or `diagnose`, or a recording; `campaign.recording("slow")` is
+        that of a run.
+    kind
+        Of a result: "ladder", the error of every model; "where", the residual by band, motion and
+        what it is locked to; "worst" and "typical", measured and modelled signals at one place.
+
+    Returns
+    -------
+    Figure
+        Of matplotlib; `figure.savefig("ladder.png")` keeps it.
+    """
+    from wheelhop.report import figures
+    from wheelhop.report.cases import cases
+
+    if isinstance(thing, Recording):
+        return figures.recording_figure(thing)
+    steps = thing.steps
+    if kind == "ladder":
+        return figures.ladder_figure(steps)
+    if kind == "where":
+        after = steps[-1].comparison.breakdown if len(steps) > 1 else None
+        return figures.where_figure(steps[0].comparison.breakdown, after)
+    if kind in ("worst", "typical"):
+        case = cases(thing.campaign.channels, steps)[("worst", "typical").index(kind)]
+        return figures.case_figure(case, listed(steps[-1].added) if steps[-1].added else "")
+    raise ValueError(f'kind "{kind}": choose ladder, where, worst or typical')

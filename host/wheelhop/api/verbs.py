@@ -1,0 +1,215 @@
+"""The verbs: from a campaign's folder to a result, each in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from wheelhop.api.results import ComparisonResult, DiagnosisResult
+from wheelhop.campaign import Campaign, read_campaign
+from wheelhop.campaign import recorded as recordings
+from wheelhop.diagnose import Progress, Step, axle_driven, fit_baseline
+from wheelhop.diagnose import diagnose as find_missing
+from wheelhop.diagnose.added import fit_with, steps_with
+from wheelhop.diagnose.look import step_of
+from wheelhop.effects import Effect, beliefs, load_effects, pick
+from wheelhop.gate import gate
+from wheelhop.logger import Log, Recording
+from wheelhop.logger import read_log as read_log_file
+from wheelhop.vehicle import Vehicle, read_nominal
+from wheelhop.vehicle import read_vehicle as read_vehicle_file
+
+MODEL_FILE = "model.toml"
+
+Folder = Campaign | str | Path
+Library = Mapping[str, Effect] | str | Path | None
+
+
+def _silent(text: str) -> None:
+    """Nobody listens."""
+
+
+def read(folder: str | Path) -> Campaign:
+    """Read the campaign in a folder: campaign.toml and every recording it names.
+
+    Raises
+    ------
+    CampaignError
+        Something in it is wrong: one line that says in which file, where, and what to do.
+    """
+    return read_campaign(folder)
+
+
+def read_vehicle(source: Folder) -> Vehicle:
+    """The nominal vehicle of a campaign (or its folder), or a file like vehicle.toml, in SI.
+
+    Raises
+    ------
+    CampaignError
+        The file is missing or wrong.
+    """
+    if isinstance(source, Campaign) or Path(source).is_dir():
+        return read_nominal(_campaign(source))
+    return read_vehicle_file(Path(source))
+
+
+def read_recording(
+    file: str | Path, calibration: str | Path | None = None, *, nominal: bool = False
+) -> Recording:
+    """Read one recording, of the logger (.hop) or of any other instrument, in SI.
+
+    Parameters
+    ----------
+    file
+        .hop, .csv, .parquet, .mf4, .uff, .tdms, .lvm.
+    calibration
+        The sensors' constants; they turn the logger's codes into m/s².
+    nominal
+        Without constants, take the data sheet's, ±10 %.
+
+    Raises
+    ------
+    InputError
+        The file is missing or wrong.
+    """
+    constants = None if calibration is None else Path(calibration)
+    return recordings.read_recording(Path(file), constants, nominal)
+
+
+def read_log(file: str | Path) -> Log:
+    """Read a log of the logger (.hop), whatever has happened to it: its gaps, damage and settings;
+    `Log.recording` gives its samples, in codes.
+
+    Raises
+    ------
+    LoggerError
+        It holds no session.
+    """
+    return read_log_file(Path(file))
+
+
+def compare(
+    campaign: Folder,
+    add: str | Sequence[str] = (),
+    *,
+    vehicle: Vehicle | None = None,
+    effects: Library = None,
+    by_axles: bool = False,
+    jobs: int | None = None,
+    progress: Progress = _silent,
+) -> ComparisonResult:
+    """Fit the model to the runs of role "fit" and compare it with all runs.
+
+    Parameters
+    ----------
+    campaign
+        The campaign, or its folder.
+    add
+        Effects that become part of the model, one after the other: "dry-friction", say.
+    vehicle
+        What is believed before the fit; that of the campaign by default.
+    effects
+        The library: effects by id, or a Python file with more; `load_effects()` by default.
+    by_axles
+        Whether to compare, too, the same model with the measured motion of the axles driving it.
+    jobs
+        Threads; one a processor by default.
+    progress
+        Called with a line of text at every stage.
+
+    Raises
+    ------
+    CampaignError
+        The campaign does not hold what a comparison needs, there is no such effect, or it does not
+        apply to this campaign.
+    """
+    chosen = pick([add] if isinstance(add, str) else add, _library(effects))
+    campaign = _campaign(campaign)
+    vehicle = vehicle or read_nominal(campaign)
+    gated = gate(campaign, vehicle)
+    base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
+    steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
+    axles = _driven_by_axles(gated.campaign, vehicle, chosen, progress) if by_axles else None
+    return ComparisonResult(gated.campaign, vehicle, steps, gated.findings, base.workshop, axles)
+
+
+def diagnose(
+    campaign: Folder,
+    *,
+    vehicle: Vehicle | None = None,
+    effects: Library = None,
+    max_effects: int = 4,
+    jobs: int | None = None,
+    progress: Progress = _silent,
+) -> DiagnosisResult:
+    """Find out which effects the model is missing.
+
+    Parameters
+    ----------
+    campaign, vehicle, effects, jobs, progress
+        As for `compare`.
+    max_effects
+        The longest ladder.
+
+    Raises
+    ------
+    CampaignError
+        The campaign does not hold what a comparison needs.
+    """
+    library = _library(effects)
+    campaign = _campaign(campaign)
+    vehicle = vehicle or read_nominal(campaign)
+    found = find_missing(
+        campaign, vehicle, library, max_effects=max_effects, jobs=jobs, progress=progress
+    )
+    return DiagnosisResult(campaign, vehicle, found.ladder, found.findings, found, library)
+
+
+def add(
+    campaign: Folder,
+    *names: str,
+    vehicle: Vehicle | None = None,
+    effects: Library = None,
+    jobs: int | None = None,
+    progress: Progress = _silent,
+) -> ComparisonResult:
+    """Make effects part of the model, refit it, and store it as model.toml in the campaign's
+    folder.
+
+    `names` are effects of the library, or what the campaign itself may say wrong ("belief: …");
+    the rest is as for `compare`, which stores nothing.
+
+    Raises
+    ------
+    CampaignError
+        As for `compare`; then model.toml is as it was.
+    """
+    library = _library(effects)
+    campaign = _campaign(campaign)
+    vehicle = vehicle or read_nominal(campaign)
+    chosen = pick(names, {**library, **beliefs(campaign, vehicle)})
+    base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
+    steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
+    result = ComparisonResult(campaign, vehicle, steps, (), base.workshop)
+    result.write_model(campaign.folder / MODEL_FILE)
+    return result
+
+
+def _campaign(given: Folder) -> Campaign:
+    return given if isinstance(given, Campaign) else read_campaign(given)
+
+
+def _library(given: Library) -> Mapping[str, Effect]:
+    return given if isinstance(given, Mapping) else load_effects(given)
+
+
+def _driven_by_axles(
+    campaign: Campaign, vehicle: Vehicle, effects: Sequence[Effect], progress: Progress
+) -> Step | None:
+    """The same model with the measured axle motion driving the body; None where that is not
+    possible, or is what was compared already."""
+    driven = axle_driven(campaign)
+    if driven is None or all(run.track.kind == "unknown" for run in campaign.runs):
+        return None
+    acting = [effect for effect in effects if not effect.needs_road]
+    return steps_with(driven, vehicle, acting, lambda text: progress(f"measured axles: {text}"))[-1]
