@@ -94,26 +94,29 @@ _RENAMED: Mapping[str, str] = {}
 """Names of earlier versions and those that stand for them now, for two minor versions."""
 
 
-def __getattr__(name: str) -> Any:
-    if name in _RENAMED:
-        new = _RENAMED[name]
-        warnings.warn(f"wheelhop.{name} is now wheelhop.{new}", DeprecationWarning, stacklevel=2)
-        return getattr(sys.modules[__name__], new)
-    if name == "__version__":
-        from importlib.metadata import version
+if not TYPE_CHECKING:  # else every name would be one of the package's
 
-        return version("wheelhop")
-    if name in _ROOM_OF:
-        value = getattr(import_module(f"wheelhop.{_ROOM_OF[name]}"), name)
-        globals()[name] = value
-        return value
-    if not name.startswith("_"):
-        try:
-            return import_module(f"wheelhop.{name}")
-        except ModuleNotFoundError as error:
-            if error.name != f"wheelhop.{name}":
-                raise
-    raise AttributeError(f"module 'wheelhop' has no attribute '{name}'")
+    def __getattr__(name: str) -> Any:
+        if name in _RENAMED:
+            new = _RENAMED[name]
+            message = f"wheelhop.{name} is now wheelhop.{new}"
+            warnings.warn(message, DeprecationWarning, stacklevel=2)
+            return getattr(sys.modules[__name__], new)
+        if name == "__version__":
+            from importlib.metadata import version
+
+            return version("wheelhop")
+        if name in _ROOM_OF:
+            value = getattr(import_module(f"wheelhop.{_ROOM_OF[name]}"), name)
+            globals()[name] = value
+            return value
+        if not name.startswith("_"):
+            try:
+                return import_module(f"wheelhop.{name}")
+            except ModuleNotFoundError as error:
+                if error.name != f"wheelhop.{name}":
+                    raise
+        raise AttributeError(f"module 'wheelhop' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:

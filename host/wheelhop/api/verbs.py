@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
@@ -20,6 +22,9 @@ from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.vehicle import read_vehicle as read_vehicle_file
 
 MODEL_FILE = "model.toml"
+
+ONE_EACH = 1
+"""Threads of linear algebra: every run is worked on by a thread of ours, more are in the way."""
 
 Folder = Campaign | str | Path
 Library = Mapping[str, Effect] | str | Path | None
@@ -126,10 +131,11 @@ def compare(
     chosen = pick([add] if isinstance(add, str) else add, _library(effects))
     campaign = _campaign(campaign)
     vehicle = vehicle or read_nominal(campaign)
-    gated = gate(campaign, vehicle)
-    base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
-    steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
-    axles = _driven_by_axles(gated.campaign, vehicle, chosen, progress) if by_axles else None
+    with threadpool_limits(ONE_EACH):
+        gated = gate(campaign, vehicle)
+        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
+        steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
+        axles = _driven_by_axles(gated.campaign, vehicle, chosen, progress) if by_axles else None
     return ComparisonResult(gated.campaign, vehicle, steps, gated.findings, base.workshop, axles)
 
 
@@ -159,9 +165,10 @@ def diagnose(
     library = _library(effects)
     campaign = _campaign(campaign)
     vehicle = vehicle or read_nominal(campaign)
-    found = find_missing(
-        campaign, vehicle, library, max_effects=max_effects, jobs=jobs, progress=progress
-    )
+    with threadpool_limits(ONE_EACH):
+        found = find_missing(
+            campaign, vehicle, library, max_effects=max_effects, jobs=jobs, progress=progress
+        )
     return DiagnosisResult(campaign, vehicle, found.ladder, found.findings, found, library)
 
 
@@ -188,8 +195,9 @@ def add(
     campaign = _campaign(campaign)
     vehicle = vehicle or read_nominal(campaign)
     chosen = pick(names, {**library, **beliefs(campaign, vehicle)})
-    base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
-    steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
+    with threadpool_limits(ONE_EACH):
+        base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
+        steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
     result = ComparisonResult(campaign, vehicle, steps, (), base.workshop)
     result.write_model(campaign.folder / MODEL_FILE)
     return result

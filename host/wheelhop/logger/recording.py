@@ -77,14 +77,19 @@ class Recording:
 
     @staticmethod
     def from_dataframe(
-        table: "DataFrame", *, rate_hz: float | None = None, unit: str = ""
+        table: "DataFrame",
+        *,
+        rate_hz: float | None = None,
+        unit: str = "",
+        averaging_s: float = 0.0,
     ) -> "Recording":
         """A recording from a pandas DataFrame, a column per channel.
 
         Time is the column "time_s" or an index of times (seconds, timedeltas or dates); without
         either, or to say it exactly, give `rate_hz`. A column's name ends in its unit
         ("A1_m_s2", "A1 [g]"), or `unit` holds; known units become SI. "A1" … "B4" and "body" are
-        places of the campaign format. Gaps of the time stamps become rows of NaN.
+        places of the campaign format. Gaps of the time stamps become rows of NaN. Each sample is
+        the mean over `averaging_s` seconds (0: ideal sampling).
 
         Raises
         ------
@@ -93,7 +98,7 @@ class Recording:
         """
         from wheelhop.exchange.frame import from_dataframe
 
-        return from_dataframe(table, rate_hz, unit)
+        return replace(from_dataframe(table, rate_hz, unit), averaging_s=averaging_s)
 
     def to_dataframe(self) -> "DataFrame":
         """A pandas DataFrame (n, n_channels): index `time_s`, each column's name ends in its unit

@@ -1,0 +1,102 @@
+"""What is public: documented, loaded when it is used, renamed only with a warning."""
+
+import inspect
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import wheelhop
+import wheelhop as wh
+
+PAGE = (Path(__file__).parents[2] / "docs/python.md").read_text(encoding="utf-8")
+HEAVY = ("numpy", "scipy", "numba", "pandas", "pyarrow", "matplotlib", "rich", "nicegui")
+
+
+def loaded_after(code):
+    """Which of the heavy packages a fresh interpreter has loaded."""
+    code += f"\nimport sys; print([name for name in {HEAVY!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()[-1]
+
+
+def test_all_that_is_public_is_on_the_page_and_nothing_else():
+    sections = re.split(r"^## ", PAGE, flags=re.M)
+    named = [
+        name
+        for section in sections
+        for name in re.findall(r"^\| `(\w+)` \|", section, re.M)
+        if section.startswith(("Read", "Ask", "Make", "Types"))
+    ]
+    assert sorted(named) == sorted(wh.__all__)
+    assert len(set(named)) == len(named)
+    assert dir(wh) == sorted(wh.__all__)
+
+
+@pytest.mark.parametrize("name", [name for name in wh.__all__ if name != "__version__"])
+def test_every_public_name_says_what_it_is(name):
+    value = getattr(wh, name)
+    assert inspect.getdoc(value), name
+    members = inspect.getmembers(value) if isinstance(value, type) else []
+    for member, what in members:
+        of_ours = getattr(inspect.unwrap(getattr(what, "fget", what)), "__module__", "") or ""
+        if not member.startswith("_") and of_ours.startswith("wheelhop"):
+            assert inspect.getdoc(what), f"{name}.{member}"
+
+
+def test_methods_the_page_names_exist():
+    for name in ("ladder", "parameters", "residuals", "agreement", "write_report", "write_model"):
+        assert callable(getattr(wh.ComparisonResult, name))
+        assert callable(getattr(wh.DiagnosisResult, name))
+        assert f"`{name}" in PAGE
+    assert callable(wh.DiagnosisResult.ranking) and callable(wh.ComparisonResult.with_values)
+
+
+def test_importing_the_package_and_asking_for_help_load_nothing_heavy():
+    assert loaded_after("import wheelhop") == "[]"
+    asked = "from wheelhop.cli.main import main\ntry: main(['--help'])\nexcept SystemExit: pass"
+    assert loaded_after(asked) == "[]"
+
+
+def test_reading_a_campaign_loads_no_tables_and_no_figures():
+    example = str(Path(__file__).parents[2] / "examples/clean")
+    after = loaded_after(f"import wheelhop as wh; print(wh.read({example!r}))")
+    assert not {"pandas", "matplotlib", "nicegui"} & set(re.findall(r"\w+", after))
+
+
+@pytest.mark.parametrize("name", ["compare", "diagnose"])
+@pytest.mark.parametrize("first", ["import wheelhop.{}", "from wheelhop.{} import *", "pass"])
+def test_a_room_named_like_a_verb_is_both(name, first):
+    code = f"""
+{first.format(name)}
+import inspect
+import wheelhop as wh
+import wheelhop.{name} as room
+from wheelhop.api import verbs
+assert wh.{name} is room and inspect.ismodule(room) and room.__all__
+assert inspect.signature(wh.{name}) == inspect.signature(verbs.{name})
+assert wh.{name}.__doc__ == verbs.{name}.__doc__
+"""
+    assert loaded_after(code)
+
+
+def test_the_three_folders_are_one_package():
+    for room in ("campaign", "calibration", "hil_sim"):
+        assert inspect.ismodule(getattr(wheelhop, room))
+    assert re.fullmatch(r"\d+\.\d+\.\d+.*", wh.__version__)
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'diagnos'"):
+        _ = wh.diagnos
+    with pytest.raises(ImportError):
+        from wheelhop import nothing_of_this_name  # noqa: F401
+
+
+def test_a_name_of_before_still_works_and_says_what_to_write(monkeypatch):
+    monkeypatch.setattr(wh, "_RENAMED", {"read_campaign": "read"})
+    with pytest.warns(DeprecationWarning, match=r"wheelhop\.read_campaign is now wheelhop\.read"):
+        assert wh.read_campaign is wh.read

@@ -1,0 +1,162 @@
+"""Results: short in print, tables in a notebook, the same numbers as files and commands have."""
+
+import json
+import tomllib
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+
+import wheelhop as wh
+from wheelhop.cli.main import main
+
+SHORT = 300  # characters
+
+
+def test_everything_prints_in_a_line_or_few(campaign, fitted, found):
+    things = [campaign, campaign.runs[0], wh.read_vehicle(campaign), fitted, found, fitted.last]
+    things += [fitted.comparison, found.diagnosis, fitted.model]
+    things += [campaign.recording(campaign.runs[0].id)]
+    for thing in things:
+        assert len(repr(thing)) < SHORT and "\n" not in repr(thing)
+        assert "array(" not in repr(thing)
+
+
+def test_titles_cannot_break_the_page_or_the_line(campaign):
+    from dataclasses import replace
+
+    odd = replace(campaign, title="<script>\n" + "k" * 10_000)
+    assert "<script>" not in odd._repr_html_()
+    assert len(repr(odd)) < SHORT and "\n" not in repr(odd)
+
+
+def test_in_a_notebook_things_are_tables(campaign, fitted, found):
+    vehicle = wh.read_vehicle(campaign)
+    for thing in (campaign, vehicle, fitted, found, fitted.comparison, found.diagnosis):
+        page = thing._repr_html_()
+        assert page.count("<table") == page.count("</table>") > 0
+    assert "data:image/png;base64," in fitted._repr_html_()
+    assert "data:image/png;base64," in found._repr_html_()
+    assert len(campaign._repr_html_().split("<tr")) - 2 >= len(campaign.runs)
+
+
+def test_the_ladder_has_the_errors_of_the_json(fitted):
+    told = fitted.to_json()["ladder"]
+    ladder = fitted.ladder()
+    assert list(ladder.index) == ["baseline", "baseline + dry-friction"]
+    for column in ("error_fit", "error_validate"):
+        assert list(ladder[column]) == [rung[column] for rung in told]
+    assert ladder["over_floor"].iloc[-1] == pytest.approx(fitted.error / fitted.floor)
+    assert ladder["over_floor"].iloc[0] > 3 * ladder["over_floor"].iloc[-1]
+
+
+def test_residuals_by_band_and_by_run_share_out_the_same_error(fitted):
+    """Σ residual² / Σ measured² is E², whichever way it is cut."""
+    totals = []
+    samples = {run.id: len(run.time_s) for run in fitted.campaign.runs}
+    for by in ("band", "run"):
+        table = fitted.residuals(by)
+        assert {name for name in table if not name.endswith("_m_s2")} == {"error", "over_floor"}
+        n = pd.Series(1.0, table.index) * sum(samples.values())
+        if by == "run":
+            n = pd.Series(table.index.get_level_values("run").map(samples), table.index)
+        power = {key: (table[f"{key}_rms_m_s2"] ** 2 * n).sum() for key in ("residual", "measured")}
+        totals.append(power["residual"] / power["measured"])
+        ratio = table["residual_rms_m_s2"] / table["noise_rms_m_s2"]
+        np.testing.assert_allclose(table["over_floor"], ratio)
+    assert totals[0] == pytest.approx(totals[1])
+    assert np.sqrt(totals[0]) == pytest.approx(fitted.comparison.breakdown.total.error)
+
+
+def test_agreement_has_a_row_for_every_run_and_channel(fitted):
+    table = fitted.agreement()
+    assert len(table) == len(fitted.campaign.runs) * len(fitted.campaign.channels)
+    assert table["coherence"].between(0, 1).all() and table["iso18571"].between(0, 1).all()
+
+
+def test_parameters_carry_unit_and_uncertainty(fitted):
+    table = fitted.parameters()
+    friction = table.loc["dry-friction.front_N"]
+    assert friction["unit"] == "N" and 0 < friction["uncertainty"] < friction["value"]
+    assert dict(table["value"]) == {k: v for k, (v, _) in fitted.last.parameters.items()}
+
+
+def test_the_ranking_is_that_of_the_diagnosis(found):
+    table = found.ranking()
+    assert list(table.index) == [item["effect"] for item in found.to_json()["ranking"]]
+    assert found.verdict == ("dry-friction",) and table.index[0] == "dry-friction"
+    assert table["screened_error"].dtype == float and table["reason"].str.len().min() > 0
+
+
+def test_changed_numbers_move_the_error_and_unchanged_ones_do_not(fitted):
+    same = fitted.with_values({})
+    assert same.error_fit == pytest.approx(fitted.comparison.error_fit, rel=1e-9)
+    name = "suspension.front.stiffness_N_m"
+    softer = fitted.with_values({name: 0.9 * fitted.model.values[name]})
+    assert softer.error_fit > 2 * same.error_fit
+    with pytest.raises(KeyError, match="stiffnes_N_m"):
+        fitted.with_values({"suspension.front.stiffnes_N_m": 1.0})
+
+
+def test_the_command_says_what_the_function_says(folder, fitted, tmp_path):
+    file = tmp_path / "c.json"
+    assert main(["compare", str(folder), "--add", "dry-friction", "--json", str(file)]) == 0
+    told = json.loads(file.read_text())
+    assert told["axle_driven"] is not None
+    ours = json.loads(json.dumps(fitted.to_json()))
+    for key in ("ladder", "error_fit", "floor", "findings", "where"):
+        assert told[key] == ours[key]
+
+
+def test_adding_stores_the_model_and_comparing_does_not(folder, tmp_path):
+    from tests.report.small import write_small_campaign
+
+    own = write_small_campaign(tmp_path / "c")
+    result = wh.add(own, "dry-friction")
+    stored = tomllib.loads((own / "model.toml").read_text())
+    assert stored["effect"][0]["id"] == "dry-friction"
+    assert stored["ladder"][-1]["error_fit"] == result.last.rung.error_fit
+    assert not (folder / "model.toml").exists()
+
+
+def test_an_effect_that_is_not_there_is_one_line(folder):
+    with pytest.raises(wh.CampaignError, match='did you mean "dry-friction"'):
+        wh.compare(folder, "dry-frictoin")
+
+
+@pytest.mark.parametrize("kind", ["ladder", "where", "worst", "typical"])
+def test_results_are_drawn(fitted, found, kind):
+    for result in (fitted, found):
+        figure = wh.plot(result, kind)
+        assert isinstance(figure, Figure) and figure.axes
+    with pytest.raises(ValueError, match="choose ladder"):
+        wh.plot(fitted, "pie")
+
+
+def test_a_recording_is_drawn_channel_by_channel(campaign):
+    recording = campaign.recording(campaign.runs[0].id)
+    figure = wh.plot(recording)
+    assert len(figure.axes) == len(recording.channels)
+    assert figure.axes[0].get_ylabel() == "B1, m/s²"
+
+
+def test_reports_are_written(fitted, found, tmp_path):
+    for result in (fitted, found):
+        result.write_report(tmp_path / "r.html")
+        assert "<svg" in (tmp_path / "r.html").read_text()
+
+
+def test_selected_runs_keep_order_and_misspelt_ones_are_told(campaign):
+    ids = [run.id for run in campaign.runs]
+    assert [run.id for run in campaign.select(ids[2], ids[0]).runs] == [ids[0], ids[2]]
+    with pytest.raises(wh.CampaignError, match=f"did you mean '{ids[0]}'"):
+        campaign.select(ids[0][:-1])
+
+
+def test_the_table_of_runs_has_its_units_in_its_names(campaign):
+    runs = campaign.to_dataframe()
+    assert {"speed_m_s", "duration_s", "rms_m_s2"} <= set(runs)
+    record = campaign.runs[0].record
+    expected = np.sqrt(record.var(axis=0).mean())
+    assert runs["rms_m_s2"].iloc[0] == pytest.approx(expected)
