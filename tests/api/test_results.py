@@ -130,6 +130,7 @@ def test_results_are_drawn(fitted, found, kind):
     for result in (fitted, found):
         figure = wh.plot(result, kind)
         assert isinstance(figure, Figure) and figure.axes
+        assert figure._repr_png_().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match="choose ladder"):
         wh.plot(fitted, "pie")
 

@@ -6,7 +6,6 @@ from base64 import b64encode
 from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -94,9 +93,7 @@ class _Result:
     def _repr_html_(self) -> str:
         from wheelhop.report.figures import ladder_figure
 
-        file = BytesIO()
-        ladder_figure(self.steps).savefig(file, format="png", dpi=110)
-        picture = b64encode(file.getvalue()).decode("ascii")
+        picture = b64encode(ladder_figure(self.steps)._repr_png_()).decode("ascii")
         return "".join(
             (
                 f"<p><b>{escape(self._headline())}</b></p>",

@@ -8,7 +8,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from wheelhop.diagnose import Step
 from wheelhop.files.words import significant, squared
 from wheelhop.logger import Recording
 from wheelhop.report.cases import Case
-from wheelhop.report.svg import COLOURS, STYLE
+from wheelhop.report.svg import COLOURS, STYLE, Drawing
 
 Array = NDArray[np.float64]
 
@@ -29,11 +28,11 @@ DASHED: dict[str, Any] = {"color": FLOOR, "linestyle": (0, (4, 3)), "linewidth":
 WIDTH = 8.0  # inches, the page's text width
 
 
-def ladder_figure(steps: Sequence[Step]) -> Figure:
+def ladder_figure(steps: Sequence[Step]) -> Drawing:
     """Error on fitted and on held-out runs, rung by rung, down to the noise floor."""
     with mpl.rc_context(STYLE):
         several = len(steps) > 1
-        figure = Figure(figsize=(WIDTH, 2.9 if several else 1.9), layout="constrained")
+        figure = Drawing(figsize=(WIDTH, 2.9 if several else 1.9), layout="constrained")
         axes = figure.add_subplot()
         floor = 100 * steps[-1].floor
         errors = [100 * step.rung.error for step in steps]
@@ -84,11 +83,11 @@ def _rung_name(before: Step | None, step: Step) -> str:
     return "\n".join(lines)
 
 
-def case_figure(case: Case, added: str) -> Figure:
+def case_figure(case: Case, added: str) -> Drawing:
     """One channel of one run: against time, what is left of it, and its spectrum. `added` names
     the effects of the last model; without any, the baseline is drawn alone."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
+        figure = Drawing(figsize=(WIDTH, 3.2), layout="constrained")
         grid = figure.add_gridspec(2, 2, width_ratios=(1.75, 1), height_ratios=(2.1, 1))
         upper = figure.add_subplot(grid[0, 0])
         lower = figure.add_subplot(grid[1, 0], sharex=upper)
@@ -159,11 +158,11 @@ def _bandwidth(case: Case) -> tuple[tuple[float, float], float]:
     return (float(inside[0]), float(inside[-1])), float(inside[-1] - inside[0])
 
 
-def recording_figure(recording: Recording) -> Figure:
+def recording_figure(recording: Recording) -> Drawing:
     """Every channel against time, one above the other, those of one unit on one scale."""
     with mpl.rc_context(STYLE):
         count = len(recording.channels)
-        figure = Figure(figsize=(WIDTH, 0.5 + 0.85 * count), layout="constrained")
+        figure = Drawing(figsize=(WIDTH, 0.5 + 0.85 * count), layout="constrained")
         panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
         units = [channel.unit for channel in recording.channels]
         for axes, channel, column in zip(panels, recording.channels, range(count), strict=True):
@@ -176,10 +175,10 @@ def recording_figure(recording: Recording) -> Figure:
     return figure
 
 
-def where_figure(before: Breakdown, after: Breakdown | None) -> Figure:
+def where_figure(before: Breakdown, after: Breakdown | None) -> Drawing:
     """Residual over floor by frequency band and by motion, and what it is locked to."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 2.75), layout="constrained")
+        figure = Drawing(figsize=(WIDTH, 2.75), layout="constrained")
         draw = [_draw_bands, _draw_motions, _draw_locking]
         if not before.motion:  # the channels determine none
             draw.remove(_draw_motions)
