@@ -1,8 +1,9 @@
-"""Degenerate campaigns through compare: python -m benchmarks.fuzz_campaigns --cases 2000
+"""Degenerate campaigns through a command: python -m benchmarks.fuzz_campaigns --cases 2000
+and, slower, python -m benchmarks.fuzz_campaigns --command diagnose --cases 200
 
 A short campaign in which one to three things are changed into what nobody would record: channels
 that rest, tiny and huge numbers, bands without a bin, titles of control characters. A case is well
-if compare ends in a result or in one line and exit code 2.
+if the command ends in a result or in one line and exit code 2.
 """
 
 import argparse
@@ -25,6 +26,7 @@ from wheelhop.logger.recording import Channel, Recording
 
 ROWS, RATE_HZ = 256, 100.0
 POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
+MORE = {"diagnose": ("--max-effects", "1")}
 TRACK: dict[str, str | float] = {"kind": "washboard", "amplitude_mm": 15, "pitch_mm": 400}
 Rng = np.random.Generator
 NUMBERS = ("0", "-1", "1e-300", "1e-12", "1e12", "1e300", "nan", "inf", "9007199254740993", "true")
@@ -36,17 +38,20 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=2000)
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
+    parser.add_argument("--command", choices=("check", "compare", "diagnose"), default="compare")
     arguments = parser.parse_args()
     bad, ended = 0, {0: 0, 2: 0}
     with tempfile.TemporaryDirectory() as place:
         pattern = make_pattern(Path(place) / "pattern")
         for case in range(arguments.first, arguments.first + arguments.cases):
-            changes, code, complaint = try_case(pattern, Path(place) / "case", case)
+            changes, code, complaint = try_case(
+                pattern, Path(place) / "case", case, arguments.command
+            )
             ended[code] = ended.get(code, 0) + 1
             if complaint:
                 bad += 1
                 print(f"case {case} ({', '.join(changes)}): {complaint}", flush=True)
-    print(f"{arguments.cases} cases: {ended[0]} compared, {ended[2]} refused, {bad} not well")
+    print(f"{arguments.cases} cases: {ended[0]} with a result, {ended[2]} refused, {bad} not well")
     return 1 if bad else 0
 
 
@@ -65,7 +70,9 @@ def make_pattern(folder: Path) -> Path:
     return folder
 
 
-def try_case(pattern: Path, folder: Path, case: int) -> tuple[list[str], int, str]:
+def try_case(
+    pattern: Path, folder: Path, case: int, command: str = "compare"
+) -> tuple[list[str], int, str]:
     """What was changed, the exit code, and what is wrong with how it ended ("" if nothing is)."""
     rng = np.random.default_rng(case)
     shutil.rmtree(folder, ignore_errors=True)
@@ -79,7 +86,8 @@ def try_case(pattern: Path, folder: Path, case: int) -> tuple[list[str], int, st
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("always")
-                code = wheelhop(["compare", str(folder)])
+                warnings.filterwarnings("ignore", "First-class function type feature")
+                code = wheelhop([command, str(folder), *MORE.get(command, ())])
         except SystemExit as end:
             code = end.code if isinstance(end.code, int) else 1
         except Exception as error:
