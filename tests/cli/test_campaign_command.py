@@ -1,9 +1,13 @@
 """`wheelhop campaign`: from a recording to a campaign that can be checked, by words alone."""
 
+import re
+import tomllib
+
 import numpy as np
 import pytest
 
 from wheelhop.campaign import read_campaign
+from wheelhop.campaign.write import VEHICLE
 from wheelhop.cli.main import main
 from wheelhop.exchange import write
 from wheelhop.logger.recording import Channel, Recording
@@ -44,6 +48,49 @@ def test_from_a_recording_to_a_campaign(recording, tmp_path, capsys):
     assert 17 < len(slow.time_s) / 100 <= 20 and len(fast.time_s) == 651
     assert slow.record.std() == pytest.approx(3.0, rel=0.05)
     assert main(["check", str(folder)]) == 0
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_campaign_begins_around_a_vehicle_that_is_there(
+    recording, tmp_path, capsys, monkeypatch, named
+):
+    folder = tmp_path / "our-car"
+    folder.mkdir()
+    numbers = VEHICLE.format(title='"ours"').replace("228.0 ", "301.5 ")
+    (folder / "vehicle.toml").write_text(numbers)
+    monkeypatch.chdir(folder)
+    words = ["--vehicle", "vehicle.toml"] if named else []
+    assert main(["campaign", "new", ".", str(recording), *words]) == 0
+    assert "student-built" not in capsys.readouterr().out
+    assert (folder / "vehicle.toml").read_text() == numbers
+    assert tomllib.loads((folder / "campaign.toml").read_text())["title"] == "our-car"
+
+
+def test_check_says_which_numbers_are_still_the_sample_s(recording, tmp_path, capsys):
+    folder = tmp_path / "car"
+    words = ["--id", "slow", "--stretch", "1", "--speed-kmph", "7.5", "--track", "flat"]
+    assert main(["campaign", "new", str(folder), str(recording)]) == 0
+    assert main(["campaign", "add", str(folder), str(recording), *words]) == 0
+    capsys.readouterr()
+
+    def said():
+        assert main(["check", str(folder)]) == 0
+        return " ".join(capsys.readouterr().out.split())
+
+    assert re.search(r"(\d+) of \1 numbers in vehicle.toml are those of the sample file", said())
+    file = folder / "vehicle.toml"
+    lines = file.read_text().splitlines()
+    others = [
+        re.sub(r"= (-?[\d.]+) .*", lambda m: f"= {float(m[1]) * 1.1 + 1e-3:.4g}", line)
+        if "# sample" in line and "roll_inertia" not in line and "tyre_damping" not in line
+        else line
+        for line in lines
+    ]
+    file.write_text("\n".join(others) + "\n")
+    left = "body.roll_inertia_kg_m2, wheel.front.tyre_damping_N_s_m, wheel.rear.tyre_damping_N_s_m"
+    assert f"still marked as the sample's: {left}" in said()
+    file.write_text("\n".join(line.partition("# sample")[0] for line in others) + "\n")
+    assert "the sample" not in said()
 
 
 MISTAKES = {

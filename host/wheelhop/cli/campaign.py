@@ -42,12 +42,13 @@ def _stretches(arguments: Namespace, recording: Recording) -> int:
 
 
 def _new(arguments: Namespace, recording: Recording) -> int:
-    title = arguments.title or arguments.folder.name
+    title = arguments.title or arguments.folder.resolve().name
+    is_own = arguments.vehicle is not None or (arguments.folder / "vehicle.toml").exists()
     places = dict(_place(word) for word in arguments.place)
     constants = arguments.calibration  # tells the diagnosis how well each scale is known
     new_campaign(arguments.folder, title, recording, places, arguments.vehicle, constants)
     print(f"{arguments.folder}: campaign.toml and vehicle.toml are there.")
-    if arguments.vehicle is None:
+    if not is_own:
         print("vehicle.toml holds the numbers of a student-built ATV: replace them by yours.")
     print(
         f"Next: wheelhop campaign add {arguments.folder} RECORDING --id … --track … --speed-kmph …"

@@ -4,6 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from rich import box
+from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
@@ -17,6 +18,7 @@ from wheelhop.campaign import (
     find_duplicates,
     read_campaign,
 )
+from wheelhop.campaign.write import sample_numbers
 from wheelhop.cli.console import open_console
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
@@ -36,7 +38,10 @@ def run(arguments: Namespace) -> int:
     console.print(Text(f"samples   {_samples(campaign)}"))
     console.print(Text(f"noise     {_noise(campaign)}"))
     print_sensors(campaign, console)
-    print_findings(gate(campaign, nominal).findings, console)
+    findings = gate(campaign, nominal).findings
+    print_findings(findings, console)
+    if not any(finding.kind == "template" for finding in findings):
+        _print_samples(campaign, console)
     if isinstance(campaign, ComponentCampaign):
         console.print(_rig_runs(campaign))
     else:
@@ -47,6 +52,17 @@ def run(arguments: Namespace) -> int:
     if not campaign.validate_runs:
         console.print(Text('no run has role = "validate": no model can be put to the test'))
     return 0
+
+
+def _print_samples(campaign: Campaign, console: Console) -> None:
+    """Which numbers of the vehicle nobody has replaced yet, or whose mark was left."""
+    marked = (
+        [] if isinstance(campaign, ComponentCampaign) else sample_numbers(campaign.vehicle_file)
+    )
+    if marked:
+        names = ", ".join(marked)
+        text = f"! {campaign.vehicle_file.name}: still marked as the sample's: {names}"
+        console.print(Text(text, style="yellow"))
 
 
 def _place(channel: Channel) -> str:

@@ -113,13 +113,13 @@ def _left_over(vehicle: Vehicle) -> Iterator[Finding]:
         and abs(vehicle.uncertainty[key] - relative * abs(vehicle[key])) < 1e-9 * abs(vehicle[key])
     ]
     if stats.binom.sf(len(alike) - 1, len(keys), CHANCE_ALIKE) < FALSE_ALARM:
-        few = ", ".join(alike[:3]) + (" …" if len(alike) > 3 else "")
+        names = "" if len(alike) == len(keys) else f": {', '.join(alike)}"
         yield Finding(
             "before",
             "template",
             "vehicle.toml",
             f"{len(alike)} of {len(keys)} numbers in vehicle.toml are those of the sample file,"
-            f" a student-built ATV ({few}).",
+            f" a student-built ATV{names}.",
             "Put in your own, and how sure you are of them.",
             "certain",
         )
