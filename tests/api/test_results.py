@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -24,8 +25,6 @@ def test_everything_prints_in_a_line_or_few(campaign, fitted, found):
 
 
 def test_titles_cannot_break_the_page_or_the_line(campaign):
-    from dataclasses import replace
-
     odd = replace(campaign, title="<script>\n" + "k" * 10_000)
     assert "<script>" not in odd._repr_html_()
     assert len(repr(odd)) < SHORT and "\n" not in repr(odd)
@@ -146,6 +145,13 @@ def test_reports_are_written(fitted, found, tmp_path):
     for result in (fitted, found):
         result.write_report(tmp_path / "r.html")
         assert "<svg" in (tmp_path / "r.html").read_text()
+
+
+@pytest.mark.parametrize("title", ['"a" \\ b', "two\nlines\tand\a\x7f", "\u202e\u2028'''"])
+def test_an_odd_title_survives_in_the_model_s_file(fitted, title, tmp_path):
+    odd = replace(fitted, campaign=replace(fitted.campaign, title=title))
+    odd.write_model(tmp_path / "model.toml")
+    assert tomllib.loads((tmp_path / "model.toml").read_text())["campaign"] == title
 
 
 def test_selected_runs_keep_order_and_misspelt_ones_are_told(campaign):
