@@ -280,7 +280,9 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
     matrix = np.sum([t.matrix for t in tables], axis=0)
     gradient = np.sum([t.gradient for t in tables], axis=0)
     matrix[:g, :g] += np.diag(weight + 1e-9 * (base.sigma**2 + weight))
-    own_gain = sum(t.gain for t in tables)
+    own_gain, own_price = sum(t.gain for t in tables), sum(t.price for t in tables)
+    if not (np.isfinite(own_gain) and np.isfinite(own_price)):  # what a run has for itself ran away
+        own_gain, own_price = 0.0, 0.0
     amplitudes = {p.name: p.absent for p in variant.amplitudes}
     gain, along, rss = -np.inf, dict[str, float](), base.rss
     if np.isfinite(matrix).all():  # else the simulation ran away: not at this strength
@@ -306,7 +308,7 @@ def _solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
         gain,
         numbers + sum(t.freedom for t in tables),
         # What all runs share has no firm prior: as in BIC, it is worth one datum.
-        price=numbers * float(np.log(base.size)) + sum(t.price for t in tables),
+        price=numbers * float(np.log(base.size)) + own_price,
         error=float(np.sqrt(rss / energy)),
         contribution={
             r.bench.run.id: t.signatures @ np.array(list(amplitudes.values()))

@@ -120,7 +120,8 @@ def _eliminated(whole: Array, firm: Array) -> tuple[Array, Array]:
 
 
 def _log_det(matrix: Array) -> float:
-    return float(np.linalg.slogdet(matrix)[1])
+    """Not a number where a simulation ran away."""
+    return float(np.linalg.slogdet(matrix)[1]) if np.isfinite(matrix).all() else float("nan")
 
 
 def beyond(run: RunFit, sigma: float, left: Array) -> float:

@@ -14,6 +14,9 @@ WINDOW_S = 1.0
 EXPECTED = 0.04
 """Relative size of the wander believed of a driver who holds the speed by hand."""
 
+QUIET = 1e-12
+"""A window with less than this share of the power of the loudest one holds rounding alone."""
+
 
 def shift_along(
     probe: Probe, run: RunSetting, corners: Collection[int] = range(4)
@@ -38,6 +41,8 @@ def _local_mismatch(
     shifts = run.speed_m_s * np.linspace(-0.13, 0.13, 35)
     inside = np.abs(time - centres[:, None]) <= WINDOW_S / 2
     energy = inside @ (record**2).sum(axis=1)
+    # A window in which nothing moves tells no shift: all fit it alike.
+    energy = np.where(energy > QUIET * energy.max(initial=0.0), energy, np.inf)
     mismatch = np.empty((len(centres), len(shifts)))
     modelled = probe.all_modelled(run.run_id, [{"start_m": float(shift)} for shift in shifts])
     for i, signal in enumerate(modelled):
