@@ -1,0 +1,67 @@
+"""What a degenerate campaign does to single steps of a diagnosis: an order, and no warning."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from tests.report.small import write_small_campaign
+from wheelhop.campaign import Channel, read_campaign
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose import screen as screening
+from wheelhop.effects import load_effects
+from wheelhop.effects.base import RunSetting
+from wheelhop.effects.phase import shift_along
+from wheelhop.vehicle import read_nominal
+
+
+def test_an_effect_whose_simulation_runs_away_ranks_last_and_in_silence(tmp_path, monkeypatch):
+    folder = write_small_campaign(tmp_path / "c")
+    campaign = read_campaign(folder).select("washboard-high-fast", "washboard-high-slow")
+    vehicle = read_nominal(campaign)
+    base = fit_baseline(campaign, vehicle, progress=lambda text: None)
+    stacked, variants = screening._stacked, screening.variants
+    calls = iter(range(1000))
+
+    def first_runs_away(columns, size):
+        """Every effect has two calls: its amplitudes, and what it leaves free in the run."""
+        found = stacked(columns, size)
+        return np.full_like(found, np.nan) if next(calls) < 2 else found
+
+    monkeypatch.setattr(screening, "_stacked", first_runs_away)
+    monkeypatch.setattr(screening, "variants", lambda *about: variants(*about)[:1])
+    library = load_effects()
+    effects = [library[name] for name in ("speed-fluctuation", "dry-friction", "anti-roll-bar")]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        found = screening.screen(base.workshop, base.rung.fit, effects)
+    assert found[0].variant.effect.id == "dry-friction"
+    assert found[-1].variant.effect.id == "speed-fluctuation" and found[-1].score == -np.inf
+
+
+class StillAtTheEnd:
+    """A record that is 0.1 m ahead of the model, and rests in its second half."""
+
+    channels = (Channel("imu", "body"),)
+
+    def time_s(self, run_id):
+        return np.arange(1000) / 100.0
+
+    def _signal(self, ahead_m):
+        way = 2.0 * self.time_s("") + ahead_m
+        return np.where(self.time_s("") < 5.0, np.sin(2 * np.pi * way), 0.0)[:, None]
+
+    def measured(self, run_id):
+        return self._signal(0.1)
+
+    def all_modelled(self, run_id, trials):
+        return [self._signal(trial["start_m"]) for trial in trials]
+
+
+def test_windows_in_which_nothing_moves_tell_no_shift():
+    run = RunSetting("r", 2.0, 0.0, 0.0, 10.0, True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        times, ahead = shift_along(StillAtTheEnd(), run, (0,))
+    assert ahead[times < 4.5] == pytest.approx(0.1, abs=0.02)
+    assert np.isfinite(ahead).all()
