@@ -40,6 +40,20 @@ def test_every_table_of_a_degenerate_comparison(folder, name, seed):
     assert set(result.residuals("run").index.get_level_values("channel")) == channels
 
 
+def test_a_figure_of_a_diagnosis_is_of_the_channel_it_names(folder):
+    """The gate leaves out a sensor that rests; those behind it keep their names."""
+    for file in (folder / "runs").glob("*.csv"):
+        head, *rows = file.read_text().splitlines()
+        column = head.split(",").index("B1")
+        cells = [row.split(",") for row in rows]
+        file.write_text(
+            "\n".join([head, *(",".join([*c[:column], "0", *c[column + 1 :]]) for c in cells)])
+        )
+    found = wh.diagnose(folder, effects={"dry-friction": wh.load_effects()["dry-friction"]})
+    assert [c.name for c in found.campaign.channels] == list(found.comparison.channels)
+    assert "B1" not in found.comparison.channels
+
+
 def all_zero(folder):
     for file in (folder / "runs").glob("*.csv"):
         head, *rows = file.read_text().splitlines()

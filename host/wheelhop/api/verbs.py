@@ -11,8 +11,8 @@ from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
 from wheelhop.diagnose import Progress, Step, axle_driven, fit_baseline
-from wheelhop.diagnose import diagnose as find_missing
 from wheelhop.diagnose.added import fit_with, steps_with
+from wheelhop.diagnose.ladder import diagnose_from
 from wheelhop.diagnose.look import step_of
 from wheelhop.effects import Effect, beliefs, load_effects, pick
 from wheelhop.gate import gate
@@ -166,10 +166,13 @@ def diagnose(
     campaign = _campaign(campaign)
     vehicle = vehicle or read_nominal(campaign)
     with threadpool_limits(ONE_EACH):
-        found = find_missing(
-            campaign, vehicle, library, max_effects=max_effects, jobs=jobs, progress=progress
+        gated = gate(campaign, vehicle)
+        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
+        found = diagnose_from(
+            gated, vehicle, base, library, max_effects=max_effects, progress=progress
         )
-    return DiagnosisResult(campaign, vehicle, found.ladder, found.findings, found, library)
+    # Its figures are of the channels that were fitted: the gate may have left some out.
+    return DiagnosisResult(gated.campaign, vehicle, found.ladder, found.findings, found, library)
 
 
 def add(
