@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from wheelhop.campaign.paths import file_inside
+from wheelhop.campaign.proving_ground import proving_ground
 from wheelhop.campaign.types import TrackSpec
 from wheelhop.files import Table
 
@@ -31,18 +32,26 @@ KINDS: dict[str, dict[str, float | str | None]] = {
 
 
 def read_track(run: Table, folder: Path) -> TrackSpec:
-    """The track of one [[run]]; a profile's `file` must lie inside `folder`."""
+    """The track of one [[run]]; a profile's `file` must lie inside `folder`.
+
+    A kind with a slash is a track of the proving ground; keys beside it replace that track's own.
+    """
     given = run.values.get("track")
     if isinstance(given, str):
         raise run.error(f'track is a table: write track.kind = "{given}"')
     table = run.table("track", heading=run.heading, prefix="track.")
-    kind = table.text("kind", choices=tuple(KINDS))
+    kind = table.text("kind", choices=(*KINDS, *proving_ground()))
+    if kind in proving_ground():
+        named = proving_ground()[kind].keys
+        kind = str(named["kind"])
+        values = {**named, **table.values, "kind": kind}
+        table = Table(values, table.file, table.heading, table.prefix, table.kind)
     keys = KINDS[kind]
     takes = ", ".join(keys) or "no keys"
     table.only(("kind", *keys), f"; a {kind} track takes {takes}")
-    values = dict(_value(table, key, default, folder) for key, default in keys.items())
+    found = dict(_value(table, key, default, folder) for key, default in keys.items())
     _check_slope(table, keys)
-    return TrackSpec(kind, values)
+    return TrackSpec(kind, found)
 
 
 def _value(table: Table, key: str, default: Any, folder: Path) -> tuple[str, float | str]:

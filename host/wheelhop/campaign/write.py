@@ -109,6 +109,7 @@ def new_campaign(
     places: Mapping[str, str | Sequence[float]],
     vehicle: Path | None = None,
     constants: Path | None = None,
+    noise_rms: float | None = None,
 ) -> None:
     """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
 
@@ -131,6 +132,7 @@ def new_campaign(
         f"sample_rate_hz = {rate!r}",
         f"band_hz = [{DEFAULT_BAND_HZ[0]}, {high:g}]",
         f"averaging_ms = {like.averaging_s * 1e3:g}",
+        *([] if noise_rms is None else [f"noise_rms_m_s2 = {noise_rms:.4g}"]),
         *_channel_lines(like, places),
     ]
     given = {} if constants is None else {folder / CONSTANTS_FILE: _text(constants)}

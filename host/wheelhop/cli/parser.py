@@ -6,6 +6,7 @@ from typing import NoReturn
 
 from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
+from wheelhop.cli.parser_simulate import add_simulate
 
 BAD_INPUT = 2
 
@@ -31,6 +32,7 @@ def make_parser() -> argparse.ArgumentParser:
     _make_analysis(commands)
     _make_workbench(commands)
     add_identify(commands)
+    add_simulate(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
         "folder",

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import secrets
+import shutil
 import stat
 import sys
 import tempfile
@@ -99,6 +100,38 @@ def made_folder(folder: Path) -> Iterator[None]:
     except BaseException:
         remove(made)
         raise
+
+
+@contextmanager
+def new_folder(folder: Path, kind: type[InputError] = InputError) -> Iterator[Path]:
+    """A draft of a folder for the block to fill, which becomes `folder` when the block is done.
+
+    `folder` must not be there, or be empty. If anything fails there is no trace of the draft;
+    only a power cut or SIGKILL may leave one. Raises an error of this `kind` for whatever the disk
+    refuses.
+    """
+    try:
+        if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+            raise kind(f"{folder}: is there already, and is no folder: choose another name")
+        if folder.is_dir() and any(folder.iterdir()):
+            raise kind(f"{folder}: is there already, and not empty: choose another name")
+        made = make_folder(folder.parent)
+        draft = folder.with_name(f"{DRAFT}{secrets.token_hex(6)}")
+        draft.mkdir()
+        try:
+            yield draft
+            for inner in (draft, *(path for path in draft.rglob("*") if path.is_dir())):
+                sync_folder(inner)
+            if folder.is_dir():
+                folder.rmdir()
+            draft.replace(folder)
+        except BaseException:
+            shutil.rmtree(draft, ignore_errors=True)
+            remove(made)
+            raise
+    except OSError as error:
+        raise kind(f"{folder}: cannot be written: {error.strerror or error}") from None
+    sync_folder(folder.parent)
 
 
 @contextmanager

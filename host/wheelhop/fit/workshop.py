@@ -137,7 +137,7 @@ class Workshop:
         self._pool = ThreadPoolExecutor(jobs or min(processors(), 8))
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
         nominal = self.systems(model)
-        self._run_up_s = 0.0 if "rig" in self.drives else _run_up(nominal)
+        self._run_up_s = 0.0 if "rig" in self.drives else run_up(nominal)
         self._on_axles = nominal.get("axles")
         self.benches = {run.id: self.bench(run) for run in campaign.runs}
         self.set_noise(campaign.noise_rms if noise_rms is None else noise_rms)
@@ -201,7 +201,7 @@ class Workshop:
         return Bench(run, simulator, band, measured / doubted, predicted, memory_s, doubted)
 
 
-def _run_up(systems: dict[Drive, System]) -> float:
+def run_up(systems: dict[Drive, System]) -> float:
     """When the nominal vehicle has forgotten its start."""
     slowest = min(float(-system.poles().real.max()) for system in systems.values())
     return float(np.clip(RUN_UP / max(slowest, 1e-3), 1.5, 6.0))

@@ -21,7 +21,7 @@ from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mounted
 from wheelhop.vehicle.nominal import read_nominal
 from wheelhop.vehicle.struts import COMPONENT, Strut, Usual, ends, pairs, struts
-from wheelhop.vehicle.vehicle import Vehicle, read_vehicle
+from wheelhop.vehicle.vehicle import Vehicle, changed, read_vehicle
 
 __all__ = [
     "COMPONENT",
@@ -43,6 +43,7 @@ __all__ = [
     "between",
     "body_corner",
     "car_on_frame",
+    "changed",
     "component",
     "corner_position",
     "ends",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
-from wheelhop.files import Table, read_toml, shown
+from wheelhop.files import Table, did_you_mean, read_toml, shown
 from wheelhop.files.words import significant, unit_of
 from wheelhop.vehicle.mount import mount_values
 
@@ -115,6 +115,22 @@ def read_vehicle(path: Path) -> Vehicle:
     return vehicle
 
 
+def changed(vehicle: Vehicle, changes: Mapping[str, float], source: Path) -> Vehicle:
+    """`vehicle` with some values changed, held to the same rules as those of vehicle.toml.
+
+    Raises `CampaignError`, its line beginning with `source`: who asks for the change.
+    """
+    for key, value in changes.items():
+        if key not in vehicle.values:
+            near = did_you_mean(key, vehicle.values) or "; vehicle.toml names them"
+            raise CampaignError(f"{source}: the vehicle has no number {key}{near}")
+        group, _, last = key.rpartition(".")
+        _value(Table({last: value}, source, f"[{group}]", kind=CampaignError), last)
+    after = vehicle.with_values(changes)
+    _check_whole(Table({}, source, kind=CampaignError), after)
+    return after
+
+
 def _descend(top: Table, dotted: str) -> Table:
     """The table [dotted]; its parent may hold nothing but such tables."""
     parent, _, last = dotted.rpartition(".")
@@ -155,7 +171,7 @@ def _check_whole(top: Table, vehicle: Vehicle) -> None:
             f"[geometry]: cg_to_front_axle_m = {ahead:g} must be less than wheelbase_m = "
             f"{wheelbase:g}: the centre of mass lies between the axles"
         )
-    aboard = sum(vehicle[f"{name}.mass_kg"] for name in OPTIONAL if name in top)
+    aboard = sum(vehicle.values.get(f"{name}.mass_kg", 0.0) for name in OPTIONAL)
     if not aboard < vehicle["body.mass_kg"]:
         raise top.error(
             f"[body]: mass_kg = {vehicle['body.mass_kg']:g} includes driver and engine, which "

@@ -1,0 +1,62 @@
+"""What `wheelhop simulate` takes."""
+
+from pathlib import Path
+from typing import Any
+
+
+def add_simulate(commands: Any) -> None:
+    """Add the command; makes it without loading any room."""
+    simulate = commands.add_parser(
+        "simulate", help="drive a vehicle over tracks: a campaign, a recording, or a sweep"
+    )
+    simulate.add_argument(
+        "vehicle", metavar="VEHICLE.toml", type=Path, help="the vehicle, such as vehicle.toml"
+    )
+    simulate.add_argument(
+        "--tracks",
+        metavar="TRACK",
+        nargs="+",
+        required=True,
+        help="washboard/low, table-5.1 (all of them), or KIND:KEY=VALUE:…, such as"
+        " washboard:amplitude_mm=15:pitch_mm=400, profile:file=road.csv",
+    )
+    simulate.add_argument(
+        "--speed",
+        metavar="KMPH",
+        nargs="+",
+        type=float,
+        default=[],
+        help="km/h, one or more (default: those the thesis drove a named track at)",
+    )
+    simulate.add_argument(
+        "--with",
+        dest="effects",
+        metavar="EFFECT[:PARAM=VALUE]",
+        nargs="+",
+        default=[],
+        help="effects the vehicle has; what is not stated is clearly visible",
+    )
+    simulate.add_argument(
+        "--library", metavar="FILE.py", type=Path, help="a file with effects of your own"
+    )
+    simulate.add_argument(
+        "--noise",
+        metavar="RMS",
+        type=float,
+        help="of a channel in band, m/s² (default 0.1)",
+    )
+    simulate.add_argument(
+        "--logger", action="store_true", help="through the logger's double, in 10-bit codes"
+    )
+    simulate.add_argument(
+        "--seconds", metavar="S", type=float, help="length of a run (default 10.24)"
+    )
+    simulate.add_argument(
+        "--seed", metavar="N", type=int, default=0, help="another one draws other noise (default 0)"
+    )
+    simulate.add_argument(
+        "--out",
+        metavar="PATH",
+        type=Path,
+        help="a new folder for a campaign, or one recording: .csv, .parquet, .mf4, .uff, .hop",
+    )

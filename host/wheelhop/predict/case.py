@@ -1,0 +1,187 @@
+"""A vehicle with effects, on its way over tracks: what is simulated, and the model of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.campaign import Campaign, CampaignError, Run
+from wheelhop.campaign.write import DEFAULT_BAND_HZ
+from wheelhop.effects import Parameter
+from wheelhop.files import did_you_mean
+from wheelhop.fit.workshop import RUNS_AWAY, run_up
+from wheelhop.predict.drives import CHANNELS, Chosen, Drive
+from wheelhop.simulate import Model
+from wheelhop.simulate.motion import Motion, MotionSimulator
+from wheelhop.vehicle import System, Vehicle
+
+Array = NDArray[np.float64]
+SAMPLE_RATE_HZ = 100.0
+AVERAGING_S = 0.010
+"""Of the logger at its usual rate: 8 conversions of 8 channels a sample."""
+SECONDS = 10.24
+"""Of a run, thesis section 5.2."""
+FLAT_S = 1.5
+"""A track that begins somewhere is reached so long after the record has begun."""
+LONGEST_PERIOD_M = 100.0
+"""The start of a run is drawn from one period of a track; a random road does not repeat sooner."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What is to be simulated. `seed` draws where each run starts and what effects leave free in
+    each run; the same case gives the same records, whichever other runs there are before it.
+
+    Raises CampaignError for a parameter no effect has or that is outside its bounds, and for a
+    vehicle that is not stable.
+    """
+
+    vehicle: Vehicle
+    effects: tuple[Chosen, ...]
+    drives: tuple[Drive, ...]
+    seconds: float = SECONDS
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        setting = self._simulator(0, SAMPLE_RATE_HZ, 0.0, 0.0).setting
+        for chosen in self.effects:
+            parameters = chosen.effect.parameters_for(self.vehicle.values, CHANNELS)
+            _check_known(chosen, [*parameters, *chosen.effect.per_run(setting)])
+        _check_stable(self.system)
+
+    @cached_property
+    def nominal(self) -> Model:
+        """The vehicle with its effects, as far as these are alike in all runs."""
+        model = Model(values=self.vehicle.values)
+        for chosen in self.effects:
+            parameters = chosen.effect.parameters_for(self.vehicle.values, CHANNELS)
+            values = {
+                f"{chosen.effect.id}.{p.name}": _stated(chosen, p, _typical(p)) for p in parameters
+            }
+            model = model.with_effect(chosen.effect, parameters).with_values(values)
+        return model
+
+    @cached_property
+    def system(self) -> System:
+        """The equations of motion."""
+        return self.nominal.system(CHANNELS, "road")
+
+    @RUNS_AWAY
+    def record(self, number: int, rate_hz: float, averaging_s: float, lead_s: float = 0.0) -> Array:
+        """Accelerations (n, 8), m/s², of a run, without noise; they begin `lead_s` early and end as
+        much late. Raises CampaignError where the simulation runs away."""
+        simulator = self._simulator(number, rate_hz, averaging_s, lead_s)
+        record = simulator.record(self._model(number, simulator), self.system)
+        return _finite(record, self.drives[number])
+
+    @RUNS_AWAY
+    def motion(self, number: int) -> Motion:
+        """All that moves in a run, from rest on."""
+        simulator = self._simulator(number, SAMPLE_RATE_HZ, 0.0, 0.0)
+        motion = simulator.motion(self._model(number, simulator), self.system)
+        _finite(motion.displacement, self.drives[number])
+        return motion
+
+    def with_vehicle(self, vehicle: Vehicle) -> Case:
+        """The same with another vehicle."""
+        return replace(self, vehicle=vehicle)
+
+    def _simulator(
+        self, number: int, rate_hz: float, averaging_s: float, lead_s: float
+    ) -> MotionSimulator:
+        drive = self.drives[number]
+        time_s = np.arange(round((self.seconds + 2 * lead_s) * rate_hz)) / rate_hz - lead_s
+        run = Run(
+            drive.id,
+            Path(drive.id),
+            drive.role,
+            drive.speed_kmph / 3.6,
+            drive.track,
+            time_s,
+            np.zeros((len(time_s), len(CHANNELS))),
+        )
+        campaign = Campaign(
+            Path(),
+            self.vehicle.name,
+            Path(),
+            rate_hz,
+            DEFAULT_BAND_HZ,
+            averaging_s,
+            None,
+            CHANNELS,
+            (run,),
+        )
+        return MotionSimulator(campaign, run, run_up({"road": self.system}))
+
+    def _model(self, number: int, simulator: MotionSimulator) -> Model:
+        """The model, with what differs from run to run: each run has its own random numbers."""
+        rng = np.random.default_rng([self.seed, number])
+        drive, run = self.drives[number], simulator.run
+        start = -FLAT_S * run.speed_m_s
+        if simulator.period_m is not None:
+            start = rng.uniform(0.0, min(simulator.period_m, LONGEST_PERIOD_M))
+        own = {"speed_m_s": run.speed_m_s, "start_m": float(start)}
+        model = self.nominal
+        for chosen in self.effects:
+            effect = chosen.effect
+            for p in effect.per_run(simulator.setting):
+                middle = p.starts[0] if p.is_shape else p.absent
+                drawn = float(np.clip(rng.normal(middle, p.scale), p.lower, p.upper))
+                own[f"{effect.id}.{p.name}"] = _stated(chosen, p, drawn)
+            if effect.has_random_heights and simulator.series is not None:
+                series = simulator.series
+                density = effect.height_density(model.theta(effect), series.wave_number_rad_m)
+                model = model.with_heights({drive.id: series.drawn(density, rng)})
+        return model.with_run(drive.id, own)
+
+
+def _typical(parameter: Parameter) -> float:
+    """What a parameter is where nothing is stated: clearly visible."""
+    return parameter.starts[0] if parameter.is_shape else parameter.absent + parameter.scale
+
+
+def _stated(chosen: Chosen, parameter: Parameter, otherwise: float) -> float:
+    """The value of a parameter, within its bounds."""
+    value = chosen.values.get(parameter.name, otherwise)
+    if not parameter.lower <= value <= parameter.upper:
+        raise CampaignError(
+            f"--with {chosen.effect.id}: {parameter.name} = {value:g} must be within "
+            f"{parameter.lower:g} … {parameter.upper:g}"
+        )
+    return value
+
+
+def _check_known(chosen: Chosen, parameters: Sequence[Parameter]) -> None:
+    names = [parameter.name for parameter in parameters]
+    if not names:
+        raise CampaignError(f"--with {chosen.effect.id}: does not apply to this vehicle")
+    for name in chosen.values:
+        if name not in names:
+            few = [n for n in names if not n.startswith("coefficient_")]
+            near = did_you_mean(name, names) or f"; it has {', '.join(few) or 'none to state'}"
+            raise CampaignError(f"--with {chosen.effect.id}: has no parameter {name}{near}")
+
+
+def _check_stable(system: System) -> None:
+    if np.linalg.eigvalsh(system.mass).min() <= 0.0:
+        raise CampaignError("the vehicle: more mass or inertia is taken out of it than it has")
+    growth = float(system.poles().real.max())
+    if growth > 1e-9:
+        raise CampaignError(
+            f"the vehicle is not stable: it leaves its place by a factor e in {1 / growth:.2g} s; "
+            "look at its stiffnesses, and those of the effects"
+        )
+
+
+def _finite(values: Array, drive: Drive) -> Array:
+    if not np.isfinite(values).all():
+        raise CampaignError(
+            f"run {drive.id}: the simulation runs away: in large motion the vehicle is not stable, "
+            "or something is far too stiff for its mass"
+        )
+    return values
