@@ -5,6 +5,11 @@ from __future__ import annotations
 from argparse import Namespace
 from math import isfinite
 
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
 from wheelhop.cli.progress import stages
@@ -20,9 +25,19 @@ from wheelhop.predict import (
 )
 from wheelhop.predict.case import SECONDS
 from wheelhop.predict.instrument import NOISE_RMS_M_S2
+from wheelhop.predict.ride import Ride, ride
 from wheelhop.vehicle import read_vehicle
 
 LONGEST_S = 600.0
+HEADINGS = (
+    *("Wk rms\nm/s²", "< 50 Hz\nm/s²", "VDV\nm/s^1.75", "front travel\nrms/peak, mm"),
+    *("rear travel\nrms/peak, mm", "tyre load\nrms/static f/r", "least load\n/ static"),
+)
+FOOTNOTE = (
+    "Wk, VDV: vertical, where the driver sits (ISO 2631-1). A logger of 100 Hz sees what lies below"
+    " 50 Hz."
+)
+LIFTED = "Below 0 a tyre would have to pull: --with tyre-lift-off lets the wheel leave the ground."
 
 
 def run(arguments: Namespace) -> int:
@@ -42,7 +57,39 @@ def run(arguments: Namespace) -> int:
         console.print(f"{out}: {_runs(case)} of {case.seconds:g} s", markup=False)
         if out.is_dir():
             console.print(f"Next: wheelhop compare {out}", markup=False)
+    print_rides(case, console)
     return 0
+
+
+def print_rides(case: Case, console: Console) -> None:
+    """What each run does to vehicle and driver."""
+    with stages() as progress:
+        rides = []
+        for number, drive in enumerate(case.drives):
+            progress(f"riding {drive.id}")
+            rides.append(ride(case, number))
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("run", overflow="fold")
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right")
+    for drive, found in zip(case.drives, rides, strict=True):
+        table.add_row(Text(drive.id), *_cells(found))
+    console.print(table)
+    console.print(FOOTNOTE, markup=False)
+    if min(found.tyre_load_least for found in rides) < -1e-6:
+        console.print(LIFTED, markup=False)
+
+
+def _cells(found: Ride) -> tuple[str, ...]:
+    return (
+        f"{found.comfort_wk_rms_m_s2:.2f}",
+        f"{found.comfort_wk_rms_below_50_hz_m_s2:.2f}",
+        f"{found.comfort_vdv_m_s1_75:.1f}",
+        f"{found.travel_front_rms_m * 1e3:.1f}/{found.travel_front_peak_m * 1e3:.0f}",
+        f"{found.travel_rear_rms_m * 1e3:.1f}/{found.travel_rear_peak_m * 1e3:.0f}",
+        f"{found.dynamic_load_front:.2f}/{found.dynamic_load_rear:.2f}",
+        f"{round(found.tyre_load_least, 2) + 0.0:.2f}",  # no minus zero
+    )
 
 
 def _case(arguments: Namespace) -> Case:

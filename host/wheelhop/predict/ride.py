@@ -1,0 +1,73 @@
+"""What a run does to its vehicle and driver: comfort, suspension travel, tyre loads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.predict.case import SAMPLE_RATE_HZ, Case
+from wheelhop.predict.comfort import comfort, weighted
+from wheelhop.vehicle import CORNERS, axle_name, static_tyre_load
+
+Array = NDArray[np.float64]
+NYQUIST_HZ = SAMPLE_RATE_HZ / 2
+"""What a logger of 100 samples a second can show; the weighting goes on to 80 Hz and more."""
+
+
+@dataclass(frozen=True)
+class Ride:
+    """One run. Units are in the names, which are also the columns of a sweep.
+
+    `comfort_wk_rms_m_s2` and `comfort_vdv_m_s1_75` are after ISO 2631-1, Wk, vertical, of the body
+    where the driver sits (without [driver]: at its centre of mass), over the whole band;
+    `comfort_wk_rms_below_50_hz_m_s2` is what a logger of 100 Hz would find. Travel is that of both
+    struts of an axle about the static position. `dynamic_load_…` is the dynamic load coefficient of
+    an axle's tyres, r.m.s. over static load; `tyre_load_least` the least load any tyre bears over
+    its static one: below 0 the wheel would have left the ground, and only a model with
+    tyre-lift-off lets it.
+    """
+
+    comfort_wk_rms_m_s2: float
+    comfort_wk_rms_below_50_hz_m_s2: float
+    comfort_vdv_m_s1_75: float
+    travel_front_rms_m: float
+    travel_front_peak_m: float
+    travel_rear_rms_m: float
+    travel_rear_peak_m: float
+    dynamic_load_front: float
+    dynamic_load_rear: float
+    tyre_load_least: float
+
+
+def ride(case: Case, number: int) -> Ride:
+    """Simulate a run, without sensors, and look at it. Raises CampaignError if it runs away."""
+    motion, values = case.motion(number), case.vehicle.values
+    rate_hz = 1.0 / float(motion.time_s[1] - motion.time_s[0])
+    seat = np.array([1.0, -values.get("driver.x_m", 0.0), values.get("driver.y_m", 0.0)])
+    felt = motion.acceleration[:, :3] @ seat
+    # Outputs are the four body points, then the four axles.
+    outputs = case.system.output
+    travel = (motion.displacement @ (outputs[:4] - outputs[4:]).T)[motion.recorded]
+    static = np.array([static_tyre_load(values, corner) for corner in CORNERS])
+    load = motion.tyre_force[motion.recorded] / static
+    whole = comfort(weighted(felt, rate_hz)[motion.recorded], rate_hz)
+    cut = comfort(weighted(felt, rate_hz, NYQUIST_HZ)[motion.recorded], rate_hz)
+    front, rear = ([i for i in CORNERS if axle_name(i) == end] for end in ("front", "rear"))
+    return Ride(
+        whole.rms_m_s2,
+        cut.rms_m_s2,
+        whole.vdv_m_s1_75,
+        _rms(travel[:, front]),
+        float(np.abs(travel[:, front]).max()),
+        _rms(travel[:, rear]),
+        float(np.abs(travel[:, rear]).max()),
+        _rms(load[:, front]),
+        _rms(load[:, rear]),
+        float(1.0 + load.min()),
+    )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
