@@ -55,6 +55,17 @@ def add_simulate(commands: Any) -> None:
         "--seed", metavar="N", type=int, default=0, help="another one draws other noise (default 0)"
     )
     simulate.add_argument(
+        "--sweep",
+        metavar="NAME=FIRST:LAST:COUNT",
+        nargs="+",
+        default=[],
+        help="speed (km/h), a number of the vehicle (body.mass_kg) or of an effect"
+        " (dry-friction.front_N); several make a grid; --out is a table, .parquet",
+    )
+    simulate.add_argument(
+        "--jobs", metavar="N", type=int, help="processes of a sweep (default: one a processor)"
+    )
+    simulate.add_argument(
         "--out",
         metavar="PATH",
         type=Path,

@@ -25,10 +25,13 @@ from wheelhop.predict import (
 )
 from wheelhop.predict.case import SECONDS
 from wheelhop.predict.instrument import NOISE_RMS_M_S2
+from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.ride import Ride, ride
+from wheelhop.predict.sweep import Axis, Sweep
+from wheelhop.predict.workers import workers
 from wheelhop.vehicle import read_vehicle
 
-LONGEST_S = 600.0
+SHORTEST_S, LONGEST_S = 2.0, 600.0
 HEADINGS = (
     *("Wk rms\nm/s²", "< 50 Hz\nm/s²", "VDV\nm/s^1.75", "front travel\nrms/peak, mm"),
     *("rear travel\nrms/peak, mm", "tyre load\nrms/static f/r", "least load\n/ static"),
@@ -42,6 +45,8 @@ LIFTED = "Below 0 a tyre would have to pull: --with tyre-lift-off lets the wheel
 
 def run(arguments: Namespace) -> int:
     """Simulate, write what was asked for, and print it; raises CampaignError."""
+    if arguments.sweep:
+        return _sweep(arguments)
     case = _case(arguments)
     noise = NOISE_RMS_M_S2 if arguments.noise is None else arguments.noise
     if not 0.0 <= noise < 100.0:
@@ -92,13 +97,54 @@ def _cells(found: Ride) -> tuple[str, ...]:
     )
 
 
-def _case(arguments: Namespace) -> Case:
-    """What is asked for, checked."""
-    seconds = SECONDS if arguments.seconds is None else arguments.seconds
-    if not (isfinite(seconds) and 2.0 <= seconds <= LONGEST_S):
-        raise CampaignError(f"--seconds {seconds:g}: must be from 2 to {LONGEST_S:g}")
+def _sweep(arguments: Namespace) -> int:
+    """Fill a table; the same command goes on with one that was interrupted."""
+    for option in ("noise", "logger"):
+        if getattr(arguments, option):
+            raise CampaignError(f"--{option}: a sweep has no sensors; leave it out")
+    if arguments.out is None or arguments.out.suffix.lower() != ".parquet":
+        raise CampaignError("--sweep: say where to with --out TABLE.parquet")
+    if arguments.jobs is not None and arguments.jobs < 1:
+        raise CampaignError(f"--jobs {arguments.jobs}: must be 1 or more")
+    sweep = Sweep(
+        read_vehicle(arguments.vehicle),
+        tuple(arguments.tracks),
+        tuple(arguments.speed),
+        tuple(arguments.effects),
+        tuple(Axis.parse(text) for text in arguments.sweep),
+        _seconds(arguments),
+        arguments.seed,
+        arguments.library,
+    )
+    sweep.check()
+    with stages() as progress, workers(arguments.jobs) as executor:
+        computed, rows = run_sweep(sweep, arguments.out, executor, progress)
+    console = open_console()
+    known = len(sweep) - computed
+    earlier = f", {known} of them earlier" if known else ""
+    console.print(
+        f"{arguments.out}: {len(rows)} runs at {len(sweep)} points{earlier}", markup=False
+    )
+    problems = [str(row["problem"]) for row in rows if row["problem"]]
+    if problems:
+        console.print(
+            f"{len(problems)} runs have no result, the first: {problems[0]}", markup=False
+        )
+    return 0
+
+
+def _seconds(arguments: Namespace) -> float:
+    seconds: float = SECONDS if arguments.seconds is None else arguments.seconds
+    if not (isfinite(seconds) and SHORTEST_S <= seconds <= LONGEST_S):
+        raise CampaignError(f"--seconds {seconds:g}: must be from {SHORTEST_S:g} to {LONGEST_S:g}")
     if arguments.seed < 0:
         raise CampaignError(f"--seed {arguments.seed}: must be a whole number from 0 up")
+    return seconds
+
+
+def _case(arguments: Namespace) -> Case:
+    """What is asked for, checked."""
+    seconds = _seconds(arguments)
     vehicle = read_vehicle(arguments.vehicle)
     effects = read_effects(arguments.effects, load_effects(arguments.library))
     drives = read_drives(arguments.tracks, arguments.speed)

@@ -1,0 +1,119 @@
+"""The results of a sweep: a journal while it runs, one Parquet table when it is done.
+
+The journal, TABLE.parquet.journal, has one line of JSON for each point that is finished, and is
+brought to the disk line by line. Whatever ends the program, at most the line being written is lost,
+and the same command goes on where it was.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from wheelhop.campaign import CampaignError
+from wheelhop.files import check_target, claimed, replacing
+from wheelhop.predict.sweep import Row, Sweep
+
+SWEEP = b"wheelhop.sweep"
+"""Under which key the table's metadata hold the sweep's fingerprint."""
+
+
+def run_sweep(
+    sweep: Sweep,
+    table: Path,
+    executor: Executor,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[int, list[Row]]:
+    """Compute what is missing of a sweep and write its table.
+
+    Any `concurrent.futures.Executor` does the work. Returns how many points were computed now, and
+    all rows. Raises CampaignError if the table, or the journal, belongs to another sweep.
+    """
+    check_target(table, CampaignError)
+    journal = table.with_name(f"{table.name}.journal")
+    mark = sweep.fingerprint
+    with claimed(table.parent, f"sweep to {table.name}", CampaignError):
+        if table.exists():
+            return 0, _read_table(table, mark)
+        done = _read_journal(journal, mark)
+        missing = [number for number in range(len(sweep)) if number not in done]
+        with journal.open("a", encoding="utf-8") as file:
+            if not done and file.tell() == 0:
+                _append(file, {"sweep": mark})
+            futures = {executor.submit(sweep.rows, number): number for number in missing}
+            try:
+                for future in as_completed(futures):
+                    number = futures[future]
+                    done[number] = future.result()
+                    _append(file, {"point": number, "rows": done[number]})
+                    progress(f"{len(done)} of {len(sweep)} points")
+            except BaseException:
+                for future in futures:
+                    future.cancel()
+                raise
+        rows = [row for number in range(len(sweep)) for row in done[number]]
+        _write_table(table, rows, mark)
+        journal.unlink()
+    return len(missing), rows
+
+
+def _append(file: Any, line: dict[str, Any]) -> None:
+    file.write(json.dumps(line) + "\n")
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def _read_journal(journal: Path, mark: str) -> dict[int, list[Row]]:
+    """Finished points; a line that was being written when the program ended is cut off."""
+    if not journal.exists():
+        return {}
+    data = journal.read_bytes()
+    whole = data[: data.rfind(b"\n") + 1]
+    try:
+        lines = [json.loads(line) for line in whole.splitlines()]
+        if lines and lines[0]["sweep"] != mark:
+            raise CampaignError(
+                f"{journal}: is that of another sweep: delete it, or choose another --out"
+            )
+        done = {int(line["point"]): line["rows"] for line in lines[1:]}
+    except (ValueError, KeyError, TypeError, IndexError) as error:
+        if isinstance(error, CampaignError):
+            raise
+        raise CampaignError(f"{journal}: is no journal of a sweep: delete it") from None
+    if len(whole) < len(data):
+        with journal.open("r+b") as file:
+            file.truncate(len(whole))
+    return done
+
+
+def _write_table(table: Path, rows: list[Row], mark: str) -> None:
+    columns = {
+        name: pa.array(
+            [row[name] for row in rows],
+            pa.string() if name in ("run", "problem") else pa.float64(),
+        )
+        for name in rows[0]
+    }
+    made = pa.table(columns).replace_schema_metadata({SWEEP: mark})
+    with replacing(table, CampaignError) as draft:
+        pq.write_table(made, draft)
+
+
+def _read_table(table: Path, mark: str) -> list[Row]:
+    try:
+        found = pq.read_table(table)
+    except (pa.ArrowException, OSError):
+        found = None
+    if found is None or (found.schema.metadata or {}).get(SWEEP) != mark.encode():
+        raise CampaignError(
+            f"{table}: is there already, and not of this sweep: choose another --out"
+        )
+    rows: list[Row] = found.to_pylist()
+    return rows

@@ -1,0 +1,136 @@
+"""Sweeps: the same drives with numbers that change, every combination of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from wheelhop.campaign import CampaignError
+from wheelhop.effects import load_effects
+from wheelhop.predict.case import Case
+from wheelhop.predict.drives import Word, read_drives, read_effects
+from wheelhop.predict.ride import Ride, ride
+from wheelhop.vehicle import Vehicle, changed
+
+SPEED = "speed"
+"""The name under which the speed of all drives is swept, km/h."""
+MOST_POINTS = 1_000_000
+MEASURES = tuple(field.name for field in fields(Ride))
+ASKED = Path("--sweep")
+
+Row = dict[str, float | str | None]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A number that is swept, and its values: SI, or km/h for `speed`."""
+
+    name: str
+    values: tuple[float, ...]
+
+    @staticmethod
+    def parse(text: str) -> Axis:
+        """`NAME=a:b:n`: n values from a to b, equally spaced. Raises CampaignError."""
+        name, _, numbers = text.partition("=")
+        parts = numbers.split(":")
+        try:
+            first, last, count = float(parts[0]), float(parts[1]), int(parts[2])
+            whole = len(parts) == 3 and bool(name) and math.isfinite(first) and math.isfinite(last)
+        except (ValueError, IndexError):
+            whole, count = False, 0
+        if not (whole and 1 <= count <= MOST_POINTS):
+            raise CampaignError(
+                f"--sweep {text}: write NAME=FIRST:LAST:COUNT, such as speed=10:40:7"
+            )
+        return Axis(name, tuple(np.linspace(first, last, count).tolist()))
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What is swept, as plain data that any worker anywhere can begin with.
+
+    `tracks` and `effects` are words as on the command line, `library` the file with effects of
+    one's own. Points are numbered with the last axis changing fastest.
+    """
+
+    vehicle: Vehicle
+    tracks: tuple[str, ...]
+    speeds_kmph: tuple[float, ...]
+    effects: tuple[str, ...]
+    axes: tuple[Axis, ...]
+    seconds: float
+    seed: int
+    library: Path | None = None
+
+    def __len__(self) -> int:
+        return math.prod(len(axis.values) for axis in self.axes)
+
+    def check(self) -> None:
+        """Raise CampaignError for a name that cannot be swept, and for both ends of every axis."""
+        if len({axis.name for axis in self.axes}) < len(self.axes):
+            raise CampaignError("--sweep: a number is swept twice")
+        if len(self) > MOST_POINTS:
+            raise CampaignError(f"--sweep: {len(self)} points are more than {MOST_POINTS}")
+        for number in (0, len(self) - 1):
+            self.case(number)
+
+    def point(self, number: int) -> dict[str, float]:
+        """The values of the swept numbers at a point."""
+        found: dict[str, float] = {}
+        for axis in reversed(self.axes):
+            number, place = divmod(number, len(axis.values))
+            found[axis.name] = axis.values[place]
+        return dict(reversed(found.items()))
+
+    def case(self, number: int) -> Case:
+        """What is simulated at a point. All have the same seed, so that what changes is swept."""
+        point = self.point(number)
+        speeds = [point.pop(SPEED)] if SPEED in point else self.speeds_kmph
+        chosen = read_effects(self.effects, load_effects(self.library))
+        for name in [name for name in point if name.partition(".")[0] in _ids(self.effects)]:
+            effect, _, parameter = name.partition(".")
+            value = {parameter: point.pop(name)}
+            chosen = tuple(
+                replace(one, values={**one.values, **value}) if one.effect.id == effect else one
+                for one in chosen
+            )
+        vehicle = changed(self.vehicle, point, ASKED)
+        return Case(vehicle, chosen, read_drives(self.tracks, speeds), self.seconds, self.seed)
+
+    def rows(self, number: int) -> list[Row]:
+        """One row per drive at a point. A simulation that fails leaves its reason as `problem`."""
+        point = {name: value for name, value in self.point(number).items() if name != SPEED}
+        empty: Row = dict.fromkeys(MEASURES)
+        try:
+            case = self.case(number)
+        except CampaignError as error:
+            return [{"run": "", "speed_kmph": None, **point, **empty, "problem": str(error)}]
+        rows: list[Row] = []
+        for place, drive in enumerate(case.drives):
+            row: Row = {"run": drive.id, "speed_kmph": drive.speed_kmph, **point}
+            try:
+                rows.append({**row, **vars(ride(case, place)), "problem": ""})
+            except CampaignError as error:
+                rows.append({**row, **empty, "problem": str(error)})
+        return rows
+
+    @property
+    def fingerprint(self) -> str:
+        """Differs where anything differs that the results depend on, files included."""
+        files = [] if self.library is None else [self.library]
+        files += [drive.file for drive in self.case(0).drives if drive.file is not None]
+        known = asdict(replace(self, library=None))
+        known["wheelhop"] = version("wheelhop")
+        known["files"] = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
+        return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()
+
+
+def _ids(effects: Sequence[str]) -> set[str]:
+    return {Word.parse(text, "--with").name for text in effects}
