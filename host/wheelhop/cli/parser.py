@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
-from wheelhop.cli.parser_simulate import add_simulate
+from wheelhop.cli.parser_simulate import add_road, add_simulate
 
 BAD_INPUT = 2
 
@@ -33,6 +33,7 @@ def make_parser() -> argparse.ArgumentParser:
     _make_workbench(commands)
     add_identify(commands)
     add_simulate(commands)
+    add_road(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
         "folder",

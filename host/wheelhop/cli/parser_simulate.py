@@ -71,3 +71,21 @@ def add_simulate(commands: Any) -> None:
         type=Path,
         help="a new folder for a campaign, or one recording: .csv, .parquet, .mf4, .uff, .hop",
     )
+
+
+def add_road(commands: Any) -> None:
+    """Add `wheelhop road`."""
+    road = commands.add_parser("road", help="tell how rough a track is, and write it as a survey")
+    road.add_argument(
+        "track", metavar="TRACK", help="as simulate takes them, such as profile:file=road.crg"
+    )
+    road.add_argument(
+        "--length", metavar="M", type=float, help="of what is looked at (default: all, or 200 m)"
+    )
+    road.add_argument(
+        "--step", metavar="M", type=float, default=0.02, help="between stations (default 0.02)"
+    )
+    road.add_argument(
+        "--width", metavar="M", type=float, default=1.2, help="between the paths (default 1.2)"
+    )
+    road.add_argument("--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg")

@@ -1,0 +1,83 @@
+"""`wheelhop road`: how rough a track is, and a survey of it as a file."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from math import inf, isfinite, isinf
+from pathlib import Path
+
+import numpy as np
+
+from wheelhop.campaign import CampaignError
+from wheelhop.cli.console import open_console
+from wheelhop.files import check_target
+from wheelhop.predict import read_drives
+from wheelhop.track import Track, make_track
+from wheelhop.track.roughness import roughness
+from wheelhop.track.surveyed import SurveyedGrid
+from wheelhop.track.write import write_opencrg, write_paths
+
+LENGTH_M, STEP_M, WIDTH_M = 200.0, 0.02, 1.2
+GRID_M = 0.1  # across, of a grid that is written
+MOST_STATIONS = 1_000_000
+
+
+def run(arguments: Namespace) -> int:
+    """Analyse a track and write it if wanted; raises CampaignError."""
+    (drive, *_) = read_drives([arguments.track], [1.0])
+    track = make_track(drive.track)
+    x = _stations(arguments, track)
+    half = arguments.width / 2
+    if not 0.0 < half < inf:
+        raise CampaignError(f"--width {arguments.width:g}: must be above 0")
+    across = _across(track, half)
+    height = np.stack([track.elevation(x, y) for y in across], axis=1)
+    console = open_console()
+    found = roughness(height, arguments.step)
+    low, high = (2 * np.pi / edge for edge in found.band_rad_m[::-1])
+    console.print(
+        f"C = {found.unevenness_m3:.3g} m³, w = {found.waviness:.3g} (ISO 8608, class"
+        f" {found.road_class} at 1 rad/m), fitted to waves of {low:.2g} … {high:.2g} m;"
+        f" {found.rms_m * 1e3:.3g} mm rms",
+        markup=False,
+    )
+    if arguments.out is not None:
+        _write(arguments.out, track, x, half)
+        console.print(f"{arguments.out}: {len(x)} stations", markup=False)
+    return 0
+
+
+def _stations(arguments: Namespace, track: Track) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Where heights are asked for: the whole of a track that ends, else `--length` of it."""
+    length = arguments.length
+    if length is None:
+        length = LENGTH_M if isinf(track.end_m) else track.end_m
+    for option, value in (("length", length), ("step", arguments.step)):
+        if not (isfinite(value) and value > 0.0):
+            raise CampaignError(f"--{option} {value:g}: must be above 0 m")
+    count = int(length / arguments.step + 1e-9) + 1
+    if not 64 <= count <= MOST_STATIONS:
+        raise CampaignError(
+            f"{count} stations: take 64 to {MOST_STATIONS} by another --length or --step"
+        )
+    return np.asarray(arguments.step * np.arange(count))
+
+
+def _across(track: Track, half_m: float) -> list[float]:
+    """The paths a spectrum is the mean of: all of a surveyed surface, else two wheel paths."""
+    if isinstance(track, SurveyedGrid):
+        return [float(y) for y in track.y_m[np.abs(track.y_m) <= half_m]]
+    return [-half_m, half_m]
+
+
+def _write(file: Path, track: Track, x: np.ndarray[tuple[int], np.dtype[np.float64]],
+           half_m: float) -> None:  # fmt: skip
+    check_target(file, CampaignError)
+    suffix = file.suffix.lower()
+    if suffix == ".csv":
+        write_paths(file, x, track.elevation(x, half_m), track.elevation(x, -half_m))
+    elif suffix == ".crg":
+        y = np.linspace(-half_m, half_m, max(round(2 * half_m / GRID_M), 1) + 1)
+        write_opencrg(file, x, y, np.stack([track.elevation(x, place) for place in y], axis=1))
+    else:
+        raise CampaignError(f"{file}: a survey is written as .csv or .crg")
