@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -120,6 +120,28 @@ def test_a_journal_cut_anywhere_goes_on_with_what_is_whole(share, points):
 
 def one_row(number):
     return [{"run": "x", "speed_kmph": float(number), "problem": ""}]
+
+
+class Fragile(ThreadPoolExecutor):
+    """Loses its process at the second point."""
+
+    def submit(self, function, number):
+        def work():
+            if number == 1:
+                raise BrokenExecutor
+            return function(number)
+
+        return super().submit(work)
+
+
+def test_a_lost_worker_is_one_line_and_loses_nothing(tmp_path):
+    one = sweep("speed=8:10:3", kind=Counted)
+    object.__setattr__(one, "asked", [])
+    with pytest.raises(CampaignError, match="goes on from here"):
+        run_sweep(one, tmp_path / "t.parquet", Fragile(1))
+    assert [path.name for path in tmp_path.iterdir()] == ["t.parquet.journal"]
+    _, rows = run_sweep(one, tmp_path / "t.parquet", ThreadPoolExecutor(1))
+    assert [row["speed_kmph"] for row in rows] == [0.0, 1.0, 2.0]
 
 
 def test_killed_it_goes_on_and_computes_nothing_twice(tmp_path):

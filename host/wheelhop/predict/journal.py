@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from concurrent.futures import Executor, as_completed
+from concurrent.futures import BrokenExecutor, Executor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +54,11 @@ def run_sweep(
                     done[number] = future.result()
                     _append(file, {"point": number, "rows": done[number]})
                     progress(f"{len(done)} of {len(sweep)} points")
+            except BrokenExecutor:
+                raise CampaignError(
+                    f"{journal}: a process that was computing has ended, for want of memory"
+                    " perhaps: the same command goes on from here; --jobs 1 takes less"
+                ) from None
             except BaseException:
                 for future in futures:
                     future.cancel()

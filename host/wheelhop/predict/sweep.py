@@ -5,15 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
 from wheelhop.campaign import CampaignError
-from wheelhop.effects import load_effects
+from wheelhop.effects import Effect, load_effects
 from wheelhop.predict.case import Case
 from wheelhop.predict.drives import Word, read_drives, read_effects
 from wheelhop.predict.ride import Ride, ride
@@ -93,7 +94,7 @@ class Sweep:
         """What is simulated at a point. All have the same seed, so that what changes is swept."""
         point = self.point(number)
         speeds = [point.pop(SPEED)] if SPEED in point else self.speeds_kmph
-        chosen = read_effects(self.effects, load_effects(self.library))
+        chosen = read_effects(self.effects, _library(self.library))
         for name in [name for name in point if name.partition(".")[0] in _ids(self.effects)]:
             effect, _, parameter = name.partition(".")
             value = {parameter: point.pop(name)}
@@ -130,6 +131,12 @@ class Sweep:
         known["wheelhop"] = version("wheelhop")
         known["files"] = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
         return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _library(file: Path | None) -> Mapping[str, Effect]:
+    """Read once in each process: looking for installed effects takes longer than a run."""
+    return load_effects(file)
 
 
 def _ids(effects: Sequence[str]) -> set[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context, parent_process
 from threading import Thread
@@ -16,7 +17,9 @@ def workers(jobs: int | None = None) -> ProcessPoolExecutor:
 
 
 def _end_with_parent() -> None:
-    """A parent that is killed cannot end its workers: they watch for it themselves."""
+    """A parent that is killed cannot end its workers: they watch for it themselves. Ctrl-C is the
+    parent's alone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
     if parent is not None:
 

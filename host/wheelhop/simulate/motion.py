@@ -109,10 +109,11 @@ def _tyre_force(
     for p in np.flatnonzero(system.port_input.any(axis=1)):
         row, row_input = system.port[p], system.port_input[p]
         x, v = q @ row + u @ row_input, q_rate @ row + u_rate @ row_input
-        change = np.diff(x, prepend=x[0])
         law, numbers = system.laws[system.port_law[p]], system.law_parameters[p]
-        memory, given = 0.0, np.empty(len(x))
-        for t in range(len(x)):
-            given[t], memory = law(x[t], v[t], change[t], step_s, memory, numbers)
-        force += given[:, None] * row_input
+        memory, given = 0.0, list[float]()
+        steps = (array.tolist() for array in (x, v, np.diff(x, prepend=x[0])))
+        for extension, speed, change in zip(*steps, strict=True):
+            now, memory = law(extension, speed, change, step_s, memory, numbers)
+            given.append(now)
+        force += np.array(given)[:, None] * row_input
     return np.asarray(force)
