@@ -46,6 +46,7 @@ void Card::lose_power() {
 
 uint8_t Card::exchange(uint8_t sent) {
     now_us += 2;
+    if (inserted && !selected_ && clocks_ < 74) clocks_ += 8;
     if (!inserted || !selected_) return 0xFF;
     uint8_t reply = 0xFF;
     // A command into an answer that was not read to its end; a block without a byte's pause before.
@@ -124,7 +125,11 @@ void Card::command() {
     uint8_t sheet[16] = {};
     answer(0xFF);
     switch (index) {
+        case 16:  // the length of a block
+            answer(argument == 512 ? ready : 0x40);
+            break;
         case 0:
+            if (clocks_ < 74) ++rude;
             lose_power();
             answer(1);
             break;

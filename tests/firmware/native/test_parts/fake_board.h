@@ -60,6 +60,7 @@ struct Card {
     std::deque<uint8_t> out_;
     bool selected_ = false, idle_ = true, receiving_ = false, application_ = false;
     bool checks_ = false;
+    int clocks_ = 0;      // while it was not selected; it wants 74 before the first command
     bool pause_ = false;  // since the answer to CMD24
     uint8_t status_ = 0;
     size_t sector_ = 0;
