@@ -141,3 +141,14 @@ def test_effects_change_what_is_recorded_and_their_values_matter():
     )
     changes = [np.sqrt(np.mean((record - plain) ** 2)) for record in (some, more)]
     assert 0.0 < changes[0] < changes[1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_driver_lets_the_speed_wander_as_drivers_do(seed):
+    """Some per cent of it, within seconds, as the fit believes of them: not from knot to knot."""
+    one = case(["washboard/high"], [11.0], ["speed-fluctuation"], seed=seed)
+    simulator = one._simulator(0, 100.0, 0.0, 0.0)
+    way = simulator.way(one._model(0, simulator))[:, 0]
+    speed = np.diff(way) * 100.0
+    assert 0.02 < speed.std() / speed.mean() < 0.06
+    assert np.abs(np.diff(speed)).max() * 100.0 < 0.5  # m/s²

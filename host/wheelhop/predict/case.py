@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -28,6 +28,8 @@ SECONDS = 10.24
 """Of a run, thesis section 5.2."""
 FLAT_S = 1.5
 """A track that begins somewhere is reached so long after the record has begun."""
+WANDER_RAD_S = 2 * np.pi / 5.0
+"""What an effect leaves free along a run, a driver's speed say, wanders with about this period."""
 LONGEST_PERIOD_M = 100.0
 """The start of a run is drawn from one period of a track; a random road does not repeat sooner."""
 
@@ -87,10 +89,6 @@ class Case:
         _finite(motion.displacement, self.drives[number])
         return motion
 
-    def with_vehicle(self, vehicle: Vehicle) -> Case:
-        """The same with another vehicle."""
-        return replace(self, vehicle=vehicle)
-
     def _simulator(
         self, number: int, rate_hz: float, averaging_s: float, lead_s: float
     ) -> MotionSimulator:
@@ -129,9 +127,13 @@ class Case:
         model = self.nominal
         for chosen in self.effects:
             effect = chosen.effect
+            turn, phase = rng.uniform(0.8, 1.25) * WANDER_RAD_S, rng.uniform(0.0, 2 * np.pi)
             for p in effect.per_run(simulator.setting):
                 middle = p.starts[0] if p.is_shape else p.absent
-                drawn = float(np.clip(rng.normal(middle, p.scale), p.lower, p.upper))
+                deviation = rng.normal()
+                if np.isfinite(p.span_s).all():
+                    deviation = np.sqrt(2) * np.sin(turn * np.mean(p.span_s) + phase)
+                drawn = float(np.clip(middle + p.scale * deviation, p.lower, p.upper))
                 own[f"{effect.id}.{p.name}"] = _stated(chosen, p, drawn)
             if effect.has_random_heights and simulator.series is not None:
                 series = simulator.series
