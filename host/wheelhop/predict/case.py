@@ -37,7 +37,7 @@ LONGEST_PERIOD_M = 100.0
 @dataclass(frozen=True, eq=False)
 class Case:
     """What is to be simulated. `seed` draws where each run starts and what effects leave free in
-    each run; the same case gives the same records, whichever other runs there are before it.
+    each run; a run's record does not depend on the runs that come after it.
 
     Raises CampaignError for a parameter no effect has or that is outside its bounds, and for a
     vehicle that is not stable.
