@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from tests.frame.frames import CORNERS, ladder
 from tests.frame.test_read import EXAMPLE, write
 from wheelhop.cli.main import main
 from wheelhop.frame import assemble, free_modes, read_frame
@@ -22,6 +23,26 @@ def test_it_prints_and_writes_mass_stiffness_modes_and_a_figure(tmp_path, capsys
     wanted = free_modes(assemble(read_frame(EXAMPLE)), 7).frequency_hz
     assert frequencies == pytest.approx(wanted)
     assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_mode_that_twists_nothing_is_not_called_torsional(tmp_path, capsys):
+    """The ladder's first mode bends it in its plane."""
+    result = tmp_path / "f.json"
+    lines = ["format = 1", 'name = "ladder"', "[material]", "E_GPa = 200", "G_GPa = 77"]
+    lines += ["density_kg_m3 = 7800", "[section.s]", "outer_diameter_mm = 30"]
+    lines += ["wall_thickness_mm = 2", "[node]"]
+    frame = ladder()
+    lines += [f"{name} = {list(place)}" for name, place in frame.nodes.items()]
+    for tube in frame.tubes:
+        lines += ["[[tube]]", f'nodes = ["{tube.start}", "{tube.end}"]', 'section = "s"']
+    lines += ["[interface]", *(f'{corner} = "{corner}"' for corner in CORNERS)]
+    file = tmp_path / "ladder.toml"
+    file.write_text("\n".join(lines), encoding="utf-8")
+    assert main(["frame", str(file), "--modes", "1", "--json", str(result)]) == 0
+    assert "None of these modes makes a tenth of the twist" in capsys.readouterr().out
+    assert json.loads(result.read_text(encoding="utf-8"))["first_torsional_mode"] is None
+    assert main(["frame", str(file), "--modes", "2", "--json", str(result)]) == 0
+    assert json.loads(result.read_text(encoding="utf-8"))["first_torsional_mode"] == 2
 
 
 @pytest.mark.parametrize(

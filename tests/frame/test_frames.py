@@ -225,6 +225,14 @@ def test_every_mode_of_a_reduction_makes_it_exact():
     assert found[:20] == pytest.approx(free_modes(elements, 20).frequency_hz, rel=1e-6)
 
 
+def test_a_frame_of_interface_points_alone_is_not_reduced_at_all():
+    square = [(0.7, 0.5, 0), (0.7, -0.5, 0), (-0.7, 0.5, 0), (-0.7, -0.5, 0)]
+    elements = chain(square, element_m=9.0)
+    reduced = reduce(elements, 5)
+    assert reduced.stiffness == pytest.approx(elements.stiffness.toarray())
+    assert reduced.free_modes()[0] == pytest.approx(free_modes(elements, 18).frequency_hz)
+
+
 def test_one_tube_between_stout_bars_has_its_own_torsional_stiffness():
     """GJ/L: the bars across, at the front and at the rear, hardly bend."""
     length, half = 1.6, 0.3

@@ -90,7 +90,7 @@ def as_json(result: FrameResult) -> dict[str, Any]:
         "centre_m": mass.centre_m.tolist(),
         "inertia_kg_m2": mass.inertia_kg_m2.tolist(),
         "torsional_stiffness_N_m_deg": DEGREE * result.stiffness_N_m_rad,
-        "first_torsional_mode": first + 1,
+        "first_torsional_mode": None if first is None else first + 1,
         "frame_twist": [
             {"freq_hz": hz, "participation_1_kg": participation, "share": share}
             for hz, participation, share in zip(
@@ -136,6 +136,9 @@ def _show(console: Console, result: FrameResult) -> None:
             "first torsional mode" if i == twist.first else "",
         )
     console.print(table)
+    if twist.first is None:
+        console.print("None of these modes makes a tenth of the twist: try more --modes")
+        return
     frequency, participation = (
         significant(float(values[twist.first]), 4)
         for values in (twist.freq_hz, twist.participation_1_kg)

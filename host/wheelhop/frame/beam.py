@@ -3,7 +3,7 @@
 Shear-flexible, two nodes, six coordinates each: displacements (u, v, w) along the local axes x, y,
 z, and rotations about them. Its shape functions solve Timoshenko's static equations of an unloaded
 beam exactly (Z. Friedman, J. B. Kosmatka, "An improved two-node Timoshenko beam finite element",
-Comput. Struct. 47 (1993) 473, eqs. 14–17): nodal displacements under nodal loads are exact, however
+Comput. Struct. 47 (1993) 473): nodal displacements under nodal loads are exact, however
 long the element, and nothing locks. With Φ = 12 EI / (κ G A L²) → 0 it is Euler–Bernoulli's beam.
 """
 

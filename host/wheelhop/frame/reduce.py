@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.frame.assemble import DOF, FiniteElements, Integers, dofs_of
+from wheelhop.frame.assemble import DOF, FiniteElements, dofs_of
 from wheelhop.frame.modes import held_modes
 from wheelhop.frame.statics import factorised, split
 
@@ -43,11 +43,12 @@ def reduce(elements: FiniteElements, modes: int) -> Reduced:
     inner, _ = split(elements.mass.shape[0], boundary)
     k, m = elements.stiffness, elements.mass
     k_inner = k[inner][:, inner]
-    static = -factorised(k_inner)(k[inner][:, boundary].toarray())
     found = held_modes(k_inner, m[inner][:, inner], modes)
     basis = np.zeros((m.shape[0], len(boundary) + len(found.frequency_hz)))
     basis[boundary, : len(boundary)] = np.eye(len(boundary))
-    basis[inner, : len(boundary)] = static
+    if len(inner):
+        static = factorised(k_inner)(k[inner][:, boundary].toarray())
+        basis[inner, : len(boundary)] = -static
     basis[inner, len(boundary) :] = found.shape
     stiffness = np.diag(
         np.concatenate([np.zeros(len(boundary)), (2 * np.pi * found.frequency_hz) ** 2])
@@ -62,8 +63,3 @@ def reduce(elements: FiniteElements, modes: int) -> Reduced:
 
 def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
-
-
-def heights(reduced: Reduced, names: tuple[str, ...]) -> Integers:
-    """Which coordinates of q are the vertical displacements of interface points."""
-    return np.array([reduced.interface[name] + 2 for name in names])

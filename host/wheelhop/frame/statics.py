@@ -65,8 +65,8 @@ def floating(elements: FiniteElements) -> Callable[[Array], Array]:
 
     The load's rigid part accelerates the frame and is balanced by inertia; the elastic answer is
     orthogonal to the rigid modes in the mass matrix. That is P A Pᵀ with P = 1 − R RᵀM and A the
-    flexibility with any one node held: which one does not matter (R. J. Craig, A. J. Kurdila,
-    Fundamentals of Structural Dynamics, Wiley 2006, section 17.3).
+    flexibility with any one node held: which one does not matter (R. R. Craig, A. J. Kurdila,
+    Fundamentals of Structural Dynamics, Wiley 2006: inertia relief).
     """
     rigid = rigid_modes(elements)
     moved = elements.mass @ rigid

@@ -14,7 +14,6 @@ from wheelhop.frame.statics import floating
 
 Array = NDArray[np.float64]
 
-
 TORSIONAL_SHARE = 0.1
 """A mode that makes less of the static twist than this is not called torsional."""
 
@@ -28,11 +27,10 @@ class FrameTwist:
     share: Array  #: (k,) of the corners' static twist under twisting loads; all modes make 1
 
     @property
-    def first(self) -> int:
-        """The first torsional mode: the lowest that makes a tenth of the static twist; of modes
-        that all make less, the one that makes most."""
+    def first(self) -> int | None:
+        """The first torsional mode: the lowest that makes a tenth of the static twist, if any."""
         large = np.flatnonzero(self.share >= TORSIONAL_SHARE)
-        return int(large[0]) if len(large) else int(np.argmax(self.share))
+        return int(large[0]) if len(large) else None
 
 
 def warp(elements: FiniteElements) -> Array:
