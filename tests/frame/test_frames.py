@@ -164,6 +164,12 @@ def test_lanczos_finds_what_a_dense_solver_finds(count):
     assert np.abs(rigid_modes(elements).T @ (elements.mass @ found.shape)).max() < 1e-8
 
 
+@pytest.mark.parametrize(("element_m", "points"), [(1e6, 2), (0.5, 3), (0.25, 5), (0.24, 6)])
+def test_elements_are_no_longer_than_asked_and_no_more_than_needed(element_m, points):
+    elements = chain([(0, 0, 0), (0, 1e-3 if element_m > 1 else 1, 0)], element_m=element_m)
+    assert len(elements.position) == points
+
+
 def test_asking_for_more_modes_than_there_are_gives_all_of_them():
     assert len(free_modes(chain([(0, 0, 0), (1, 0, 0)], element_m=9.0), 99).frequency_hz) == 6
 

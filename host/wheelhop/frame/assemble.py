@@ -47,7 +47,7 @@ def assemble(frame: Frame) -> FiniteElements:
     lines, count = [], len(node)
     for tube in frame.tubes:
         start, end = (np.array(frame.nodes[name]) for name in (tube.start, tube.end))
-        parts = ceil(float(np.linalg.norm(end - start)) / frame.element_m - 1e-9)
+        parts = max(1, ceil(float(np.linalg.norm(end - start)) / frame.element_m - 1e-9))
         share = np.arange(1, parts)[:, None] / parts
         position.append(start + share * (end - start))
         inner = np.arange(count, count + parts - 1)
