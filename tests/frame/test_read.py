@@ -108,9 +108,11 @@ def test_the_shear_modulus_may_stand_for_poissons_ratio(tmp_path):
         ("a = [1.4, 0.5, 0]", "a = [1e300, 0.5, 0]", "[node]: a lies more than 1000 m away"),
         ("A_mm2 = 100", "A_mm2 = 1e300", "A_mm2 = 1e+300 must be less than"),
         ('FL = "a"', "", "[interface]: 'FL' is missing"),
-        ('FL = "a"', 'FL = "d"', "FL must lie ahead of RL"),
+        ('FL = "a"', 'FL = "c"', "must be four different nodes"),
+        ('FL = "a"\nFR = "b"\nRL = "d"', 'FL = "d"\nFR = "b"\nRL = "a"', "FL must lie ahead"),
         ('FL = "a"\nFR = "b"', 'FL = "b"\nFR = "a"', "FL must lie to the left of FR"),
-        ("up = [0, 1, 0]", "up = [1.4, 1, 0]", "up must not be zero or point along the tube"),
+        ("up = [0, 1, 0]", "up = [0, 0, 0]", "up is a direction, such as up = [0, 0, 1]"),
+        ("up = [0, 1, 0]", "up = [1.4, 1, 0]", "up must not point along the tube"),
         ('from = "a"', 'nodes = ["a", "b"]', "give either nodes, or from and to"),
         ('name = "box"', 'name = "box"\nelement_mm = 0', "element_mm"),
     ],
@@ -128,6 +130,15 @@ def test_a_frame_in_two_pieces_is_none(tmp_path):
     apart = 'd = [0, 0.5, 0]\ne = [0, 0, 1]\nf = [1, 0, 1]\n[[tube]]\nfrom = "e"\nto = "f"'
     file = write(tmp_path, ("d = [0, 0.5, 0]", f'{apart}\nsection = "main"'))
     with pytest.raises(FrameError, match="e is not connected with a"):
+        read_frame(file)
+
+
+def test_a_frame_without_nodes_is_none(tmp_path):
+    file = write(tmp_path)
+    text = file.read_text(encoding="utf-8")
+    empty = text[: text.index("[node]")] + "[node]\n" + text[text.index("[[tube]]") :]
+    file.write_text(empty, encoding="utf-8")
+    with pytest.raises(FrameError, match="there are no nodes"):
         read_frame(file)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import dist
+from math import dist, hypot
 from pathlib import Path
 
 from wheelhop.files import Table, did_you_mean, read_toml
@@ -16,7 +16,7 @@ LEAST_LENGTH_M = 1e-4
 FARTHEST_M = 1000.0
 MOST_ELEMENTS = 50_000
 SMALL, LARGE = 1e-6, 1e12
-"""Between these lie the numbers of every section, in mm² and mm⁴."""
+"""Between these lie the numbers of every section, in mm² and mm⁴, and the length of a direction."""
 ROUND = ("outer_diameter_mm", "wall_thickness_mm")
 GENERAL = ("A_mm2", "Iy_mm4", "Iz_mm4", "J_mm4", "shear_coefficient")
 USUAL_SHEAR = 5 / 6
@@ -116,6 +116,8 @@ def _nodes(table: Table) -> dict[str, Point]:
         if place in places:
             raise table.error(f"{name} lies where {places[place]} lies: use one node for both")
         places[place] = name
+    if not places:
+        raise table.error("there are no nodes")
     return {name: place for place, name in places.items()}
 
 
@@ -139,7 +141,7 @@ def _tubes(
         section = table.text("section")
         if section not in sections:
             raise table.error(f"there is no [section.{section}]{did_you_mean(section, sections)}")
-        up = _point(table, "up") if "up" in table else None
+        up = _direction(table, "up") if "up" in table else None
         for start, end in pairwise(chain):
             ends = f"the tube from {start} to {end}"
             length = dist(nodes[start], nodes[end])
@@ -169,12 +171,19 @@ def _check_node(table: Table, name: str, nodes: Mapping[str, Point]) -> None:
         raise table.error(f'there is no node "{name}"{did_you_mean(name, nodes)}')
 
 
+def _direction(table: Table, key: str) -> Point:
+    x, y, z = _point(table, key)
+    length = hypot(x, y, z)
+    if not SMALL < length < LARGE:
+        raise table.error(f"{key} is a direction, such as {key} = [0, 0, 1]")
+    return x / length, y / length, z / length
+
+
 def _check_up(table: Table, up: Point, start: Point, end: Point) -> None:
     x, y, z = (b - a for a, b in zip(start, end, strict=True))
     across = (up[1] * z - up[2] * y, up[2] * x - up[0] * z, up[0] * y - up[1] * x)
-    origin = (0.0, 0.0, 0.0)
-    if not dist(across, origin) > 1e-6 * dist(up, origin) * dist(start, end):
-        raise table.error("up must not be zero or point along the tube")
+    if not hypot(*across) > 1e-6 * dist(start, end):
+        raise table.error("up must not point along the tube")
 
 
 def _check_one_piece(top: Table, nodes: Mapping[str, Point], tubes: Sequence[Tube]) -> None:
@@ -213,6 +222,8 @@ def _interface(table: Table, nodes: Mapping[str, Point]) -> dict[str, str]:
     found = {name: table.text(name) for name in table.values}
     for node in found.values():
         _check_node(table, node, nodes)
+    if len({found[corner] for corner in CORNERS}) < len(CORNERS):
+        raise table.error(f"{', '.join(CORNERS)} must be four different nodes")
     for ahead, behind in (("FL", "RL"), ("FR", "RR")):
         if not nodes[found[ahead]][0] > nodes[found[behind]][0]:
             raise table.error(f"{ahead} must lie ahead of {behind}: x points ahead")

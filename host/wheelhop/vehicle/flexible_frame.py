@@ -20,17 +20,14 @@ FIXED_MODES = 20
 
 def frame_values(elements: FiniteElements) -> dict[str, float]:
     """What vehicle.toml would say of the sprung body if the frame with all that it carries were
-    it: mass, pitch and roll inertia, wheelbase, mean track and centre of mass between its corners.
+    it: mass, pitch and roll inertia, and how far the front corners are ahead of its centre of mass.
 
     Products of inertia have no place there: the full car is alike on its left and right.
     """
     found = mass_properties(elements)
-    x, y, _ = elements.position[elements.corners].T
-    front, rear = float(x[:2].mean()), float(x[2:].mean())
+    front = elements.position[elements.corners[:2], 0].mean()
     return {
-        "geometry.wheelbase_m": front - rear,
-        "geometry.track_width_m": float(y[0] - y[1] + y[2] - y[3]) / 2,
-        "geometry.cg_to_front_axle_m": front - float(found.centre_m[0]),
+        "geometry.cg_to_front_axle_m": float(front - found.centre_m[0]),
         "body.mass_kg": found.mass_kg,
         "body.pitch_inertia_kg_m2": float(found.inertia_kg_m2[1, 1]),
         "body.roll_inertia_kg_m2": float(found.inertia_kg_m2[0, 0]),
