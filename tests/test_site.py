@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+import wheelhop
+
 pytest.importorskip("mkdocs")
 ROOT = Path(__file__).parents[1]
 
@@ -50,3 +52,9 @@ def test_formulas_are_set(site):
     assert site["theory.html"].count("<math") == (ROOT / "docs" / "theory.md").read_text(
         encoding="utf-8"
     ).count("```math")
+
+
+def test_the_reference_holds_every_public_name(site):
+    names = set(wheelhop.__all__) - {"__version__"}
+    shown = set(re.findall(r'<h3 id="wheelhop\.[\w.]*?(\w+)" class="doc', site["reference.html"]))
+    assert shown == names
