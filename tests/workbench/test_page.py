@@ -1,9 +1,13 @@
 """The page as a user meets it: real clicks in a real browser."""
 
 import re
+import subprocess
+import sys
 import time
 from dataclasses import replace
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from tests.component.cases import CASES as RIG_CASES
@@ -47,6 +51,20 @@ def find_out(page):
     return page.locator(".verdict h2").inner_text()
 
 
+def assert_script_repeats(folder):
+    """The script comes to the same numbers, from nothing but the campaign's files."""
+    file = folder / "tables" / "parameters.csv"
+    before = pd.read_csv(file, index_col=0)
+    file.unlink()
+    done = subprocess.run(
+        [sys.executable, str(folder / "repeat.py")], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    again = pd.read_csv(file, index_col=0)
+    assert list(again.index) == list(before.index)
+    np.testing.assert_allclose(again["value"], before["value"], rtol=0.02)
+
+
 def test_from_a_campaign_to_a_report(friction, open_page, pictures):
     with workbench(friction) as (address, _):
         page = open_page(address)
@@ -84,8 +102,15 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         page.get_by_role("button", name="Write the report").click()
         page.get_by_text("report.html", exact=False).first.wait_for()
         page.get_by_role("button", name="Look at the report").wait_for()
-        page.screenshot(path=pictures / "take-away.png")
         assert "dry-friction" in (friction / "report.html").read_text()
+        for name, file in (("figures", "typical.png"), ("tables", "signals.parquet")):
+            page.get_by_role("button", name=f"Write the {name}").click()
+            page.get_by_text(f"written: {friction / name}").wait_for()
+            assert (friction / name / file).stat().st_size > 10_000
+        page.get_by_role("button", name="Write a script").click()
+        page.get_by_text("repeat.py").first.wait_for()
+        page.screenshot(path=pictures / "take-away.png")
+        assert_script_repeats(friction)
 
         page.get_by_role("button", name="Undo").click()
         page.locator("dl.key dd", has_text=re.compile("^baseline$")).wait_for()

@@ -167,9 +167,10 @@ class Desk:
         self.law = None
         self._work(law=True)
 
-    def write(self, report: Path | None = None, model: Path | None = None) -> None:
-        """Write a report, or the model, of what is chosen."""
-        self._work(report=report, model=model)
+    def write(self, what: str) -> None:
+        """Write the report, the model, the figures or the tables of what is chosen, by their names
+        in `takeaway`."""
+        self._work(write=what)
 
     def cancel(self) -> None:
         """Give up the work that is going on; what is shown stays."""
@@ -208,17 +209,9 @@ class Desk:
         self._keep()
         self._work()
 
-    def _work(
-        self,
-        diagnose: bool = False,
-        law: bool = False,
-        report: Path | None = None,
-        model: Path | None = None,
-    ) -> None:
+    def _work(self, diagnose: bool = False, law: bool = False, write: str = "") -> None:
         """Order the work; one that is going on is given up, unless it is the same data's fit."""
-        order = Order(
-            self.campaign.folder, self.choice, self.effects_file, diagnose, law, report, model
-        )
+        order = Order(self.campaign.folder, self.choice, self.effects_file, diagnose, law, write)
         if self.job is not None:
             if self.job.long:
                 self._stop()

@@ -1,18 +1,20 @@
-"""Take away: the report, the model, the data, and the commands that repeat the session."""
+"""Take away: the report, the model, figures, tables, and the commands and the script that repeat
+the session."""
 
 from __future__ import annotations
 
-import shlex
+from functools import partial
 from html import escape
 
 from nicegui import ui
 
-from wheelhop.campaign import Campaign
+from wheelhop.files import InputError, write_text
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.session import FILE, Choice
+from wheelhop.workbench.takeaway import FIGURES, MODEL, REPORT, SCRIPT, TABLES, commands, script
 from wheelhop.workbench.view import Looking
 
-REPORT, MODEL = "report.html", "model.toml"
+WRITTEN = {"report": REPORT, "model": MODEL, "figures": FIGURES, "tables": TABLES}
 
 
 class OutView:
@@ -29,9 +31,10 @@ class OutView:
         )
         with ui.row().classes("bench-controls"):
             self._buttons = [
-                ui.button("Write the report", on_click=self._report),
-                ui.button("Write the model", on_click=self._model),
+                ui.button(f"Write the {name}", on_click=partial(desk.write, file))
+                for name, file in WRITTEN.items()
             ]
+            self._buttons.append(ui.button("Write a script", on_click=self._script))
             for button in self._buttons:
                 button.props("no-caps outline")
             self._open = ui.button("Look at the report", on_click=self._look)
@@ -52,26 +55,16 @@ class OutView:
                 f"<h2>The same from the command line</h2><pre>{body}</pre>{_left(desk.choice)}"
             )
 
-    def _report(self) -> None:
-        self._desk.write(report=self._desk.campaign.folder / REPORT)
-
-    def _model(self) -> None:
-        self._desk.write(model=self._desk.campaign.folder / MODEL)
+    def _script(self) -> None:
+        desk = self._desk
+        try:
+            write_text(desk.campaign.folder / SCRIPT, script(desk.campaign, desk.choice))
+            desk.say(f"script: {desk.campaign.folder / SCRIPT}")
+        except InputError as error:
+            desk.say(str(error))
 
     def _look(self) -> None:
         ui.download.file(self._desk.campaign.folder / REPORT)
-
-
-def commands(campaign: Campaign, choice: Choice) -> list[str]:
-    """The commands that come to the same model and report."""
-    folder = shlex.quote(str(campaign.folder))
-    lines = [f"wheelhop diagnose {folder} --report report.html"]
-    if choice.added:
-        names = " ".join(map(shlex.quote, choice.added))
-        added = " ".join(f"--add {shlex.quote(name)}" for name in choice.added)
-        lines.append(f"wheelhop compare {folder} {added} --report report.html")
-        lines.append(f"wheelhop add {folder} {names}")
-    return lines
 
 
 def _left(choice: Choice) -> str:
@@ -79,5 +72,6 @@ def _left(choice: Choice) -> str:
         return ""
     return (
         "<p class='soft'>The commands take all runs and channels in the roles of campaign.toml;"
-        " what was left out or changed here has to be changed there first.</p>"
+        " what was left out or changed here has to be changed there first; the script does it"
+        " all.</p>"
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from wheelhop.api import ComparisonResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.diagnose import Baseline, Diagnosis, Step, fit_baseline
 from wheelhop.diagnose.added import one_more
@@ -18,12 +19,13 @@ from wheelhop.effects import Effect, beliefs, load_effects
 from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
 from wheelhop.law import find_law
-from wheelhop.report.model_file import write_model
-from wheelhop.report.reports import write_comparison_report, write_diagnosis_report
+from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
+from wheelhop.workbench.export import write_figures, write_tables
 from wheelhop.workbench.order import Order
 from wheelhop.workbench.shown import Climbed, Concluded, Done, Findings, Message, Refused, Said
+from wheelhop.workbench.takeaway import FIGURES, MODEL, TABLES
 
 Say = Callable[[Message], None]
 
@@ -123,21 +125,25 @@ class Worker:
         self._say(show.law(find_law(campaign, work.vehicle, accepted, effects, self._progress)))
 
     def _written(self, work: Work, order: Order) -> str:
-        """Write the files asked for; the line that says so."""
-        steps = work.ladder(order.choice.added)
-        lines = []
-        if order.report is not None:
-            found = work.diagnosis
-            if found is not None and found.ladder[-1].added == tuple(order.choice.added):
-                write_diagnosis_report(order.report, work.campaign, found, work.library)
-            else:
-                findings = work.gated.findings
-                write_comparison_report(order.report, work.campaign, steps, None, findings)
-            lines.append(f"report: {order.report}")
-        if order.model is not None:
-            write_model(order.model, work.campaign, work.vehicle, steps)
-            lines.append(f"model: {order.model}")
-        return ", ".join(lines)
+        """Write what is asked for; the line that says so."""
+        if not order.write:
+            return ""
+        steps, findings = work.ladder(order.choice.added), work.gated.findings
+        target, campaign = order.folder / order.write, work.gated.campaign
+        result = ComparisonResult(
+            campaign, work.vehicle, tuple(steps), findings, work.base.workshop
+        )
+        if order.write == FIGURES:
+            write_figures(target, result)
+        elif order.write == TABLES:
+            write_tables(target, result)
+        elif order.write == MODEL:
+            result.write_model(target)
+        elif (found := work.diagnosis) and found.ladder[-1].added == tuple(order.choice.added):
+            write_diagnosis_report(target, campaign, found, work.library)
+        else:
+            result.write_report(target)
+        return f"written: {target}"
 
     def _show(self, work: Work, added: Sequence[str]) -> None:
         steps = work.ladder(added)
