@@ -1,5 +1,6 @@
 """The judgement on held-out runs: what chance alone makes of it."""
 
+import warnings
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -226,3 +227,13 @@ def test_evidence_decides_between_models_that_leave_alike(more, evidence):
     other = Rung(replace(fit, log_volume=evidence), None)
     expected = [other, one] if evidence > 0.0 and more <= AGREED else [one, other]
     assert best_first([one, other], 1.0) == best_first([other, one], 1.0) == expected
+
+
+def test_a_rival_that_runs_away_has_no_chance_and_makes_no_noise():
+    base, rival = rung(noise(np.random.default_rng(4))), rung(noise(np.random.default_rng(5)))
+    lost = [replace(run, residual=np.full_like(run.residual, np.inf)) for run in rival.judging.runs]
+    rival = Rung(rival.fit, fit_of(lost))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        assert log_odds(base, rival) == -np.inf
+        assert p_value(log_odds(base, rival), 12) == 1.0

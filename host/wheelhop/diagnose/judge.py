@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import erfc, hypot, sqrt
+from math import erfc, hypot, inf, isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,11 +56,13 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     for signs ±g). Once the rival is down at the sensors' white noise, of which `noise` is the
     standard deviation of one in-band coefficient (0: not known), every coefficient counts:
     Λ = Σ (S_base − S_rival) / 2 noise², unknown heights integrated out with the density that the
-    fitted runs gave them. Negative if the rival is worse.
+    fitted runs gave them. Negative if the rival is worse, −∞ if its simulation runs away.
 
     The runs with role "validate" judge. Where they are few, or there are none, and something is
     left, every fitted run judges, too, as a fit to the others foresees it.
     """
+    if not isfinite(rival.judging.rss):
+        return -inf
     if at_noise(rival, noise):
         return 0.5 * (_cost(base, noise) - _cost(rival, noise))
     pairs = zip(_foreseen(base), _foreseen(rival), strict=True)
