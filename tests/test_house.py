@@ -104,3 +104,8 @@ def test_rooms_that_compute_do_not_load_the_plotting(room):
     code = f"import sys, wheelhop.{room}; print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout == "False\n", done.stderr
+
+
+def test_the_plan_of_the_house_names_every_room_in_order():
+    plan = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert tuple(re.findall(r"^\| `(\w+)` \|", plan, re.M)) == ROOMS
