@@ -21,7 +21,7 @@ from benchmarks.blind.statistics import rates, reliability, wilson
 from benchmarks.blind.strength import Unreachable, Wanted, seek
 from benchmarks.blind.vehicles import Car
 from tests.truth import PRESETS
-from wheelhop.cli import diagnose
+from wheelhop.api import verbs
 
 
 def answer(kind, hidden, verdict, confidence=0.9, ranking=(), error=1.0):
@@ -98,7 +98,7 @@ def test_the_amount_is_found_that_shows_as_much_as_wanted(power, visible, aim):
 
 
 def test_every_effect_of_the_library_is_asked_for():
-    assert set(RECIPES) == set(EFFECTS) == set(diagnose.load_effects())
+    assert set(RECIPES) == set(EFFECTS) == set(verbs.load_effects())
 
 
 def test_development_never_looks_at_published_seeds():
@@ -127,8 +127,8 @@ def test_every_recipe_makes_its_effect_at_any_amount(name):
 
 
 def test_an_effect_is_taken_out_of_the_library(monkeypatch):
-    monkeypatch.setattr(without, "main", lambda argv: sorted(diagnose.load_effects()))
-    whole = set(diagnose.load_effects())
+    monkeypatch.setattr(without, "main", lambda argv: sorted(verbs.load_effects()))
+    whole = set(verbs.load_effects())
     assert whole - set(without.ask_without("dry-friction", [])) == {"dry-friction"}
 
 

@@ -17,7 +17,7 @@ def ask_without(missing: str, arguments: list[str]) -> int:
     def fewer(user_file: str | Path | None = None) -> Mapping[str, Effect]:
         return {name: e for name, e in load_effects(user_file).items() if name != missing}
 
-    with patch("wheelhop.cli.diagnose.load_effects", fewer):
+    with patch("wheelhop.api.verbs.load_effects", fewer):
         return main(arguments)
 
 

@@ -112,7 +112,9 @@ def test_what_the_line_loses_is_missing_and_never_made_up(card, out):
         (one,) = go(double, out, start=True, seconds=20).files
         totals = double.totals
     log, told = log_of(one), card_log(card, one)
-    assert 0 < one.lost < 400 and one.card == (totals["due"], totals["written"], 0)
+    # A command that the line loses is asked again half a minute later: scans go on meanwhile.
+    assert 0 < one.lost < 0.06 * totals["due"]
+    assert one.card == (totals["due"], totals["written"], 0)
     assert log.scans.items() <= told.scans.items()
     assert int(log.summary["due"]) == len(told.scans)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wheelhop.compare.slices import Grid, Slice
 from wheelhop.compare.thirds import third_octaves
 from wheelhop.compare.where import Breakdown
+from wheelhop.files.words import percent
 
 Array = NDArray[np.float64]
 
@@ -172,7 +173,7 @@ def _growing(where: Breakdown) -> str:
 def _lines(where: Breakdown) -> list[str]:
     return [
         f"A line at {line.frequency_hz:.2f} Hz that does not move with speed holds"
-        f" {_percent(line.share)} of the residual and stands out in {len(line.runs)} of"
+        f" {percent(line.share, 2)} of the residual and stands out in {len(line.runs)} of"
         f" {len(where.run)} runs."
         for line in where.locking.lines
     ]
