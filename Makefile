@@ -1,12 +1,18 @@
-# `make demo` shows what wheelhop does, `make test` checks that it does it; `make test-all`
-# asks what takes minutes, too. All set up a virtual environment in .venv the first time.
+# `make demo` shows what wheelhop does, `make test` checks that it does it; `make check` asks only what
+# is quick, `make test-all` also what takes minutes. All set up .venv the first time.
 
 bin := .venv/bin
 
-.PHONY: demo test test-all docs lint firmware firmware-budget clean
+.PHONY: demo check test test-all docs lint firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
+
+slower := diagnose firmware chain workbench logger calibration api files component \
+	test_truth.py test_blind.py
+
+check: lint
+	$(bin)/pytest -n auto --dist worksteal $(addprefix --ignore=tests/,$(slower))
 
 test: lint
 	$(bin)/pytest -n auto --dist worksteal
