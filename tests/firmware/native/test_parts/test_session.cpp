@@ -387,3 +387,30 @@ TEST(the_longest_run_of_free_clusters_is_found) {
     CHECK(found.start == 5000 && found.length == 60);
     f_mount(nullptr, "", 0);
 }
+
+// An entry is the number of the next cluster: any of its bits may be the only one that is set. The
+// four highest of 32 mean nothing.
+TEST(a_cluster_is_free_only_if_nothing_stands_in_its_entry) {
+    if (!insert_card()) return;
+    FATFS volume;
+    CHECK(logfile::mount(volume) == kNoTrouble);
+    volume.n_fatent = 512;
+    volume.last_clst = 2;
+    uint8_t* table = &fake::card.content[volume.fatbase * 512];
+    uint8_t sector[512];
+    logfile::Run found;
+    for (int size : {2, 4}) {
+        volume.fs_type = size == 2 ? FS_FAT16 : FS_FAT32;
+        for (int bit = 0; bit < 8 * size; ++bit) {
+            for (uint32_t k = 0; k < volume.n_fatent; ++k) {
+                for (int at = 0; at < size; ++at) {
+                    table[k * size + at] = at == bit / 8 ? 1 << bit % 8 : 0;
+                }
+            }
+            memset(table, 0xFF, 2 * size);
+            CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
+            CHECK(found.length == (bit < 28 ? 0 : volume.n_fatent - 2));
+        }
+    }
+    f_mount(nullptr, "", 0);
+}
