@@ -1,5 +1,4 @@
 // Whole sessions on a FAT image.
-#include <map>
 #include <vector>
 
 #include "files.h"
@@ -341,76 +340,5 @@ TEST(log_files_are_those_with_five_digits_in_their_name) {
         found += std::string(line) + "\n";
     }
     CHECK(found == "HOP00019.HOP 0\nHOP90000.HOP 0\n\n");
-    f_mount(nullptr, "", 0);
-}
-
-// Let these clusters be free, and no others.
-static void set_free(const FATFS& volume, const std::vector<logfile::Run>& runs) {
-    uint8_t* table = &fake::card.content[volume.fatbase * 512];
-    for (uint32_t k = 2; k < volume.n_fatent; ++k) {
-        bool is_free = false;
-        for (const logfile::Run& run : runs) is_free |= k - run.start < run.length;
-        table[2 * k] = table[2 * k + 1] = is_free ? 0 : 0xFF;
-    }
-}
-
-TEST(a_run_up_to_the_last_cluster_is_found_and_does_not_go_on_at_the_first) {
-    if (!insert_card()) return;
-    FATFS volume;
-    CHECK(logfile::mount(volume) == kNoTrouble);
-    volume.n_fatent &= ~255u;  // the table's last sector is full
-    const uint32_t last = volume.n_fatent - 90;
-    set_free(volume, {{2, 60}, {last, 90}});
-    uint8_t sector[512];
-    logfile::Run found;
-    for (uint32_t from : {uint32_t{2}, uint32_t{1000}, last, last + 80}) {
-        volume.last_clst = from;
-        CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
-        CHECK(found.start == last && found.length == 90);
-    }
-    f_mount(nullptr, "", 0);
-}
-
-TEST(the_longest_run_of_free_clusters_is_found) {
-    if (!insert_card()) return;
-    FATFS volume;
-    CHECK(logfile::mount(volume) == kNoTrouble);
-    set_free(volume, {{500, 50}, {2000, 120}, {5000, 80}});
-    uint8_t sector[512];
-    logfile::Run found;
-    CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
-    CHECK(found.start == 2000 && found.length == 120);
-    volume.last_clst = 4900;  // the search begins behind, and comes round
-    CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
-    CHECK(found.start == 2000 && found.length == 120);
-    CHECK(logfile::find_room(volume, 60, sector, found) == FR_OK);
-    CHECK(found.start == 5000 && found.length == 60);
-    f_mount(nullptr, "", 0);
-}
-
-// An entry is the number of the next cluster: any of its bits may be the only one that is set. The
-// four highest of 32 mean nothing.
-TEST(a_cluster_is_free_only_if_nothing_stands_in_its_entry) {
-    if (!insert_card()) return;
-    FATFS volume;
-    CHECK(logfile::mount(volume) == kNoTrouble);
-    volume.n_fatent = 512;
-    volume.last_clst = 2;
-    uint8_t* table = &fake::card.content[volume.fatbase * 512];
-    uint8_t sector[512];
-    logfile::Run found;
-    for (int size : {2, 4}) {
-        volume.fs_type = size == 2 ? FS_FAT16 : FS_FAT32;
-        for (int bit = 0; bit < 8 * size; ++bit) {
-            for (uint32_t k = 0; k < volume.n_fatent; ++k) {
-                for (int at = 0; at < size; ++at) {
-                    table[k * size + at] = at == bit / 8 ? 1 << bit % 8 : 0;
-                }
-            }
-            memset(table, 0xFF, 2 * size);
-            CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
-            CHECK(found.length == (bit < 28 ? 0 : volume.n_fatent - 2));
-        }
-    }
     f_mount(nullptr, "", 0);
 }
