@@ -9,6 +9,9 @@ from tests.campaign.build import write_campaign
 from wheelhop.calibration import nominal_constants, write_constants
 from wheelhop.campaign import read_campaign
 from wheelhop.compare.floor import noise_floor
+from wheelhop.compare.records import in_band
+from wheelhop.compare.where import breakdown
+from wheelhop.simulate import Response
 
 
 def test_a_calibration_beside_the_campaign_says_how_well_scales_are_known(tmp_path):
@@ -25,16 +28,29 @@ def test_the_floor_grows_by_the_share_of_the_measured_power(tmp_path):
     folder = write_campaign(tmp_path / "c")
     campaign = read_campaign(folder)
 
-    class Record:
-        def __init__(self, run):
-            self.run, self.measured = run, run.record
-            self.predicted, self.doubt = np.ones(len(campaign.channels), bool), None
-            self.band = type("Band", (), {"n": len(run.record)})
-
-    records = [Record(run) for run in campaign.runs]
+    records = in_band(campaign, [Response(run.id, run.record, None) for run in campaign.runs])
     sure = noise_floor(campaign, records)
     unsure = replace(
         campaign, channels=tuple(replace(c, scale_uncertainty=0.03) for c in campaign.channels)
     )
     assert noise_floor(unsure, records).error == pytest.approx(np.hypot(sure.error, 0.03), rel=1e-9)
     assert np.array_equal(noise_floor(unsure, records).noise_rms, sure.noise_rms)
+
+
+def test_uncertain_axle_motion_is_in_the_floor_of_every_cut_alike(tmp_path):
+    campaign = read_campaign(write_campaign(tmp_path / "c"))
+    rng = np.random.default_rng(1)
+    records = [
+        replace(record, doubt=rng.uniform(1.0, 9.0, record.measured.shape))
+        for record in in_band(
+            campaign, [Response(r.id, 0.5 * r.record, None) for r in campaign.runs]
+        )
+    ]
+    floor = noise_floor(campaign, records)
+    sure = noise_floor(campaign, [replace(record, doubt=None) for record in records])
+    assert floor.error > 3.0 * sure.error
+    where = breakdown(campaign, records, floor)
+    assert where.total.floor == pytest.approx(floor.error, rel=1e-9)
+    for cut in (where.run, where.channel, where.band, where.motion, where.time, where.amplitude):
+        assert sum(part.noise for part in cut) == pytest.approx(where.total.noise, rel=1e-9)
+    assert where.locking.noise == pytest.approx(where.total.noise / where.total.residual, rel=1e-9)

@@ -70,6 +70,7 @@ def channel_figures(
     for record, (measured, model), rating in zip(records, signals, _ratings(signals), strict=True):
         n, rate = record.band.n, record.band.rate_hz
         coherence = _coherence(measured, model, record)
+        noise = np.sqrt(np.sum(record.noise_power(noise_rms**2), axis=0) / n)
         for c in np.flatnonzero(record.predicted):
             y = measured[:, c]
             energy = float(np.sum(y**2))
@@ -79,7 +80,7 @@ def channel_figures(
                     record.run.id,
                     channels[int(c)],
                     error=_ratio(rms, np.sqrt(energy / n)),
-                    floor=_ratio(noise_rms[c], np.sqrt(energy / n)),
+                    floor=_ratio(noise[c], np.sqrt(energy / n)),
                     nrmse=_ratio(rms, np.ptp(y)),
                     coherence=float(coherence[c]),
                     measured_peak=spectral_peak(y, rate),

@@ -71,7 +71,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
 
     def error(role: str | None, noise: Array = noise) -> float:
         chosen = [r for r in records if role in (None, r.run.role)]
-        expected = sum(float(r.band.n * np.sum(_about(r, noise) ** 2)) for r in chosen)
+        expected = sum(float(np.sum(r.noise_power(noise**2))) for r in chosen)
         expected += sum(float(np.sum((r.measured * scale)[:, r.predicted] ** 2)) for r in chosen)
         measured = sum(float(np.sum(r.measured**2)) for r in chosen)
         return float(np.sqrt(expected / measured)) if measured > 0.0 else float("nan")
@@ -86,12 +86,6 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         campaign.unit,
         error(None, np.zeros_like(noise)),
     )
-
-
-def _about(record: Record, noise: Array) -> Array:
-    """Noise of every channel predicted (c,) about the model."""
-    about = noise if record.doubt is None else noise * record.doubt
-    return about[record.predicted]
 
 
 def estimate_noise(records: Sequence[Record]) -> Array:

@@ -78,7 +78,7 @@ def locking(records: Sequence[Record], noise: Array) -> Locking:
     )
     time = sum((line.share for line in lines), 0.0)
     road = min(max(road / total, 0.0), 1.0 - time)
-    expected = sum(float(r.band.n * np.sum(noise[r.predicted])) for r in records) / total
+    expected = sum(float(np.sum(r.noise_power(noise))) for r in records) / total
     return Locking(road, time, 1.0 - road - time, expected, lines)
 
 

@@ -26,7 +26,8 @@ class Record:
     ``predicted`` (n_channels,) says which channels the model predicts. The others are zero
     in ``measured`` and ``residual`` (measured - model), and so count nowhere.
     ``position_m`` (n,) is the modelled x of the front axle, None where unknown. ``doubt``
-    (n_channels,) is the noise about the model per that of the sensors; None: there is no other.
+    (count, n_channels) is the noise of every coefficient about the model per that of the sensors;
+    None: there is no other.
     """
 
     run: Run
@@ -46,6 +47,16 @@ class Record:
     def count(self) -> int:
         """Degrees of freedom: coefficients of the channels the model predicts."""
         return self.band.count * int(self.predicted.sum())
+
+    def noise_power(self, noise: Array) -> Array:
+        """Expected square (count, n_channels) of every coefficient's noise about the model.
+
+        ``noise`` (n_channels,) is the mean square of each sensor's noise in band; what the model
+        does not predict has none.
+        """
+        once = np.where(self.predicted, self.band.n / self.band.count * noise, 0.0)
+        power = np.tile(once, (self.band.count, 1))
+        return power if self.doubt is None else power * self.doubt**2
 
 
 def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, ...]:

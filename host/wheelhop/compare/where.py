@@ -85,7 +85,7 @@ def breakdown(campaign: Campaign, records: Sequence[Record], floor: Floor) -> Br
         tuple(channel.name for channel in campaign.channels),
         np.array([np.sum(record.residual**2, axis=0) for record in records]),
         np.array([np.sum(record.measured**2, axis=0) for record in records]),
-        np.array([record.band.n * noise * record.predicted for record in records]),
+        np.array([np.sum(record.noise_power(noise), axis=0) for record in records]),
     )
     sums = (
         float(a.sum())
@@ -145,8 +145,7 @@ def _by_band(
         combine = matrix(record)
         sums[0] += member @ (record.residual @ combine.T) ** 2
         sums[1] += member @ (record.measured @ combine.T) ** 2
-        per_coefficient = record.band.n / record.band.count * combine**2 @ noise
-        sums[2] += np.outer(member.sum(axis=1), per_coefficient)
+        sums[2] += member @ record.noise_power(noise) @ combine.T**2
     names = tuple(band.name for band, is_held in zip(bands, held, strict=True) if is_held)
     return Grid(names, columns, *sums[:, held])
 
@@ -159,7 +158,7 @@ def _time(records: Sequence[Record], noise: Array) -> tuple[Slice, ...]:
         for row, part in enumerate((record.residual, record.measured)):
             power = np.sum(record.band.from_coefficients(part) ** 2, axis=1)
             sums[row] += np.add.reduceat(power, edges[:-1])
-        sums[2] += np.diff(edges) * float(np.sum(noise[record.predicted]))
+        sums[2] += np.diff(edges) / record.band.n * float(np.sum(record.noise_power(noise)))
     names = [f"{10 * k}-{10 * k + 10} %" for k in range(TIME_SLICES)]
     return slices(names, *sums)
 
@@ -182,7 +181,11 @@ def _amplitude(records: Sequence[Record], noise: Array) -> tuple[Slice, ...]:
         quarter = np.searchsorted(np.quantile(local, (0.25, 0.5, 0.75)), local)
         for row, power in enumerate((np.concatenate(residual), np.concatenate(measured))):
             sums[row] += np.bincount(quarter, power, len(QUARTILES))
-        sums[2] += noise[c] * np.bincount(quarter, minlength=len(QUARTILES))
+        expected = np.repeat(
+            [np.sum(r.noise_power(noise)[:, c]) / r.band.n for r in used],
+            [r.band.n for r in used],
+        )
+        sums[2] += np.bincount(quarter, expected, len(QUARTILES))
     return slices(QUARTILES, *sums)
 
 

@@ -79,7 +79,7 @@ class Bench:
         found = self.simulator.simulate(model, systems[self.drive])
         if self.drive != "axles":
             return found
-        return replace(found, doubt=np.sqrt((self.doubt**2).mean(axis=0)))
+        return replace(found, doubt=self.doubt)
 
     @RUNS_AWAY
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
