@@ -7,6 +7,7 @@ from math import inf, isfinite, isinf
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
@@ -16,6 +17,8 @@ from wheelhop.track import Track, make_track
 from wheelhop.track.roughness import roughness
 from wheelhop.track.surveyed import SurveyedGrid
 from wheelhop.track.write import write_opencrg, write_paths
+
+Array = NDArray[np.float64]
 
 LENGTH_M, STEP_M, WIDTH_M = 200.0, 0.02, 1.2
 GRID_M = 0.1  # across, of a grid that is written
@@ -47,7 +50,7 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def _stations(arguments: Namespace, track: Track) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _stations(arguments: Namespace, track: Track) -> Array:
     """Where heights are asked for: the whole of a track that ends, else `--length` of it."""
     length = arguments.length
     if length is None:
@@ -70,8 +73,7 @@ def _across(track: Track, half_m: float) -> list[float]:
     return [-half_m, half_m]
 
 
-def _write(file: Path, track: Track, x: np.ndarray[tuple[int], np.dtype[np.float64]],
-           half_m: float) -> None:  # fmt: skip
+def _write(file: Path, track: Track, x: Array, half_m: float) -> None:
     check_target(file, CampaignError)
     suffix = file.suffix.lower()
     if suffix == ".csv":
