@@ -6,7 +6,7 @@ import shutil
 import tempfile
 import time
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
@@ -16,7 +16,8 @@ import numpy as np
 
 from benchmarks.blind.outside import OUTSIDE
 from benchmarks.blind.plan import Case
-from benchmarks.blind.recipes import RECIPES
+from benchmarks.blind.reality import REALITY
+from benchmarks.blind.recipes import RECIPES, Recipe
 from benchmarks.blind.strength import (
     Hidden,
     Unreachable,
@@ -28,6 +29,7 @@ from benchmarks.blind.strength import (
 from benchmarks.blind.vehicles import car_of, rougher, varied
 from benchmarks.blind.work import Work, write_json
 from tests.truth import Preset, write_campaign
+from tests.truth.campaign import SAMPLE_RATE_HZ
 from tests.truth.effect import Effect
 
 CLEAR, IN_COMPANY, WEAK = (2.2, 20.0), (2.2, 10.0), (1.25, 1.45)
@@ -58,6 +60,7 @@ class _Scene:
     severity: float
     folder: Path
     fitted_over_floor: float = 1.0  # of the campaign looked at last
+    rate_hz: float = 100.0
 
     def ratio(self, effects: Sequence[Effect], *, short: bool, draft: bool) -> float:
         """Write the campaign and look at it as a user would: baseline over floor, held out."""
@@ -68,6 +71,7 @@ class _Scene:
             seed=self.case.campaign_seed,
             short=short,
             noise_rms=self.noise_rms,
+            rate_hz=SAMPLE_RATE_HZ if draft else self.rate_hz,
             draft=draft,
         )
         held_out, self.fitted_over_floor = baseline_over_floor(self.folder)
@@ -77,7 +81,13 @@ class _Scene:
         """The effect's shape, the same whenever it is asked for on the same tracks."""
         rng = np.random.default_rng([self.case.campaign_seed, 1 + self.case.hidden.index(name)])
         car = car_of(rougher(self.preset, self.severity), self.case.campaign_seed)
-        return (RECIPES | OUTSIDE)[name](rng, car)
+        return {**RECIPES, **OUTSIDE, **self.laws}[name](rng, car)
+
+    @property
+    def laws(self) -> Mapping[str, Recipe]:
+        """How this machine obeys what it hides, where not as the library has it."""
+        kind = self.case.kind
+        return REALITY[kind].laws if kind in REALITY else {}
 
 
 def generate(case: Case, work: Work) -> dict[str, Any]:
@@ -116,6 +126,9 @@ def _make(case: Case, folder: Path, short: bool) -> dict[str, Any]:
     preset = varied(case.preset, rng)
     noise = float(f"{_between(NOISE_RMS, rng):.3g}")
     scene = _Scene(case, preset, noise, float(rng.uniform(*SEVERITY)), folder)
+    circumstance = REALITY.get(case.kind)
+    if circumstance is not None:
+        scene.rate_hz = circumstance.rate_hz
     wanted = _wanted(case, rng)
     # What only rougher tracks make stronger comes first: the others live on its tracks.
     order = sorted(case.hidden, key=lambda name: not scene.draw(name).by_severity)
@@ -128,6 +141,8 @@ def _make(case: Case, folder: Path, short: bool) -> dict[str, Any]:
         effects = [found[name][0].at(found[name][1]) for name in case.hidden]
         ratio = scene.ratio(effects, short=short, draft=False)
     truth = tomllib.loads((folder / "truth.toml").read_text())
+    if circumstance is not None:
+        circumstance.spoil(folder, np.random.default_rng([case.campaign_seed, 4]))
     return {
         "aim": round(wanted.aim, 3),
         "baseline_over_floor": round(ratio, 4),

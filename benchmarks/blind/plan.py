@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.blind.outside import OUTSIDE
+from benchmarks.blind.reality import REALITY
 from tests.truth import PRESETS
 
 FIRST_SEED = {"dev": 1000, "published": 5000}
@@ -64,9 +65,10 @@ ALSO_IN_THE_FIELD = (
     "frame-twist",
 )
 
-KINDS = ("clear", "weak", "none", "two", "four", "outside", "without", "faint")
+KINDS = ("clear", "weak", "none", "two", "four", "outside", "without", "faint", *REALITY)
 FIRST_SLOT = {"clear": 0, "weak": 30, "none": 60, "two": 70, "four": 80, "outside": 90}
 FIRST_SLOT |= {"without": 100, "faint": 130}
+FIRST_SLOT |= {kind: 160 + k for k, kind in enumerate(REALITY)}
 COUNT = {"none": 10, "two": 10, "four": 7}
 
 
@@ -132,6 +134,9 @@ def _hidden(kind: str, first: int, available: Collection[str]) -> list[tuple[str
         return [(effect,) for effect in OUTSIDE]
     if kind == "none":
         return [()] * COUNT[kind]
+    if kind in REALITY:
+        rng = np.random.default_rng([first + FIRST_SLOT[kind], 3])
+        return [tuple(str(name) for name in [rng.choice(REALITY[kind].hides)] if name)]
     draw = _two if kind == "two" else _four
     seeds = range(first + FIRST_SLOT[kind], first + FIRST_SLOT[kind] + COUNT[kind])
     return [draw(np.random.default_rng(seed), available) for seed in seeds]

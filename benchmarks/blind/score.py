@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from benchmarks.blind.plan import Case
+from benchmarks.blind.reality import REALITY
 
 SINGLE = ("clear", "weak", "faint")
 """Kinds that hide one effect of the library."""
@@ -43,7 +44,19 @@ class Outcome:
             return False
         if self.kind in ("outside", "without"):
             return self.verdict[0] == "unknown"
-        return self.verdict[0] in (self.hidden or ("none",))
+        return self.verdict[0] in (self.hidden or ("none",)) or self._is_belief(self.verdict[0])
+
+    def _is_belief(self, name: str) -> bool:
+        """Whether a name is that of a belief which is wrong in this kind of campaign."""
+        belief = REALITY[self.kind].belief if self.kind in REALITY else ""
+        return bool(belief) and name.startswith(belief)
+
+    @property
+    def is_false_claim(self) -> bool:
+        """Says with confidence what is not there."""
+        first = self.verdict[0] if self.verdict else "unknown"
+        is_name = first not in ("none", "unknown")
+        return is_name and not self.first_is_right and self.confidence > CONFIDENT
 
     @property
     def exact(self) -> bool:
@@ -66,6 +79,8 @@ class Outcome:
             return self.verdict == ("none",)
         if self.kind == "two":
             return self.exact
+        if self.kind in REALITY:
+            return {n for n in self.named if not self._is_belief(n)} == set(self.hidden)
         if self.kind == "four":
             return len(self.named) >= 3 and set(self.named) <= set(self.hidden)
         return self.verdict[0] in ("unknown", "none") or self.confidence < CONFIDENT

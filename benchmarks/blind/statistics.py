@@ -9,6 +9,7 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
+from benchmarks.blind.reality import REALITY
 from benchmarks.blind.score import SINGLE, Outcome
 
 Z = 1.96  # two-sided 95 %
@@ -109,6 +110,9 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
         chosen = [o for o in outcomes if o.kind in kinds.split()]
         return Rate(label, sum(map(right, chosen)), len(chosen), target, at_least)
 
+    real = [kind for kind in REALITY if any(o.kind == kind for o in outcomes)]
+    label = "in reality: a wrong name above 50 %"
+    wrong = rate(label, " ".join(real), lambda o: o.is_false_claim, 0.05, at_least=False)
     return [
         rate("clear, single: top-1", "clear", lambda o: o.passed, 0.95),
         rate("clear, single: top-3", "clear", lambda o: o.among_three, 0.99),
@@ -122,6 +126,8 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
         rate("taken out of the library", "without", lambda o: o.passed, 0.90),
         rate("two: both, no third", "two", lambda o: o.passed, 0.85),
         rate("four: three or more, none wrong", "four", lambda o: o.passed, 0.70),
+        *(rate(f"in reality: {kind}", kind, lambda o: o.passed, 0.0) for kind in real),
+        *([wrong] if real else []),
     ]
 
 
