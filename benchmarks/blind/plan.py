@@ -122,6 +122,7 @@ def _case(first: int, kind: str, number: int, hidden: tuple[str, ...]) -> Case:
     campaign_seed = first + number if kind == "without" else seed
     # Every effect meets every kind of vehicle in three rounds, and one each at every strength.
     turn = number + first // ROUND + {"weak": 1, "faint": 2}.get(kind, 0)
+    turn += list(REALITY).index(kind) if kind in REALITY else 0
     return Case(seed, kind, hidden, presets[turn % len(presets)], campaign_seed)
 
 

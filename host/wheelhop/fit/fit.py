@@ -34,7 +34,8 @@ LEAST_DAMPING = 1e-8
 larger damping would be a hundredth of the way."""
 
 CONVERGED = 1e-4
-"""The fit ends when a step lowers the cost by less than this fraction of it."""
+"""The fit ends when a step lowers the cost by less than this fraction of it, or, as −2 ln p has no
+zero and may be negative, of the number of data: what noise costs."""
 
 CONVERGED_QUICK = 3e-3
 """The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
@@ -112,8 +113,9 @@ def _solved(
         if progress is not None:
             progress(f"iteration {iteration + 1}, error {state.error:.4f}")
         trial = problem.stepped(state, damping)
-        gain = 1.0 - trial.cost / state.cost if np.isfinite(trial.cost) else -np.inf
-        promised = (ITERATIONS - 1 - iteration) * gain * state.cost
+        drop = state.cost - trial.cost if np.isfinite(trial.cost) else -np.inf
+        gain = drop / max(state.cost, state.size)
+        promised = (ITERATIONS - 1 - iteration) * drop
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
         if 0 <= gain < (CONVERGED_QUICK if problem.known else CONVERGED):
