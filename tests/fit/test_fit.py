@@ -88,6 +88,16 @@ def test_a_campaign_of_another_simulator_gives_back_its_truth(mujoco_campaign):
         assert abs(apart - round(apart)) < 5e-3
 
 
+def test_noise_that_nobody_states_keeps_no_fit_from_its_end(tmp_path):
+    """A car's axles move much more than its body: with one noise for both, found from what is
+    left, −2 ln p is below zero where the fit begins."""
+    car = truth.PRESETS["passenger-car"]
+    truth.write_campaign(tmp_path, car, [], seed=17, short=True, noise_rms=NOISE, draft=True)
+    campaign = replace(read_campaign(tmp_path), noise_rms=None)
+    workshop, fitted = fitted_to(campaign, read_vehicle(campaign.vehicle_file))
+    assert fitted.error == pytest.approx(_noise_error(workshop), rel=0.05)
+
+
 def _noise_error(workshop):
     benches = workshop.of_role("fit")
     noise = sum(b.band.n * b.measured.shape[1] for b in benches) * NOISE**2
