@@ -27,10 +27,12 @@ def confirm(
     and so does one that leaves more than noise while another form is as likely: to first order a
     strong effect shows little difference between its forms. The best one counts. A switch changes
     everything at once: where it makes things worse, the derivatives have changed, and only a full
-    fit does it justice. It gets none where one of the models `beside` it explains nearly all.
+    fit does it justice. It gets none where one of the models `beside` it explains nearly all. What
+    has no hope to come as far as one of these ends early.
     """
     benches = workshop.of_role("fit")
     settled = any(nearly_all(base, rung, workshop.noise) for rung in beside)
+    bar = _bar(beside, screened.variant.effect.has_random_heights)
     best: Fit | None = None
     believed = False
     starts = _starts(workshop, base, screened)[: len(SHARES)]
@@ -41,8 +43,9 @@ def confirm(
         # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
         amplitudes = [f for f in free if not f.is_shape]
         if 0 < len(amplitudes) < len(free):
-            model = fit(workshop, model, [*base.fit.shared, *amplitudes], benches, base.fit).model
-        found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit)
+            shared = [*base.fit.shared, *amplitudes]
+            model = fit(workshop, model, shared, benches, base.fit, bar=bar).model
+        found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit, bar=bar)
         if best is None or found.evidence > best.evidence:
             best, believed = found, _believable(found, free)
         fine = best.error < ASTRAY * screened.error and believed
@@ -68,10 +71,15 @@ def refit(workshop: Workshop, rung: Rung, ahead: Rung | None = None) -> Rung:
     far above the others are placed on their track anew. A fit that has no hope to come as far as
     the rung `ahead` ends early."""
     model, benches = placed_anew(workshop, rung), workshop.of_role("fit")
-    # Unknown heights have another likelihood: what they cost says nothing of models without.
-    alike = ahead is not None and ahead.model.random_heights is model.random_heights is None
-    bar = ahead.fit.cost if ahead is not None and alike else -inf
+    bar = _bar([] if ahead is None else [ahead], model.random_heights is not None)
     return validate(workshop, fit(workshop, model, rung.fit.shared, benches, bar=bar))
+
+
+def _bar(rivals: Sequence[Rung], has_random_heights: bool) -> float:
+    """The least cost among rivals. Unknown heights have another likelihood: what they cost says
+    nothing of models without."""
+    alike = [r.fit.cost for r in rivals if r.model.random_heights is None]
+    return -inf if has_random_heights else min(alike, default=-inf)
 
 
 def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = False) -> Rung:
