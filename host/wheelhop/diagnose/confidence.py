@@ -61,14 +61,16 @@ def grounds(
     if verdict[0] in stands:
         final, stand = steps[-1].rung, stands[verdict[0]]
         against = p_value(log_odds(stand.without, final, noise), len(first.screened))
-        rivals, best = [stand.rival], stand.rival
+        rivals, base = [stand.rival], stand.without
     elif accepted is not None:
         final, against = accepted.rung, accepted.p
         rivals = [c.rung for c in first.candidates if c.rung is not accepted.rung]
-        best = min(rivals, key=lambda r: lead(final, r), default=first.rung)
+        base = first.rung
     else:
         closest = min((c.p for c in last.candidates), default=1.0)
         return Grounds(inf, inf, 1.0, closest, over, baseline, chance)
+    # A rival may be worse than nothing.
+    best = min([*rivals, base], key=lambda r: lead(final, r))
     margin = min((_odds(rival, final, at_floor) for rival in rivals), default=inf)
     stability = _stability(best, final)
     return Grounds(margin, lead(final, best), stability, against, over, baseline, chance)

@@ -72,7 +72,8 @@ def refit(workshop: Workshop, rung: Rung, ahead: Rung | None = None) -> Rung:
     the rung `ahead` ends early."""
     model, benches = placed_anew(workshop, rung), workshop.of_role("fit")
     bar = _bar([] if ahead is None else [ahead], model.random_heights is not None)
-    return validate(workshop, fit(workshop, model, rung.fit.shared, benches, bar=bar))
+    found = fit(workshop, model, rung.fit.shared, benches, bar=bar)
+    return validate(workshop, found, before=model)
 
 
 def _bar(rivals: Sequence[Rung], has_random_heights: bool) -> float:

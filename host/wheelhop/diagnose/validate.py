@@ -12,16 +12,20 @@ from functools import cached_property
 
 from wheelhop.diagnose.judge import best_first, log_odds, unforeseen
 from wheelhop.diagnose.rung import Rung
-from wheelhop.fit import Bench, Fit, Workshop, fit, update
+from wheelhop.fit import Bench, Fit, Workshop, fit, follow, update
+from wheelhop.simulate import Model
 
 INEXACT = 1e-3
 """Simulations of the same car by two programs differ by about this share of what strong effects
 do: 0.06 % where a wheel lifts, against the multibody program of the tests."""
 
 
-def validate(workshop: Workshop, fitted: Fit, known: Fit | None = None) -> Rung:
+def validate(
+    workshop: Workshop, fitted: Fit, known: Fit | None = None, before: Model | None = None
+) -> Rung:
     """What a fitted model does on the "validate" runs; `known` is a fit of a similar model to
-    these, whose derivatives may be borrowed.
+    these, whose derivatives may be borrowed, and `before` the model that was fitted again: from it
+    these runs follow.
 
     A model with effects that explains the runs it was fitted to may move its numbers as far as
     those left them uncertain. The baseline may not: it would make up for a faint effect.
@@ -29,7 +33,12 @@ def validate(workshop: Workshop, fitted: Fit, known: Fit | None = None) -> Rung:
     benches = workshop.of_role("validate")
     if not benches:
         return Rung(fitted, None, inexact=_inexact(workshop, fitted))
-    foreseen = fit(workshop, fitted.model, (), benches)
+    start = fitted.model
+    if before is not None and any(
+        effect.per_run(bench.simulator.setting) for effect in before.effects for bench in benches
+    ):
+        start = follow(workshop, before, fitted, benches)
+    foreseen = fit(workshop, start, (), benches)
     rung = Rung(fitted, foreseen, inexact=_inexact(workshop, foreseen))
     if fitted.model.effects and unforeseen(rung, workshop.noise):
         moved = update(workshop, fitted, foreseen.model, benches, known)

@@ -99,6 +99,22 @@ def update(
     return _solved(problem, model)
 
 
+def follow(workshop: Workshop, before: Model, fitted: Fit, benches: Sequence[Bench]) -> Model:
+    """`fitted.model` with what these runs, none of which it was fitted to, leave free moved along
+    with the shared numbers from where it was best in `before`, to first order. An engine's speed in
+    a run is told by how far it is from the mean speed: as that moves, so must all runs, or a fit
+    to one of them begins turns away from its engine."""
+    problem = _Problem(workshop, fitted.posterior, tuple(benches), None, density_free=False)
+    state = problem.linearise(problem.completed(before))
+    model = fitted.model
+    step = [(model.values[f.name] - before.values[f.name]) / f.scale for f in fitted.shared]
+    for run in state.runs if np.isfinite(state.cost) else ():
+        normal, own = problem.normal(run, state), state.model.runs[run.bench.run.id]
+        along = np.linalg.solve(_damped(normal.own, 0.0), normal.mixed.T @ step)
+        model = model.with_run(run.bench.run.id, _moved(run.own, own, -np.asarray(along)))
+    return model
+
+
 @RUNS_AWAY
 def _solved(
     problem: _Problem,
@@ -277,7 +293,7 @@ class _Problem:
         return replace(state, runs=runs, precision=precision, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> Model:
-        normals = [self._normal(run, state) for run in state.runs]
+        normals = [self.normal(run, state) for run in state.runs]
         matrix, gradient = self.belief.precision.copy(), self.belief.pull(state.model.values)
         eliminated = []
         for normal in normals:
@@ -306,7 +322,7 @@ class _Problem:
             total += own.distance(model.runs.get(bench.run.id, {}))
         return total + sum(run.heights.penalty for run in runs if run.heights is not None)
 
-    def _normal(self, run: RunFit, state: Fit) -> _Normal:
+    def normal(self, run: RunFit, state: Fit) -> _Normal:
         g, weight = len(self.shared), state.sigma**-2
         square = run.weighed.T @ run.weighed * weight
         slope = run.weighed.T @ run.surprise * weight
@@ -334,7 +350,7 @@ class _Problem:
         """Precision of the shared parameters, and the share of prior volume left."""
         matrix, log_volume = self.belief.precision.copy(), self.belief.log_precision
         for run in state.runs:
-            normal = self._normal(run, state)
+            normal = self.normal(run, state)
             own = _damped(normal.own, 0.0)
             matrix += normal.shared - normal.mixed @ np.linalg.solve(own, normal.mixed.T)
             log_volume += Belief.of(run.own).log_precision - np.linalg.slogdet(own)[1]

@@ -71,9 +71,9 @@ class Response:
 
     ``record`` is (n, n_channels) at the run's samples, in the channels' order and units; NaN
     columns are not predicted. ``position_m`` (n,) is the x of the front axle at each sample, None
-    when the track is unknown. ``doubt`` (count, n_channels) is the noise of every in-band datum about
-    the model per that of the sensors, where what drives the model is uncertain itself; None where
-    it is not.
+    when the track is unknown. ``doubt`` (count, n_channels) is the noise of every in-band datum
+    about the model per that of the sensors, where what drives the model is uncertain itself; None
+    where it is not.
     """
 
     run_id: str
