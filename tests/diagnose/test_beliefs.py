@@ -10,6 +10,7 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline
+from wheelhop.effects.beliefs import beliefs
 from wheelhop.vehicle import read_vehicle
 
 RIVALS = ("tyre-envelope", "progressive-tyre", "progressive-spring", "sensor-gain", "sensor-mount")
@@ -29,25 +30,43 @@ def with_records(campaign, change):
     return replace(campaign, runs=runs)
 
 
-def test_a_kind_of_track_is_higher_than_surveyed(clean):
-    """By a tenth; the campaign was driven over what it is, and says a tenth less."""
+@pytest.mark.parametrize(
+    ("quantity", "key", "factor", "within"),
+    [("amplitude", "amplitude_m", 1.1, 0.004), ("wavelength", "pitch_m", 1.01, 0.0002)],
+)
+def test_a_kind_of_track_is_not_as_surveyed(clean, quantity, key, factor, within):
+    """The campaign was driven over what it is, and says a tenth (a hundredth) less."""
     campaign, vehicle = clean
 
-    def lower(track):
+    def less(track):
         if track.kind != "washboard":
             return track
-        return replace(
-            track, values={**track.values, "amplitude_m": track.values["amplitude_m"] / 1.1}
-        )
+        return replace(track, values={**track.values, key: track.values[key] / factor})
 
     wrong = replace(
-        campaign, runs=tuple(replace(run, track=lower(run.track)) for run in campaign.runs)
+        campaign, runs=tuple(replace(run, track=less(run.track)) for run in campaign.runs)
     )
     diagnosis = diagnose(wrong, vehicle, FEW, jobs=1)
-    name = "belief: amplitude of washboard tracks"
+    name = f"belief: {quantity} of washboard tracks"
     assert diagnosis.verdict == (name,)
-    assert diagnosis.ladder[-1].rung.model.values[f"{name}.error"] == pytest.approx(0.1, abs=0.004)
-    assert any("washboard tracks times 1.1" in line for line in diagnosis.explanation)
+    error = diagnosis.ladder[-1].rung.model.values[f"{name}.error"]
+    assert error == pytest.approx(factor - 1.0, abs=within)
+    assert any(f"washboard tracks times {factor}" in line for line in diagnosis.explanation)
+
+
+def test_sensors_that_say_where_they_sit_may_be_wrong_too(clean):
+    """Any place on the body; three alone agree on any motion of a rigid body, wherever they are."""
+    campaign, vehicle = clean
+    placed = [
+        replace(c, point="body-xy", x_m=0.3 * k, y_m=0.2 * k**2) if c.point[0] == "B" else c
+        for k, c in enumerate(campaign.channels)
+    ]
+    found = beliefs(replace(campaign, channels=tuple(placed)), vehicle)
+    assert {f"belief: position of B{k}" for k in (1, 2, 3, 4)} <= set(found)
+    three = tuple(c for c in placed if c.name != "B4")
+    assert not any(
+        "position" in name for name in beliefs(replace(campaign, channels=three), vehicle)
+    )
 
 
 def test_a_sensor_sits_elsewhere_than_stated(clean):

@@ -96,10 +96,14 @@ def _held_out_only(step: Step) -> list[str]:
 
 def _nearest(last: Look) -> list[str]:
     """The ideas whose first-order signature takes most out of the residual, none of them enough."""
-    left = sum(float(run.surprise @ run.surprise) for run in last.rung.fit.runs)
-    shares = [(s.gain / left, s.variant.effect) for s in last.screened if s.score > 0 and left > 0]
+    left = last.rung.fit.error
+    shares = [
+        (1.0 - (s.error / left) ** 2, s.variant.effect)
+        for s in last.screened
+        if s.score > 0 and left > 0
+    ]
     ideas = [
-        f"{effect.id} ({effect.title}; {100 * min(share, 1.0):.0f} %)"
+        f"{effect.id} ({effect.title}; {100 * share:.0f} %)"
         for share, effect in sorted(shares, key=lambda item: -item[0])[:IDEAS]
         if share > LEAST_LIKENESS
     ]

@@ -8,7 +8,7 @@ may move them, and the critic says which it moved too far.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,23 +17,52 @@ from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.effects.base import Array, Effect, Parameter, RunSetting, Values
 from wheelhop.vehicle import Vehicle, corner_position
 
-HEIGHTS = ("amplitude_m", "height_m")
-"""Numbers of a track that say how high it is."""
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of tracks that a survey may have wrong: `keys` are its names in `TrackSpec`, `scale`
+    is a relative error that plainly shows."""
+
+    name: str
+    keys: tuple[str, ...]
+    title: str
+    equation: str
+    scale: float
 
 
-class TrackAmplitude(Effect):
-    """All tracks of one kind are higher, or lower, than surveyed."""
+QUANTITIES = (
+    Quantity(
+        "amplitude",
+        ("amplitude_m", "height_m"),
+        "higher or lower than surveyed",
+        r"z = (1 + \epsilon)\, z_\text{surveyed}",
+        0.1,
+    ),
+    # Over a record of fifty waves an error of one in a thousand is a twentieth of a wave: with
+    # more, a signature would not be in proportion to it.
+    Quantity(
+        "wavelength",
+        ("pitch_m",),
+        "longer or shorter in their waves than surveyed",
+        r"z = z_\text{surveyed}(x / (1 + \epsilon))",
+        0.001,
+    ),
+)
+
+
+class TrackSurvey(Effect):
+    """A number of all tracks of one kind is larger, or smaller, than surveyed."""
 
     place = "track"
-    equation = r"z = (1 + \epsilon)\, z_\text{surveyed}"
     source = "one template, one level, one mistake: tracks of a kind are surveyed together"
     needs_road = True
     is_belief = True
 
-    def __init__(self, kind: str, runs: frozenset[str]) -> None:
-        self.id = f"belief: amplitude of {kind} tracks"  # type: ignore[misc]
-        self.title = f"{kind} tracks are higher or lower than surveyed"  # type: ignore[misc]
-        self.kind, self.runs = kind, runs
+    def __init__(self, kind: str, quantity: Quantity, runs: frozenset[str]) -> None:
+        self.id = f"belief: {quantity.name} of {kind} tracks"  # type: ignore[misc]
+        self.title = f"{kind} tracks are {quantity.title}"  # type: ignore[misc]
+        self.equation = quantity.equation  # type: ignore[misc]
+        self.kind, self.quantity, self.runs = kind, quantity, runs
 
     def acts_in(self, run: RunSetting) -> bool:
         """In the runs over such a track."""
@@ -41,20 +70,22 @@ class TrackAmplitude(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The relative error of the survey."""
-        meaning = "by how much the tracks are higher than surveyed, relative"
-        return (Parameter("error", "1", meaning, 0.1, lower=-0.5, upper=1.0),)
+        meaning = f"by how much the {self.quantity.name} is larger than surveyed, relative"
+        return (Parameter("error", "1", meaning, self.quantity.scale, lower=-0.5, upper=1.0),)
 
     def surveyed(self, theta: Values, track: TrackSpec) -> TrackSpec:
-        """The track as high as it is."""
+        """The track as it is."""
         if track.kind != self.kind:
             return track
-        error = theta["error"]
-        higher = {k: float(v) * (1.0 + error) for k, v in track.values.items() if k in HEIGHTS}
-        return replace(track, values={**track.values, **higher})
+        factor = 1.0 + theta["error"]
+        keys = self.quantity.keys
+        true = {k: float(v) * factor for k, v in track.values.items() if k in keys}
+        return replace(track, values={**track.values, **true})
 
     def remedy(self, theta: Values) -> str:
         """What to correct in campaign.toml."""
-        return f"the amplitudes of its {self.kind} tracks times {1.0 + theta['error']:.3g}"
+        factor = 1.0 + theta["error"]
+        return f"the {self.quantity.name}s of its {self.kind} tracks times {factor:.4g}"
 
 
 class SensorPosition(Effect):
@@ -65,10 +96,12 @@ class SensorPosition(Effect):
     source = "kinematics of a rigid body, small angles"
     is_belief = True
 
-    def __init__(self, channel: str, corners: Sequence[str], slope: Array) -> None:
+    def __init__(self, channel: str, others: Sequence[str], slope: Array) -> None:
+        """`slope` (2, c) makes of the records of `others` (c,) how the body's acceleration grows
+        ahead and to the left."""
         self.id = f"belief: position of {channel}"  # type: ignore[misc]
         self.title = f"{channel} sits elsewhere than stated"  # type: ignore[misc]
-        self.channel, self.corners, self.slope = channel, corners, slope
+        self.channel, self.others, self.slope = channel, others, slope
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """How far it is ahead and to the left of its point."""
@@ -81,10 +114,10 @@ class SensorPosition(Effect):
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
     ) -> Array:
-        """Add what pitch and roll, as the corners show them, make of the distance."""
+        """Add what pitch and roll, as the body's sensors show them, make of the distance."""
         column = {c.name: i for i, c in enumerate(channels)}
         found = acceleration.copy()
-        across = acceleration[:, [column[name] for name in self.corners]] @ self.slope.T
+        across = acceleration[:, [column[name] for name in self.others]] @ self.slope.T
         found[:, column[self.channel]] += across @ [theta["x_m"], theta["y_m"]]
         return found
 
@@ -103,13 +136,25 @@ def beliefs(campaign: Campaign, vehicle: Vehicle) -> Mapping[str, Effect]:
         return {}
     for kind in dict.fromkeys(run.track.kind for run in campaign.runs):
         runs = [run for run in campaign.runs if run.track.kind == kind]
-        if any(key in run.track.values for run in runs for key in HEIGHTS):
-            found.append(TrackAmplitude(kind, frozenset(run.id for run in runs)))
-    corners = {c.name: c.corner for c in campaign.channels if c.point in BODY_POINTS}
-    if len(corners) == len(BODY_POINTS):
-        places = [
-            (1.0, *corner_position(vehicle.values, i)) for i in corners.values() if i is not None
-        ]
-        slope = np.linalg.pinv(np.array(places))[1:]
-        found += [SensorPosition(name, tuple(corners), slope) for name in corners]
+        ids = frozenset(run.id for run in runs)
+        stated = {key for run in runs for key in run.track.values}
+        found += [TrackSurvey(kind, q, ids) for q in QUANTITIES if stated & set(q.keys)]
+    places = {c.name: place for c in campaign.channels if (place := _place(c, vehicle))}
+    fields = np.array([(1.0, *place) for place in places.values()])
+    if len(places) > len(BODY_MODES) and np.linalg.matrix_rank(fields) == len(BODY_MODES):
+        slope = np.linalg.pinv(fields)[1:]
+        found += [SensorPosition(name, tuple(places), slope) for name in places]
     return {effect.id: effect for effect in found}
+
+
+BODY_MODES = ("heave", "pitch", "roll")
+"""Of a rigid body: with no more sensors than these nothing tells that one is elsewhere."""
+
+
+def _place(channel: Channel, vehicle: Vehicle) -> tuple[float, float] | None:
+    """Where a sensor on the body is said to sit (x, y), m; None for any other, or if unknown."""
+    if channel.point in BODY_POINTS and channel.corner is not None:
+        return corner_position(vehicle.values, channel.corner)
+    if channel.x_m is None or channel.y_m is None:
+        return None
+    return channel.x_m, channel.y_m
