@@ -3,14 +3,16 @@
 A run of finite length is X = H Y + T with T the free decay of what was in motion when it began,
 less what is still in motion when it ends. T has the poles of H and, in band, a smooth rest: it is a
 combination of the same fractions and a few powers of s, other for each run and output (R. Pintelon
-and J. Schoukens, System Identification, 2nd ed., section 6.3.2). Its basis is the same for all runs
-of one length, so it is projected out of data and model at once, and never solved for.
+and J. Schoukens, System Identification, 2nd ed., section 6.3.2). Its basis Q is the same for all
+runs of one length and is projected out of data and model at once, never solved for:
+⟨u, v⟩ = Re Σ conj(u) v - (Qᵀu)(Qᵀv). The first term needs the runs only as sums at each line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,24 +33,15 @@ CHUNK = 4_000_000
 def transient_basis(omega: Array, sections: Sections, weight: Array) -> Array:
     """Orthonormal basis (2k, order + EDGE_POWERS) of what an initial state leaves in a weighted
     spectrum, real parts above imaginary parts."""
-    q: Array = np.linalg.qr(_transient_columns(omega, sections, weight))[0]
-    return q
+    return _transients(omega, sections, weight)[0]
 
 
-def _transient_columns(omega: Array, sections: Sections, weight: Array) -> Array:
+def _transients(omega: Array, sections: Sections, weight: Array) -> tuple[Array, Array]:
+    """Q and R of the weighted fractions and powers of s."""
     powers = (1j * omega[:, None] / omega[-1]) ** np.arange(EDGE_POWERS)
     columns = np.hstack([sections.basis(1j * omega), powers]) * weight[:, None]
-    return np.vstack([columns.real, columns.imag])
-
-
-def initial_states(omega: Array, sections: Sections, weight: Array, rest: ComplexArray) -> Array:
-    """Coefficients (order, r·n) of the fractions that the initial states put into a weighted
-    residual `rest` (r, k, n)."""
-    columns = _transient_columns(omega, sections, weight)
-    rows = np.concatenate([rest.real, rest.imag], axis=1)
-    flat = rows.transpose(1, 0, 2).reshape(len(columns), -1)
-    found: Array = linalg.lstsq(columns, flat, cond=1e-13, lapack_driver="gelsy")[0]
-    return found[: sections.order]
+    q, r = np.linalg.qr(np.vstack([columns.real, columns.imag]))
+    return q, r
 
 
 def projected(values: ComplexArray, basis: Array) -> Array:
@@ -56,15 +49,88 @@ def projected(values: ComplexArray, basis: Array) -> Array:
     r, k, c = values.shape
     rows = np.empty((r, 2 * k, c))
     rows[:, :k], rows[:, k:] = values.real, values.imag
-    if basis.shape[1]:
-        rows -= basis @ (basis.T @ rows)
+    rows -= basis @ (basis.T @ rows)
     return rows.reshape(r * 2 * k, c)
+
+
+def inner(left: ComplexArray, right: ComplexArray) -> Array:
+    """Re Σ conj(left) right over the lines, the last axis: (p, k) and (q, k) give (p, q)."""
+    out: Array = np.ascontiguousarray(left).view(float) @ np.ascontiguousarray(right).view(float).T
+    return out
+
+
+def real_products(left: ComplexArray, right: ComplexArray) -> Array:
+    """Re(leftᴴ right) of tall matrices (rows, p) and (rows, q)."""
+    both = left.view(float).T @ right.view(float)
+    out: Array = both[0::2, 0::2] + both[1::2, 1::2]
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Weighted:
+    """Runs of one length, each line times its weight (k,)."""
+
+    omega: Array  #: (k,) rad/s
+    weight: Array  #: (k,)
+    inputs: ComplexArray  #: (k, r, m)
+    outputs: ComplexArray  #: (k, r, n)
+
+    @cached_property
+    def y_y(self) -> ComplexArray:
+        """Σ over runs of conj(input i) input j, (m, m, k)."""
+        return _over_runs(self.inputs, self.inputs)
+
+    @cached_property
+    def y_x(self) -> ComplexArray:
+        """Σ over runs of conj(input j) output i, (m, n, k)."""
+        return _over_runs(self.inputs, self.outputs)
+
+    @cached_property
+    def x_x(self) -> Array:
+        """Σ over runs of |output|², (n, k)."""
+        return np.asarray(np.sum(np.abs(self.outputs) ** 2, axis=1).T)
+
+    @cached_property
+    def by_run(self) -> tuple[ComplexArray, ComplexArray]:
+        """Inputs (r, m, k) and outputs (r, n, k), the lines last."""
+        y, x = (np.ascontiguousarray(v.transpose(1, 2, 0)) for v in (self.inputs, self.outputs))
+        return y, x
+
+
+def _over_runs(left: ComplexArray, right: ComplexArray) -> ComplexArray:
+    both = left.conj().swapaxes(1, 2) @ right
+    return np.ascontiguousarray(both.transpose(1, 2, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Regressors:
+    """Φ of one part at one trial: input j through fraction p, at j · order + p.
+
+    `fractions` (p, k), and `scaled` (m, p, k), the fractions times what multiplies each input.
+    `transients` (q, k) is the basis Q of the initial states; `phi` (r q, m p) and `x` (r q, n) are
+    the shares of Φ and of the outputs in it; Q times `powers` (q, q) are fractions and powers of s.
+    """
+
+    fractions: ComplexArray
+    scaled: ComplexArray
+    transients: ComplexArray
+    phi: Array
+    x: Array
+    powers: Array
+
+    def initial_states(self, theta: Array) -> Array:
+        """Coefficients (order, r, n) of the fractions that the initial states put into what `theta`
+        (n, m p) leaves of each run."""
+        q, order = len(self.transients), len(self.fractions)
+        left = (self.x - self.phi @ theta.T).reshape(-1, q, len(theta)).swapaxes(0, 1)
+        found = linalg.lstsq(self.powers, left.reshape(q, -1), cond=1e-13)[0]
+        return np.asarray(found[:order].reshape(order, *left.shape[1:]))
 
 
 @dataclass(frozen=True, eq=False)
 class Gram:
     """Sums over all rows: of regressors Φ with themselves and with each output, and of the outputs'
-    squares. Φ has one column per input j and fraction m, at j · order + m."""
+    squares."""
 
     phi_phi: Array  #: (m·order, m·order)
     phi_x: Array  #: (m·order, n)
@@ -89,43 +155,70 @@ class Stack:
         *,
         at_rest: bool = False,
     ) -> None:
-        self.parts, self.weights, self.at_rest = [], [], at_rest
+        self.parts: list[Weighted] = []
+        self.at_rest = at_rest
         for part, weight in zip(parts, weights, strict=True):
             size = 2 * len(part.omega) * part.inputs.shape[2] * order
             at_once = max(1, CHUNK // size)
+            scale = weight[:, None, None]
             for first in range(0, len(part.runs), at_once):
-                self.parts.append(part.part(first, first + at_once))
-                self.weights.append(weight)
+                pick = slice(first, first + at_once)
+                inputs, outputs = (
+                    np.ascontiguousarray(v[pick].swapaxes(0, 1)) * scale
+                    for v in (part.inputs, part.outputs)
+                )
+                self.parts.append(Weighted(part.omega, weight, inputs, outputs))
         self.inputs = parts[0].inputs.shape[2]
         self.outputs = parts[0].outputs.shape[2]
         self.rows = sum(2 * len(p.omega) * len(p.runs) for p in parts)
         self.transients = sum(len(p.runs) * (order + EDGE_POWERS) for p in parts)
 
-    def regressors(
-        self, sections: Sections, factors: Sequence[ComplexArray]
-    ) -> list[tuple[Array, Array, Array]]:
-        """For each part: basis of its transients, Φ and the outputs, as projected real rows.
+    def regressors(self, sections: Sections, factors: Sequence[ComplexArray]) -> list[Regressors]:
+        """Those of each part; `factors` (k, m) multiply its inputs."""
+        return [self._of(p, sections, f) for p, f in zip(self.parts, factors, strict=True)]
 
-        `factors` (k, m) multiply the inputs of each part.
-        """
-        out = []
-        for part, weight, factor in zip(self.parts, self.weights, factors, strict=True):
-            basis = (
-                np.zeros((2 * len(part.omega), 0))
-                if self.at_rest
-                else transient_basis(part.omega, sections, weight)
+    def _of(self, part: Weighted, sections: Sections, factor: ComplexArray) -> Regressors:
+        fractions = np.ascontiguousarray(sections.basis(1j * part.omega).T)
+        scaled = factor.T[:, None] * fractions
+        k, order = len(part.omega), sections.order
+        if self.at_rest:
+            nothing = (np.zeros((0, width)) for width in (self.inputs * order, self.outputs, 0))
+            return Regressors(fractions, scaled, np.zeros((0, k), complex), *nothing)
+        q, powers = _transients(part.omega, sections, part.weight)
+        transients = np.ascontiguousarray((q[:k] + 1j * q[k:]).T)
+        y, x = part.by_run
+        y = (y * factor.T).reshape(-1, k)
+        through = np.stack([inner(fractions.conj() * one, y) for one in transients])
+        phi = through.reshape(len(transients), order, -1, self.inputs).transpose(2, 0, 3, 1)
+        of_x = inner(transients, x.reshape(-1, k)).reshape(len(transients), -1, self.outputs)
+        return Regressors(
+            fractions,
+            scaled,
+            transients,
+            phi.reshape(-1, self.inputs * order),
+            of_x.swapaxes(0, 1).reshape(-1, self.outputs),
+            powers,
+        )
+
+    def gram(self, regressors: Sequence[Regressors]) -> Gram:
+        """The sums that linear least squares needs."""
+        width = self.inputs * regressors[0].fractions.shape[0]
+        total = Gram(
+            np.zeros((width, width)), np.zeros((width, self.outputs)), np.zeros(self.outputs)
+        )
+        for part, at in zip(self.parts, regressors, strict=True):
+            k = len(part.omega)
+            rows = [
+                inner(at.scaled[j], (part.y_y[j][:, None] * at.scaled).reshape(-1, k))
+                for j in range(self.inputs)
+            ]
+            with_x = [inner(at.scaled[j], part.y_x[j]) for j in range(self.inputs)]
+            total = Gram(
+                total.phi_phi + np.concatenate(rows) - at.phi.T @ at.phi,
+                total.phi_x + np.concatenate(with_x) - at.phi.T @ at.x,
+                total.x_x + part.x_x.sum(axis=1) - np.sum(at.x**2, axis=0),
             )
-            fractions = sections.basis(1j * part.omega) * weight[:, None]
-            phi = (part.inputs * factor)[:, :, :, None] * fractions[:, None, :]
-            phi = phi.reshape(*phi.shape[:2], -1)
-            out.append(
-                (
-                    basis,
-                    projected(phi, basis),
-                    projected(part.outputs * weight[:, None], basis),
-                )
-            )
-        return out
+        return total
 
 
 def condensed(parts: Sequence[Spectra]) -> list[Spectra]:
@@ -146,14 +239,3 @@ def condensed(parts: Sequence[Spectra]) -> list[Spectra]:
         names = part.runs[: len(both)]
         out.append(Spectra(names, part.omega[1:-1], inputs, outputs, part.samples))
     return out
-
-
-def gram(regressors: Sequence[tuple[Array, Array, Array]]) -> Gram:
-    """The sums that linear least squares needs."""
-    _, phi, x = regressors[0]
-    total = Gram(phi.T @ phi, phi.T @ x, np.sum(x**2, axis=0))
-    for _, phi, x in regressors[1:]:
-        total = Gram(
-            total.phi_phi + phi.T @ phi, total.phi_x + phi.T @ x, total.x_x + np.sum(x**2, axis=0)
-        )
-    return total

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.identify.gram import Gram, Stack, gram, initial_states
+from wheelhop.identify.gram import Gram, Regressors, Stack, Weighted, real_products
 from wheelhop.identify.sections import ComplexArray, Sections, from_parameters
-from wheelhop.identify.spectra import Spectra, through
 from wheelhop.identify.structure import RIGID, Structure, Suspensions
 
 Array = NDArray[np.float64]
@@ -37,7 +36,7 @@ class Point:
     free: Array  #: (elements · order,)
     theta: Array  #: (n, m, order)
     gram: Gram
-    regressors: list[tuple[Array, Array, Array]]
+    regressors: list[Regressors]
     cost: float
 
 
@@ -104,7 +103,7 @@ class Problem:
         """Solve for the numerators."""
         sections, suspension = self._unpack(numbers)
         regressors = self.stack.regressors(sections, self._factors(suspension))
-        sums = gram(regressors)
+        sums = self.stack.gram(regressors)
         free = self._numerators(sums, sections, suspension)
         theta = free[self.index]
         cost = self._prior(suspension)
@@ -130,24 +129,14 @@ class Problem:
         gradient = np.zeros(self.unknowns + count)
         below = slice(self.unknowns, None)
         theta = point.theta.reshape(len(self.outputs), -1)
-        columns = self._columns(point)
-        across = np.zeros((point.gram.phi_phi.shape[0], len(self.output_weight) * count))
-        for (_, phi, _), (moved, _) in zip(point.regressors, columns, strict=True):
-            across += phi.T @ moved.reshape(len(phi), -1)
+        across, normal[below, below], gradient[below] = self._products(point)
         for i, weight in enumerate(self.output_weight):
             at = self.index[i]
-            d_d, d_x = np.zeros((count, count)), np.zeros(count)
-            phi_d = across[:, i * count : (i + 1) * count]
-            for (_, _, x), (moved, inside) in zip(point.regressors, columns, strict=True):
-                d, lost = moved[:, i], inside[:, i]
-                d_d += d.T @ d - lost.T @ lost
-                d_x += d.T @ x[:, i]
             np.add.at(normal, (at[:, None], at), weight * point.gram.phi_phi)
-            np.add.at(normal[:, below], at, weight * phi_d)
-            normal[below, below] += weight * d_d
+            np.add.at(normal[:, below], at, across[:, i])
             rest = point.gram.phi_x[:, i] - point.gram.phi_phi @ theta[i]
             np.add.at(gradient, at, weight * rest)
-            gradient[below] += weight * (d_x - phi_d.T @ theta[i])
+            gradient[below] -= across[:, i].T @ theta[i]
         normal[below, : self.unknowns] = normal[: self.unknowns, below].T
         if len(self.moving):
             inverse = 1.0 / self.belief.sd[self.moving] ** 2
@@ -210,62 +199,57 @@ class Problem:
         out: Array = fixed + inside
         return out
 
-    def _columns(self, point: Point) -> list[tuple[Array, Array]]:
-        """For each part: derivative (rows, n, P) of the modelled outputs by the nonlinear numbers,
-        the numerators and the initial states held; and its share (q, n, P) of the initial states'
-        basis, which is not projected out of it: its products with what is are the same."""
-        out = []
-        count = len(point.numbers)
-        m = self.order // 2
-        parts = zip(
-            self.stack.parts,
-            self.stack.weights,
-            self._factors(point.suspension),
-            point.regressors,
-            strict=True,
-        )
-        for part, weight, factor, (basis, _, _) in parts:
-            s = 1j * part.omega
-            slopes = point.sections.basis_slopes(s)
-            if self.structure.stable:
-                slopes[m : 2 * m] *= point.sections.zeta[:, None, None]
-            by = np.einsum("pkl,ijl->kjip", slopes, point.theta, optimize=True)
-            by *= factor[:, :, None, None]
-            if len(self.moving):
-                bends = self.belief.slopes(point.suspension, s, self.inputs)[self.moving]
-                value = np.tensordot(point.sections.basis(s), point.theta, axes=(1, 2)).swapaxes(
-                    1, 2
-                )
-                more = bends.transpose(1, 2, 0)[:, :, None, :] * value[:, :, :, None]
-                by = np.concatenate([by, more], axis=3)
-            by *= weight[:, None, None, None]
-            flat = by.reshape(*by.shape[:2], -1)
-            moved = np.matmul(part.inputs.transpose(1, 0, 2), flat).transpose(1, 0, 2)
-            moved = moved.reshape(*moved.shape[:2], len(self.outputs), count)
-            if not self.stack.at_rest:
-                moved[..., : self.order] += self._decays(point, part, weight, factor, slopes)
-            rows = np.concatenate([moved.real, moved.imag], axis=1)
-            inside = basis.T @ rows.reshape(*rows.shape[:2], -1)
-            shape = (-1, len(self.outputs), count)
-            out.append((rows.reshape(shape), inside.reshape(shape)))
-        return out
+    def _products(self, point: Point) -> tuple[Array, Array, Array]:
+        """Weighted products of the derivatives d of the modelled outputs by the nonlinear numbers,
+        the numerators and the initial states held: with Φ, output by output (m·order, n, P); with
+        themselves (P, P) and with the outputs (P,), summed over the outputs."""
+        n, count, scale = len(self.outputs), len(point.numbers), np.sqrt(self.output_weight)
+        across = np.zeros((len(self.inputs) * self.order, n * count))
+        d_d, d_x = np.zeros((count, count)), np.zeros(count)
+        factors = self._factors(point.suspension)
+        for part, factor, at in zip(self.stack.parts, factors, point.regressors, strict=True):
+            d = self._derivatives(point, part, factor, at)
+            k, r = d.shape[:2]
+            by_line, flat = d.reshape(k, r, -1), d.reshape(-1, count)
+            driven = part.inputs.conj().swapaxes(1, 2) @ by_line
+            across += np.concatenate(
+                [(at.scaled[j].conj() @ driven[:, j]).real for j in range(len(self.inputs))]
+            )
+            d_d += real_products(flat, flat)
+            d_x += real_products(flat, (part.outputs * scale).reshape(-1, 1))[:, 0]
+            # What of d lies in the basis of the initial states takes no part.
+            inside = (at.transients.conj() @ by_line.reshape(k, -1)).real
+            inside = inside.reshape(-1, r, n * count).swapaxes(0, 1).reshape(-1, n * count)
+            across -= at.phi.T @ inside
+            inside = inside.reshape(-1, count)
+            d_d -= inside.T @ inside
+            d_x -= inside.T @ (at.x * scale).ravel()
+        return across.reshape(-1, n, count) * scale[:, None], d_d, d_x
 
-    def _decays(
-        self,
-        point: Point,
-        part: Spectra,
-        weight: Array,
-        factor: ComplexArray,
-        slopes: ComplexArray,
+    def _derivatives(
+        self, point: Point, part: Weighted, factor: ComplexArray, at: Regressors
     ) -> ComplexArray:
-        """Derivative (r, k, n, order) of what the initial states leave, by the poles."""
-        fractions = point.sections.basis(1j * part.omega)
-        h = np.tensordot(fractions, point.theta, axes=(1, 2)) * factor[:, None, :]
-        rest = (part.outputs - through(h, part.inputs)) * weight[:, None]
-        states = initial_states(part.omega, point.sections, weight, rest)
-        moved = np.tensordot(slopes * weight[:, None], states, axes=(2, 0))
-        shape = (self.order, len(part.omega), len(part.runs), len(self.outputs))
-        return np.asarray(moved.reshape(shape).transpose(2, 1, 3, 0))
+        """d (k, r, n, P) of one part, each output times the root of its weight."""
+        s, m, scale = 1j * part.omega, self.order // 2, np.sqrt(self.output_weight)
+        theta = point.theta * scale[:, None, None]
+        slopes = point.sections.basis_slopes(s)
+        if self.structure.stable:
+            slopes[m : 2 * m] *= point.sections.zeta[:, None, None]
+        by = np.einsum("pkl,ijl->kjip", slopes, theta, optimize=True)
+        by *= factor[:, :, None, None]
+        if len(self.moving):
+            bends = self.belief.slopes(point.suspension, s, self.inputs)[self.moving]
+            value = np.tensordot(at.fractions, theta, axes=(0, 2)).swapaxes(1, 2)
+            more = bends.transpose(1, 2, 0)[:, :, None, :] * value[:, :, :, None]
+            by = np.concatenate([by, more], axis=3)
+        moved = part.inputs @ by.reshape(*by.shape[:2], -1)
+        d: ComplexArray = moved.reshape(*moved.shape[:2], len(scale), -1)
+        if not self.stack.at_rest:
+            states = at.initial_states(point.theta.reshape(len(scale), -1)) * scale
+            weighted = slopes.transpose(1, 2, 0) * part.weight[:, None, None]
+            decays = states.reshape(self.order, -1).T @ weighted
+            d[..., : self.order] += decays.reshape(*d.shape[:3], -1)
+        return d
 
     def _allowed(self, point: Point) -> Array:
         """Directions (unknowns + P, …) along which the constraints stay true to first order."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.identify.gram import Stack, projected
+from wheelhop.identify.gram import Stack, inner
 from wheelhop.identify.problem import Point, Problem
 from wheelhop.identify.sections import Sections, from_poles
 
@@ -37,7 +37,8 @@ def starts(order: int, band: tuple[float, float]) -> list[Sections]:
 
 
 def relocated(problem: Problem, begin: Sequence[Sections]) -> Point:
-    """The best of some relocations from the better beginning, as a trial of `problem`.
+    """The best of some relocations from the better beginning, as a trial of `problem`, whose runs
+    are at rest.
 
     With σ(s) a scalar that has the present poles, σ X = (σ H) Y has σ H over the same poles too, a
     linear problem in its residues and σ's; the zeros of σ are the next poles. σ is kept off zero by
@@ -63,22 +64,23 @@ def _relocate(stack: Stack, point: Point) -> Sections:
     own = np.zeros((outputs, width, width))
     across = np.zeros((len(phi_phi), outputs * width))
     mean = np.zeros(width)
-    for part, weight, (basis, phi, _) in zip(
-        stack.parts, stack.weights, point.regressors, strict=True
-    ):
-        sigma = np.hstack([sections.basis(1j * part.omega), np.ones((len(part.omega), 1))])
-        x = (part.outputs * weight[:, None])[..., None] * sigma[:, None, :]
-        rows = projected(x.reshape(*x.shape[:2], -1), basis)
-        across += phi.T @ rows
+    for part, at in zip(stack.parts, point.regressors, strict=True):
+        k = len(part.omega)
+        sigma = np.vstack([at.fractions, np.ones((1, k))])
+        across += np.concatenate(
+            [
+                inner(at.scaled[j], (part.y_x[j][:, None] * sigma).reshape(-1, k))
+                for j in range(stack.inputs)
+            ]
+        )
         for i in range(outputs):
-            of_one = rows[:, i * width : (i + 1) * width]
-            own[i] += of_one.T @ of_one
-        mean += sigma.real.sum(axis=0)
+            own[i] += inner(sigma, sigma * part.x_x[i])
+        mean += sigma.real.sum(axis=1)
     taken = across.T @ _solve(phi_phi, across)
     schur = np.zeros((width, width))
     for i in range(outputs):
-        at = slice(i * width, (i + 1) * width)
-        schur += (own[i] - taken[at, at]) / max(own[i, -1, -1], 1e-300)
+        of_one = slice(i * width, (i + 1) * width)
+        schur += (own[i] - taken[of_one, of_one]) / max(own[i, -1, -1], 1e-300)
     z = _solve(schur, mean)
     residues, constant = z[:-1], z[-1]
     if constant == 0.0:
