@@ -14,7 +14,7 @@ from wheelhop.identify.gram import Stack, condensed, projected, transient_basis
 from wheelhop.identify.problem import Point, Problem, descend
 from wheelhop.identify.sections import Points, Sections
 from wheelhop.identify.spectra import Spectra, through
-from wheelhop.identify.start import relocated, starts
+from wheelhop.identify.start import WELL_DAMPED, relocated, starts
 from wheelhop.identify.structure import Structure, Suspensions
 
 Array = NDArray[np.float64]
@@ -196,7 +196,8 @@ class _Fitter:
 
     def first(self, start: Sections | None) -> Point:
         """Relocated poles, or the given ones, followed a few steps; no initial states yet, for
-        without them the runs condense to few."""
+        without them the runs condense to few. If some ended where they explain nothing, all begin
+        once more close about the others: modes may lie closer than relocation tells."""
         few = condensed(self.runs)
         stack = Stack(few, [np.ones(len(p.omega)) for p in few], self.order, at_rest=True)
         problem = self._of(stack, self.problem.output_weight)
@@ -204,7 +205,14 @@ class _Fitter:
             return descend(problem, problem.start(start), tolerance=ROUGH)
         band = self._band
         point = relocated(problem, starts(self.order, band))
-        return _followed(problem, point.numbers, band, ROUGH)
+        point = _followed(problem, point.numbers, band, ROUGH)
+        found, wasted = point.sections, _wasted(point.sections, band)
+        if not wasted.any() or wasted.all():
+            return point
+        near = found.omega[~wasted]
+        crowd = np.geomspace(near.min() / 2, 2 * near.max(), len(wasted))
+        again = problem.start(Sections(crowd, np.full(len(wasted), WELL_DAMPED), found.rate))
+        return min(point, descend(problem, again, tolerance=ROUGH), key=lambda p: p.cost)
 
     @property
     def _band(self) -> tuple[float, float]:
@@ -307,8 +315,7 @@ def _followed(problem: Problem, start: Array, band: tuple[float, float], toleran
     """The end of a descent. Sections that went where they explain nothing begin once more at the
     band's upper end."""
     point = descend(problem, start, tolerance=tolerance)
-    found = point.sections
-    wasted = (found.zeta > WASTED) | (found.omega > 2 * band[1]) | (found.omega < band[0] / 2)
+    found, wasted = point.sections, _wasted(point.sections, band)
     if not wasted.any():
         return point
     omega, zeta = found.omega.copy(), np.maximum(found.zeta, 1e-3)
@@ -316,6 +323,14 @@ def _followed(problem: Problem, start: Array, band: tuple[float, float], toleran
     zeta[wasted] = 0.7
     again = problem.start(Sections(omega, zeta, found.rate))
     return min(point, descend(problem, again, tolerance=tolerance), key=lambda p: p.cost)
+
+
+def _wasted(found: Sections, band: tuple[float, float]) -> NDArray[np.bool_]:
+    """Which sections stand where they explain nothing in band."""
+    out: NDArray[np.bool_] = (
+        (found.zeta > WASTED) | (found.omega > 2 * band[1]) | (found.omega < band[0] / 2)
+    )
+    return out
 
 
 @dataclass(frozen=True, eq=False)
