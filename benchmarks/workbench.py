@@ -20,7 +20,7 @@ from typing import Any
 from playwright.sync_api import sync_playwright
 
 ROOT = Path(__file__).parents[1]
-VIEWS = ("compare", "where", "missing", "model", "vehicle", "out", "overview")
+VIEWS = ("compare", "where", "missing", "between", "model", "vehicle", "out", "overview")
 SCROLLED_S = 3.0
 
 SHOWN = """async (view) => {

@@ -49,6 +49,8 @@ def test_the_report_shows_the_answer_and_each_level(diagnosed, tmp_path):
     part = page[page.index("Linear between axle and body?") :].split("</section>")[0]
     assert diagnosis.axle_to_body.sentence.split(":")[0] in part
     assert all(run.id in part for run in campaign.validate_runs)
+    assert "identified and modelled transfer functions" in part  # the picture
+    assert all(f"A{j} → B{i}" in part for i in range(1, 5) for j in range(1, 5))
 
 
 def test_where_nothing_is_missing_it_is_not_asked(tmp_path):

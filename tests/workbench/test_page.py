@@ -98,6 +98,13 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         turn(page, "Compare")
         page.screenshot(path=pictures / "compare.png")
 
+        turn(page, "Axle to body")
+        page.get_by_role("button", name="Identify it").click()
+        page.get_by_role("heading", name="Linear between axle and body?").wait_for()
+        assert "a linear mechanism explains all" not in page.inner_text("[data-view=between]")
+        page.get_by_text("With dry-friction the model is not linear").wait_for()
+        page.screenshot(path=pictures / "axle-to-body.png", full_page=True)
+
         turn(page, "Take away")
         page.get_by_role("button", name="Write the report").click()
         page.get_by_text("report.html", exact=False).first.wait_for()

@@ -17,6 +17,7 @@ from wheelhop.cli.exchange import write_json
 from wheelhop.cli.identify_frf import run_frf
 from wheelhop.cli.identify_steps import run_steps
 from wheelhop.cli.identify_study import print_study
+from wheelhop.fit import initial_model
 from wheelhop.identify import (
     Candidate,
     Judged,
@@ -37,7 +38,7 @@ from wheelhop.identify import (
     to_json,
     write_mat,
 )
-from wheelhop.identify.figure import draw_matrix, nominal_matrix
+from wheelhop.identify.figure import draw_matrix, physical_matrix
 from wheelhop.identify.identify import WASTED
 from wheelhop.vehicle import Vehicle, read_vehicle
 
@@ -213,7 +214,8 @@ def _write(
     if arguments.figure:
         low, high = campaign.band_hz
         frequency = np.geomspace(low, high, 300)
-        nominal = nominal_matrix(campaign, vehicle, chosen.model, frequency)
+        physical = initial_model(campaign, vehicle)
+        nominal = physical_matrix(campaign.channels, physical, chosen.model, frequency)
         draw_matrix(chosen.model, nominal, frequency, arguments.figure)
 
 

@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign
-from wheelhop.fit import initial_model
+from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Channel
 from wheelhop.identify.frf import Frf
 from wheelhop.identify.identify import TransferMatrix
 from wheelhop.identify.spectra import Measured
 from wheelhop.identify.study import Variant
-from wheelhop.simulate import frequency_response
-from wheelhop.vehicle import Vehicle
+from wheelhop.simulate import Model, frequency_response
 
 Array = NDArray[np.floating[Any]]
 ComplexArray = NDArray[np.complex128]
@@ -25,15 +23,14 @@ IDENTIFIED, NOMINAL = "C0", "C1"
 TICKS = (0.5, 1, 2, 5, 10, 20, 50)
 
 
-def nominal_matrix(
-    campaign: Campaign, vehicle: Vehicle, model: TransferMatrix, frequency_hz: Array
+def physical_matrix(
+    channels: Sequence[Channel], physical: Model, model: TransferMatrix, frequency_hz: Array
 ) -> ComplexArray:
-    """H of vehicle.toml's own model at the places of an identified one (f, n, m)."""
+    """H of a physical model at the places of an identified one (f, n, m). Its force laws, which
+    are not linear, are left out."""
     wanted = {BODY_POINTS[corner]: row for row, corner in enumerate(model.outputs)}
-    channels = sorted(
-        (c for c in campaign.channels if c.point in wanted), key=lambda c: wanted[c.point]
-    )
-    system = initial_model(campaign, vehicle).system(channels, "axles")
+    places = sorted((c for c in channels if c.point in wanted), key=lambda c: wanted[c.point])
+    system = physical.system(places, "axles")
     omega = 2 * np.pi * frequency_hz[:, None, None]
     response = frequency_response(system, frequency_hz) / -(omega**2)
     return np.asarray(response[:, :, list(model.inputs)])

@@ -51,7 +51,7 @@ class Linearity:
     nonlinear law that explains most and `share` how much of the squared residual. `coherence` (n,)
     is the share of each output's power on held-out runs that the linear model explains. `levels`
     are the held-out runs' rms motion of the body, m/s², and residual over measured: a linear
-    mechanism errs alike at every level, noise apart.
+    mechanism errs alike at every level, noise apart. `model` is the best linear model itself.
     """
 
     answer: Answer
@@ -64,6 +64,7 @@ class Linearity:
     share: float
     coherence: Array
     levels: tuple[tuple[str, float, float], ...]
+    model: TransferMatrix | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain numbers; what is undetermined is None."""
@@ -146,6 +147,7 @@ def _answer(
         share=share,
         coherence=1.0 - held.residual.sum(axis=0) / held.measured.sum(axis=0),
         levels=tuple(zip(held.runs, power.tolist(), each.tolist(), strict=True)),
+        model=chosen.model,
     )
     times = (
         f"{over:.1f} times the noise" if np.isfinite(over) else f"{held.error:.1%} of the motion"

@@ -11,6 +11,7 @@ from wheelhop.effects import Effect
 from wheelhop.files.words import percent, significant
 from wheelhop.gate import Finding
 from wheelhop.report import sections
+from wheelhop.report.axle_to_body import axle_to_body
 from wheelhop.report.page import facts, paragraph, title, write_page
 from wheelhop.report.words import comparison_headline, headline, over_floor
 
@@ -33,7 +34,7 @@ def write_diagnosis_report(
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),
-        sections.axle_to_body(diagnosis),
+        axle_to_body(diagnosis.axle_to_body, campaign, steps),
         sections.ranking(diagnosis, effects),
         sections.model(campaign, steps),
         sections.next_run(diagnosis),

@@ -87,20 +87,6 @@ def _case_caption(case: Case, campaign: Campaign) -> str:
     )
 
 
-def axle_to_body(diagnosis: Diagnosis) -> str:
-    """Whether what lies between axle and body is linear; empty where that was not asked."""
-    found = diagnosis.axle_to_body
-    if found is None:
-        return ""
-    parts = [paragraph(found.sentence)]
-    if found.levels:
-        shares = listed([percent(float(share), 4) for share in found.coherence])
-        words = f"Of the power at B1, B2, B3 and B4 in held-out runs it explains {shares}."
-        alike = "What is linear errs alike at every level, noise apart."
-        parts += [paragraph(f"{words} {alike}"), tables.level_table(found.levels)]
-    return section("Linear between axle and body?", *parts)
-
-
 def where(steps: Sequence[Step]) -> str:
     """The residual cut along every axis, for the first and the last model."""
     first, last = steps[0].comparison, steps[-1].comparison

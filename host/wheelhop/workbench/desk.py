@@ -28,6 +28,7 @@ from wheelhop.workbench.session import (
     write_session,
 )
 from wheelhop.workbench.shown import (
+    AxleToBody,
     Card,
     Climbed,
     Concluded,
@@ -76,6 +77,7 @@ class Desk:
         self.rungs: tuple[Rung, ...] = ()
         self.rankings: dict[tuple[str, ...], Ranking] = {}
         self.law: Law | None = None
+        self.between: AxleToBody | None = None
         self.job: Job | None = None
         self.baseline_took_s = 0.0
         self._session = self._read()
@@ -167,6 +169,10 @@ class Desk:
         self.law = None
         self._work(law=True)
 
+    def identify(self) -> None:
+        """Fit transfer functions from the axles to the body, beside the model chosen."""
+        self._work(axles=True)
+
     def write(self, what: str) -> None:
         """Write the report, the model, the figures or the tables of what is chosen, by their names
         in `takeaway`."""
@@ -204,14 +210,17 @@ class Desk:
         kept = self._session if data else Session()
         if not data:
             self.rankings = {}
-        self.law = None
+        self.law = self.between = None
         self._session = replace(kept, choice=choice)
         self._keep()
         self._work()
 
-    def _work(self, diagnose: bool = False, law: bool = False, write: str = "") -> None:
+    def _work(
+        self, diagnose: bool = False, law: bool = False, axles: bool = False, write: str = ""
+    ) -> None:
         """Order the work; one that is going on is given up, unless it is the same data's fit."""
-        order = Order(self.campaign.folder, self.choice, self.effects_file, diagnose, law, write)
+        data = (self.campaign.folder, self.choice, self.effects_file)
+        order = Order(*data, diagnose, law, axles, write)
         if self.job is not None:
             if self.job.long:
                 self._stop()
@@ -225,7 +234,9 @@ class Desk:
         if self._process is None or not self._process.is_alive():
             self._hire()
         assert self._orders is not None
-        title = "diagnosing" if order.diagnose else "finding a law" if order.law else "fitting"
+        wishes = {"diagnosing": order.diagnose, "finding a law": order.law}
+        wishes["identifying"] = order.axles
+        title = next((title for title, wish in wishes.items() if wish), "fitting")
         long = order.diagnose or order.law
         self.job = Job(title, "starting", time.monotonic(), order.diagnose, long)
         self._orders.send(order)
@@ -287,6 +298,8 @@ class Desk:
                 self._keep()
             case Law():
                 self.law = message
+            case AxleToBody():
+                self.between = message
             case Refused(line):
                 self._finished(line)
             case Done(line):

@@ -15,14 +15,15 @@ from wheelhop.workbench.session import Choice
 @dataclass(frozen=True)
 class Order:
     """What to work out: the models that lead to a choice, a diagnosis too (`diagnose`), the force
-    that is missing beside the effects chosen (`law`); and what to write into the folder, a name
-    of `takeaway`."""
+    that is missing beside the effects chosen (`law`), or what lies between axle and body (`axles`);
+    and what to write into the folder, a name of `takeaway`."""
 
     folder: Path
     choice: Choice
     effects_file: Path | None = None
     diagnose: bool = False
     law: bool = False
+    axles: bool = False
     write: str = ""
 
 

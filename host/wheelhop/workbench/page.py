@@ -12,6 +12,7 @@ from nicegui import ui
 
 from wheelhop.files.words import percent, significant
 from wheelhop.workbench.bench import Workbench
+from wheelhop.workbench.between_view import BetweenView
 from wheelhop.workbench.charts import AFTER
 from wheelhop.workbench.compare_view import CompareView
 from wheelhop.workbench.desk import Desk
@@ -31,6 +32,7 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("compare", "Compare", CompareView),
     ("where", "Where it fails", WhereView),
     ("missing", "What is missing", MissingView),
+    ("between", "Axle to body", BetweenView),
     ("model", "The model", ModelView),
     ("vehicle", "Vehicle", VehicleView),
     ("out", "Take away", OutView),

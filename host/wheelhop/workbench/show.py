@@ -18,8 +18,10 @@ from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.gate import Finding
+from wheelhop.identify import Linearity
 from wheelhop.law import Found
 from wheelhop.report import sections
+from wheelhop.report.axle_to_body import axle_to_body
 from wheelhop.report.cases import records_of
 from wheelhop.report.law import law_figure, law_lines
 from wheelhop.report.svg import equation, inline
@@ -178,6 +180,11 @@ def verdict(diagnosis: Diagnosis) -> shown.Verdict:
 def _limit(limit: Limit) -> str:
     form = f" ({limit.form})" if limit.form else ""
     return f"{limit.effect}{form}: {limit_words(limit)}"
+
+
+def between(found: Linearity, campaign: Campaign, steps: Sequence[Step]) -> shown.AxleToBody:
+    """The report's section, beside the models of `steps`."""
+    return shown.AxleToBody(axle_to_body(found, campaign, steps))
 
 
 def law(found: Found) -> shown.Law:

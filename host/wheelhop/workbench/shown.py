@@ -126,6 +126,13 @@ class Law:
     figure: str
 
 
+@dataclass(frozen=True)
+class AxleToBody:
+    """What was identified between axle and body beside the model chosen: a finished section."""
+
+    html: str
+
+
 # What the worker says, in the order in which it may come.
 
 
@@ -179,4 +186,6 @@ class Done:
     line: str = ""
 
 
-Message = Said | Findings | Library | Climbed | Ranking | Concluded | Law | Refused | Done
+Message = (
+    Said | Findings | Library | Climbed | Ranking | Concluded | Law | AxleToBody | Refused | Done
+)

@@ -18,6 +18,7 @@ from wheelhop.diagnose.look import step_of
 from wheelhop.effects import Effect, beliefs, load_effects
 from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
+from wheelhop.identify import Linearity, linearity
 from wheelhop.law import find_law
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
@@ -41,6 +42,7 @@ class Work:
     base: Baseline
     steps: dict[tuple[str, ...], Step] = field(default_factory=dict)
     diagnosis: Diagnosis | None = None
+    linearity: Linearity | None = None
 
     def ladder(self, added: Sequence[str]) -> list[Step]:
         """The rungs that are fitted already, from the baseline towards `added`."""
@@ -65,6 +67,8 @@ class Worker:
                 self._diagnose(work)
             if order.law:
                 self._find_law(work, order.choice.added)
+            if order.axles:
+                self._identify(work, order.choice.added)
             self._say(Done(self._written(work, order)))
         except InputError as error:
             self._say(Refused(str(error)))
@@ -113,6 +117,7 @@ class Worker:
             progress=self._progress,
             watch=lambda look: self._say(show.ranking(base.workshop, look)),
         )
+        work.linearity = work.diagnosis.axle_to_body or work.linearity
         for step in work.diagnosis.ladder:
             work.steps[step.added] = step
         self._say(show.final_ranking(base.workshop, work.diagnosis))
@@ -123,6 +128,13 @@ class Worker:
         accepted, effects = [work.library[name] for name in added], list(work.library.values())
         campaign = work.gated.campaign
         self._say(show.law(find_law(campaign, work.vehicle, accepted, effects, self._progress)))
+
+    def _identify(self, work: Work, added: Sequence[str]) -> None:
+        campaign = work.gated.campaign
+        self._say(Said("fitting transfer functions from the axles to the body"))
+        if work.linearity is None:
+            work.linearity = linearity(campaign, work.vehicle)
+        self._say(show.between(work.linearity, campaign, work.ladder(added)))
 
     def _written(self, work: Work, order: Order) -> str:
         """Write what is asked for; the line that says so."""
