@@ -1,4 +1,4 @@
-"""Draw docs/axle-to-body.png, the picture of identify.md: what was identified with the models over it.
+"""Draw docs/axle-to-body.png, the picture of identify.md: what was identified, models over it.
 
 Run it from anywhere: python docs/make_axle_figure.py
 """

@@ -84,6 +84,7 @@ class Problem:
         self.index = (self.elements[:, :, None] * order + np.arange(order)).reshape(
             len(outputs), -1
         )
+        # No number stands twice in a row of H, whatever the structure: rows may simply be added.
         self.unknowns = (int(self.elements.max()) + 1) * order
         self.belief = suspensions or Suspensions(np.array([1.0, 0.0, 0.0]), np.zeros(3))
         uses = structure.symmetry == "reciprocal"
@@ -132,10 +133,10 @@ class Problem:
         across, normal[below, below], gradient[below] = self._products(point)
         for i, weight in enumerate(self.output_weight):
             at = self.index[i]
-            np.add.at(normal, (at[:, None], at), weight * point.gram.phi_phi)
-            np.add.at(normal[:, below], at, across[:, i])
+            normal[at[:, None], at] += weight * point.gram.phi_phi
+            normal[at, below] += across[:, i]
             rest = point.gram.phi_x[:, i] - point.gram.phi_phi @ theta[i]
-            np.add.at(gradient, at, weight * rest)
+            gradient[at] += weight * rest
             gradient[below] -= across[:, i].T @ theta[i]
         normal[below, : self.unknowns] = normal[: self.unknowns, below].T
         if len(self.moving):
@@ -179,17 +180,17 @@ class Problem:
         for i in range(len(self.outputs)):
             for k in range(3):
                 row = 3 * i + k
-                np.add.at(a[row], self.index[i], np.outer(scale * rigid[:, k], at_zero).ravel())
+                a[row, self.index[i]] = np.outer(scale * rigid[:, k], at_zero).ravel()
                 moved = np.outer(rear * rigid[:, k], at_zero).ravel()
-                np.add.at(by_ratio[row], self.index[i], moved)
+                by_ratio[row, self.index[i]] = moved
         return a, RIGID[list(self.outputs)].ravel(), by_ratio
 
     def _numerators(self, sums: Gram, sections: Sections, suspension: Array) -> Array:
         normal = np.zeros((self.unknowns, self.unknowns))
         right = np.zeros(self.unknowns)
         for i, weight in enumerate(self.output_weight):
-            np.add.at(normal, (self.index[i][:, None], self.index[i]), weight * sums.phi_phi)
-            np.add.at(right, self.index[i], weight * sums.phi_x[:, i])
+            normal[self.index[i][:, None], self.index[i]] += weight * sums.phi_phi
+            right[self.index[i]] += weight * sums.phi_x[:, i]
         a, b, _ = self._constraints(sections, suspension)
         if not len(a):
             return _solve(normal, right)
