@@ -38,7 +38,7 @@ def main() -> None:
 
 def take(page: Page, address: str) -> None:
     """From the address to the picture."""
-    page.set_default_timeout(300_000)
+    page.set_default_timeout(900_000)
     page.goto(address)
     page.get_by_role("tab", name="What is missing").click()
     page.get_by_role("button", name="Find out what is missing").click()
