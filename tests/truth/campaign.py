@@ -20,6 +20,7 @@ BAND_HZ = (0.5, 30.0)
 SAMPLE_RATE_HZ = 100.0
 SAMPLES = 1024
 OFFSET_M_S2 = 0.05  # standard deviation of a channel's constant offset
+AVERAGING_S = 0.0066  # of one sample, but no more than three periods
 
 
 @dataclass(frozen=True)
@@ -162,7 +163,11 @@ def _draw_run(plan: PlannedRun, rate_hz: float, seed: int, rng: np.random.Genera
     speed_kmph = round(plan.speed_kmph * (1.0 + rng.uniform(-0.05, 0.05)), 5)
     start = round(float(rng.uniform(33.0, 41.0)), 4)
     time = np.arange(round(SAMPLES * rate_hz / SAMPLE_RATE_HZ)) / rate_hz
-    return Run(plan.track, speed_kmph / 3.6, start, time, seed=seed)
+    return Run(plan.track, speed_kmph / 3.6, start, time, _averaging_s(rate_hz), seed=seed)
+
+
+def _averaging_s(rate_hz: float) -> float:
+    return min(AVERAGING_S, 3.0 / rate_hz)
 
 
 def _write_recording(file: Path, time: Array, samples: Array) -> None:
@@ -180,7 +185,7 @@ def _campaign_toml(name: str, planned: list[PlannedRun], rate_hz: float, noise_r
         'vehicle = "vehicle.toml"',
         f"sample_rate_hz = {rate_hz}",
         f"band_hz = [{BAND_HZ[0]}, {BAND_HZ[1]}]",
-        "averaging_ms = 6.6",
+        f"averaging_ms = {1000.0 * _averaging_s(rate_hz):.6g}",
         f"noise_rms_m_s2 = {noise_rms:.3g}",
     ]
     for run in planned:
