@@ -118,6 +118,26 @@ def test_a_cubic_spring_under_a_force_as_scipy_integrates_it():
     assert relative(answer(of, Model(values, (effect,)), 0.005, 0.1), solved.y[0]) < 1e-3
 
 
+def test_models_side_by_side_are_each_as_alone_and_one_that_runs_away_is_not_a_number():
+    """Eleven cubic springs, more than go through the loop at once; the softest lets go."""
+    force = 150.0 * np.sin(2 * np.pi * 8.0 * TIME_S)
+    of = simulator("force", np.zeros_like(TIME_S), force)
+    effect = LIBRARY["progressive-spring"].with_choice("cubic")
+    values = VALUES | rig_numbers(0.01)
+    trials = []
+    for cubic in (-1e9, *np.linspace(0.0, 4e7, 10)):
+        model = Model(values | {"progressive-spring.strut_N_m3": cubic}, (effect,))
+        model = model.with_run("run", {"initial_m": 0.0, "initial_m_s": 0.0})
+        trials.append((model, model.system(of.campaign.channels, "rig")))
+    lost, *records = of.records(trials)
+    assert np.isfinite(lost[0]) and np.isnan(lost[-1])
+    for record, trial in zip(records, trials[1:], strict=True):
+        np.testing.assert_allclose(record, of.record(*trial), rtol=0, atol=1e-12)
+    changes = of.changes(trials[1], trials[2:])
+    for record, change in zip(records[1:], changes, strict=True):
+        assert relative(change, record - records[0]) < 3e-3
+
+
 def rig_numbers(travel_m):
     return {"rig.force_N": 100.0, "rig.travel_m": travel_m, "rig.speed_m_s": 0.1}
 

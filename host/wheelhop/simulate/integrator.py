@@ -85,7 +85,7 @@ def for_all_ports(single: Any) -> Callable[..., None]:
     return compiled
 
 
-def _groups(port_law: tuple[int, ...]) -> NDArray[np.int64]:
+def groups_of(port_law: tuple[int, ...]) -> NDArray[np.int64]:
     """Neighbouring ports with the same law: rows of law, first port, and the one after the last."""
     runs = [(law, len(list(ports))) for law, ports in groupby(port_law)]
     ends = np.cumsum([0, *(count for _, count in runs)])
@@ -311,15 +311,15 @@ def _arguments(tasks: Sequence[Task]) -> list[object]:
     motion, extension, output = zip(*(_matrices(task.system) for task in tasks), strict=True)
     return [
         *(_sparse(motion), _sparse(extension), _sparse(output)),
-        _groups(tasks[0].system.port_law),
+        groups_of(tasks[0].system.port_law),
         tuple(for_all_ports(law) for law in padded(laws)) if laws else None,
-        _side_by_side_laws([task.system.law_parameters for task in tasks]),
+        laws_side_by_side([task.system.law_parameters for task in tasks]),
         *(_alike([getattr(task, name) for task in tasks]) for name in ("height", "rate", "force")),
         side_by_side([task.initial for task in tasks]),
     ]
 
 
-def _side_by_side_laws(parameters: Sequence[Array]) -> Array:
+def laws_side_by_side(parameters: Sequence[Array]) -> Array:
     """The laws' numbers (lanes, p, width): a spline of more knots takes more of them."""
     width = max(one.shape[1] for one in parameters)
     return np.stack([np.pad(one, ((0, 0), (0, width - one.shape[1]))) for one in parameters])

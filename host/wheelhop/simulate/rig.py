@@ -18,18 +18,16 @@ from wheelhop.campaign import ComponentCampaign, RigRun
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.integrator import padded
 from wheelhop.simulate.model import Model
+from wheelhop.simulate.oscillator import displacements
 from wheelhop.simulate.run import STEP_S, Response
 from wheelhop.simulate.unevenness import HeightSeries
 from wheelhop.vehicle import Drive, Motion, System
 
 Array = NDArray[np.float64]
 
-STEPS_PER_PERIOD = 25
+STEPS_PER_PERIOD = 30
 """Integration steps in a period of the band's upper end, at the least: laws stiffen what they sit
 beside. A hard spring at resonance comes out within 1e-4 so."""
-
-FAR_M = 1e3
-"""A component that has come so far has run away."""
 
 INITIAL = ("initial_m", "initial_m_s")
 """Displacement and velocity at the first sample, which a run with imposed force leaves free."""
@@ -63,23 +61,46 @@ class RigSimulator:
 
     def record(self, model: Model, system: System) -> Array:
         """What the rig should have measured (n, 1): force, N, or displacement, m."""
-        longest = min([STEP_S, *(effect.longest_step_s for effect in model.effects)])
-        if self.campaign.drive == "displacement":
-            return self._force(system, self._stride(longest))[:, None]
-        own = model.runs[self.run.id]
-        start = [own[name] for name in INITIAL]
-        return self._displacement(system, self._stable(system, longest), start)[:, None]
+        return self.records([(model, system)])[0]
+
+    def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
+        """The same for several models; under a force they are integrated side by side."""
+        return self._records([(*trial, self._stride(*trial)) for trial in trials])
 
     def changes(
         self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
     ) -> list[Array]:
-        """By how much the records of several models differ from that of `base`."""
-        record = self.record(*base)
-        return [other - record for other in self.records(trials)]
+        """By how much the records of several models differ from that of `base`. Twice the steps
+        serve here: what is lost by them is nearly the same in both, and falls out."""
+        strides = [self._stride(*trial, STEPS_PER_PERIOD / 2) for trial in trials]
+        bases = {stride: i for i, stride in enumerate(sorted(set(strides)))}
+        steps = [(*base, stride) for stride in bases]
+        steps += [(*trial, stride) for trial, stride in zip(trials, strides, strict=True)]
+        records = self._records(steps)
+        others = zip(records[len(bases) :], strides, strict=True)
+        return [record - records[bases[stride]] for record, stride in others]
 
-    def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
-        """The same for several models."""
-        return [self.record(model, system) for model, system in trials]
+    def _records(self, trials: Sequence[tuple[Model, System, int]]) -> list[Array]:
+        """Records of several models, each at so many steps per sample."""
+        if self.campaign.drive == "displacement":
+            return [self._force(system, stride)[:, None] for _, system, stride in trials]
+        alike: dict[object, list[int]] = {}
+        for i, (_, system, stride) in enumerate(trials):
+            alike.setdefault((stride, system.port_law, system.laws), []).append(i)
+        found = [np.empty(0)] * len(trials)
+        for places in alike.values():
+            stride = trials[places[0]][2]
+            own = [trials[i][0].runs[self.run.id] for i in places]
+            records = displacements(
+                [trials[i][1] for i in places],
+                [[numbers[name] for name in INITIAL] for numbers in own],
+                self._imposed(stride),
+                1.0 / (self.campaign.sample_rate_hz * stride),
+                stride,
+            )
+            for i, record in zip(places, records, strict=True):
+                found[i] = record[:, None]
+        return found
 
     def motion(self, stride: int) -> Array:
         """Recorded displacement, velocity and acceleration (3, T), in SI, at so many steps per
@@ -88,15 +109,19 @@ class RigSimulator:
             self._motions[stride] = Motion(self.campaign, self.run).at(self._times(stride))
         return self._motions[stride]
 
-    def _stride(self, longest_s: float) -> int:
-        """Steps per sample."""
-        return math.ceil(1.0 / (self.campaign.sample_rate_hz * longest_s) - 1e-9)
-
-    def _stable(self, system: System, longest_s: float) -> int:
-        """The same for an integration; a power of two, so that it rarely changes in a fit."""
-        fastest = float(np.abs(system.poles()).max())
-        step = min(longest_s, 1.0 / (STEPS_PER_PERIOD * self.campaign.band_hz[1]), 1.0 / fastest)
-        return int(2 ** math.ceil(math.log2(self._stride(step))))
+    def _stride(self, model: Model, system: System, per_period: float = STEPS_PER_PERIOD) -> int:
+        """Steps per sample; of an integration one of few numbers, that it rarely changes in a
+        fit."""
+        step = min([STEP_S, *(effect.longest_step_s for effect in model.effects)])
+        integrated = self.campaign.drive == "force"
+        if integrated:
+            fastest = float(np.abs(system.poles()).max())
+            step = min(step, 1.0 / (per_period * self.campaign.band_hz[1]), 1.0 / fastest)
+        needed = math.ceil(1.0 / (self.campaign.sample_rate_hz * step) - 1e-9)
+        if not integrated or needed < 3:
+            return needed
+        whole: int = 2 ** math.ceil(math.log2(needed))
+        return whole * 3 // 4 if needed <= whole * 3 // 4 else whole
 
     def _times(self, stride: int) -> Array:
         samples = np.arange(len(self.run.time_s))
@@ -115,21 +140,6 @@ class RigSimulator:
             spline = interpolate.CubicSpline(self.run.time_s, self.run.force)
             self._forces[stride] = spline(self._times(2 * stride))
         return self._forces[stride]
-
-    def _displacement(self, system: System, stride: int, start: list[float]) -> Array:
-        return np.asarray(
-            _integrate(
-                system.mass[0, 0],
-                system.damping[0, 0],
-                system.stiffness[0, 0],
-                self._imposed(stride),
-                start[0],
-                start[1],
-                1.0 / (self.campaign.sample_rate_hz * stride),
-                stride,
-                *_ports(system),
-            )
-        )
 
 
 def _ports(system: System) -> tuple[object, ...]:
@@ -156,45 +166,3 @@ def _follow(x, v, dt, p, port_law, laws, law_par):  # type: ignore[no-untyped-de
             total[t] += p[port] * force
             before = x[t]
     return total
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _integrate(  # type: ignore[no-untyped-def]
-    mass, damping, stiffness, w, x0, v0, dt, stride, p, port_law, laws, law_par
-):
-    """Displacement at every `stride`-th step under the force w (2T+1,), given at half steps;
-    classical Runge–Kutta of fourth order, memories advanced at the end of each step."""
-    steps = len(w) // 2
-    out = np.empty(steps // stride + 1)
-    memory = np.zeros(len(p))
-    x, v = x0, v0
-    out[0] = x
-    for t in range(steps):
-        trial_x, trial_v, change_x, change_v = x, v, 0.0, 0.0
-        for stage in range(4):
-            elapsed = 0.5 * dt * ((stage + 1) // 2)
-            force = w[2 * t + (stage + 1) // 2] - damping * trial_v - stiffness * trial_x
-            for port in range(len(p)):
-                own, _ = laws[port_law[port]](
-                    p[port] * trial_x, p[port] * trial_v, p[port] * (trial_x - x), elapsed,
-                    memory[port], law_par[port],
-                )  # fmt: skip
-                force -= p[port] * own
-            weight = 1.0 if stage == 0 or stage == 3 else 2.0
-            change_x += weight * trial_v
-            change_v += weight * force / mass
-            advance = 0.5 * dt if stage < 2 else dt
-            trial_x, trial_v = x + advance * trial_v, v + advance * force / mass
-        before = x
-        x += dt / 6.0 * change_x
-        v += dt / 6.0 * change_v
-        for port in range(len(p)):
-            _, memory[port] = laws[port_law[port]](
-                p[port] * x, p[port] * v, p[port] * (x - before), dt, memory[port], law_par[port]
-            )
-        if (t + 1) % stride == 0:
-            out[(t + 1) // stride] = x
-        if not -FAR_M < x < FAR_M:
-            out[(t + 1) // stride :] = np.nan
-            break
-    return out
