@@ -15,6 +15,7 @@ from wheelhop.diagnose.confirm import confirm
 from wheelhop.diagnose.judge import at_noise
 from wheelhop.diagnose.promising import least_gain
 from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.screen_sums import Terms
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
@@ -167,13 +168,11 @@ def _formula(
     chosen: list[Term] = []
     best: Screened | None = None
     every = candidates(moved.extension, moved.rate)
+    progress(f"terms of a formula for the {where.name}")
+    sums = Terms(workshop, base.fit, [Formula(where, [term]) for term in every])
     while len(chosen) < MOST_TERMS and (best is None or best.error > AS_WELL * free.error_fit):
-        progress(f"a formula for the {where.name}: term {len(chosen) + 1}")
-        trials = []
-        for term in every:
-            if term not in chosen:
-                effect = Formula(where, [*chosen, term])
-                trials += [(s, term) for s in screen(workshop, base.fit, [effect])]
+        trials = [(sums.screen(Formula(where, [*chosen, term])), term)
+                  for term in every if term not in chosen]  # fmt: skip
         trials = [t for t in trials if np.isfinite(t[0].gain)]
         if not trials:
             break
@@ -183,10 +182,11 @@ def _formula(
         best, chosen = screened, [*chosen, term]
     if best is None:
         return None
+    progress(f"fitting the formula for the {where.name}")
     rung = confirm(workshop, base, best)
     while len(chosen) > 1:  # the first term chosen may be what only two others together explain
         fewer = [[t for t in chosen if t is not out] for out in chosen]
-        tried = [s for terms in fewer for s in screen(workshop, base.fit, [Formula(where, terms)])]
+        tried = [sums.screen(Formula(where, terms)) for terms in fewer]
         simpler = min(tried, key=lambda s: s.error)
         shorter = confirm(workshop, base, simpler)
         if shorter.error_judging > AS_WELL * rung.error_judging:

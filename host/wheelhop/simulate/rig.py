@@ -25,9 +25,10 @@ from wheelhop.vehicle import Drive, Motion, System
 
 Array = NDArray[np.float64]
 
-STEPS_PER_PERIOD = 30
-"""Integration steps in a period of the band's upper end, at the least: laws stiffen what they sit
-beside. A hard spring at resonance comes out within 1e-4 so."""
+STEPS_PER_PERIOD, LEAST_PER_PERIOD = 30, 10
+"""Integration steps in a period of twice the component's own frequency, as laws stiffen what they
+sit beside, or of the band's upper end if that is slower; and in one of the band's upper end at the
+least. A hard spring at resonance comes out within 2e-4 so."""
 
 INITIAL = ("initial_m", "initial_m_s")
 """Displacement and velocity at the first sample, which a run with imposed force leaves free."""
@@ -70,9 +71,9 @@ class RigSimulator:
     def changes(
         self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
     ) -> list[Array]:
-        """By how much the records of several models differ from that of `base`. Twice the steps
+        """By how much the records of several models differ from that of `base`. Steps twice as long
         serve here: what is lost by them is nearly the same in both, and falls out."""
-        strides = [self._stride(*trial, STEPS_PER_PERIOD / 2) for trial in trials]
+        strides = [self._stride(*trial, longer=2.0) for trial in trials]
         bases = {stride: i for i, stride in enumerate(sorted(set(strides)))}
         steps = [(*base, stride) for stride in bases]
         steps += [(*trial, stride) for trial, stride in zip(trials, strides, strict=True)]
@@ -109,14 +110,17 @@ class RigSimulator:
             self._motions[stride] = Motion(self.campaign, self.run).at(self._times(stride))
         return self._motions[stride]
 
-    def _stride(self, model: Model, system: System, per_period: float = STEPS_PER_PERIOD) -> int:
+    def _stride(self, model: Model, system: System, longer: float = 1.0) -> int:
         """Steps per sample; of an integration one of few numbers, that it rarely changes in a
         fit."""
         step = min([STEP_S, *(effect.longest_step_s for effect in model.effects)])
         integrated = self.campaign.drive == "force"
         if integrated:
+            highest_hz = self.campaign.band_hz[1]
             fastest = float(np.abs(system.poles()).max())
-            step = min(step, 1.0 / (per_period * self.campaign.band_hz[1]), 1.0 / fastest)
+            per_second = STEPS_PER_PERIOD * min(highest_hz, fastest / np.pi)
+            needed_hz = max(per_second, LEAST_PER_PERIOD * highest_hz) / longer
+            step = min(step, 1.0 / needed_hz, 1.0 / fastest)
         needed = math.ceil(1.0 / (self.campaign.sample_rate_hz * step) - 1e-9)
         if not integrated or needed < 3:
             return needed
