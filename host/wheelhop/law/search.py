@@ -16,9 +16,9 @@ from wheelhop.diagnose.judge import at_noise
 from wheelhop.diagnose.promising import least_gain
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.screen_sums import Terms
-from wheelhop.diagnose.validate import Incumbent
+from wheelhop.diagnose.validate import Incumbent, validate
 from wheelhop.effects import Effect
-from wheelhop.fit import Workshop
+from wheelhop.fit import Workshop, fit
 from wheelhop.law.formula import Formula
 from wheelhop.law.free import Form, FreeForce
 from wheelhop.law.places import Moved, Where, motion_of, places
@@ -185,14 +185,33 @@ def _formula(
     progress(f"fitting the formula for the {where.name}")
     rung = confirm(workshop, base, best)
     while len(chosen) > 1:  # the first term chosen may be what only two others together explain
-        fewer = [[t for t in chosen if t is not out] for out in chosen]
-        tried = [sums.screen(Formula(where, terms)) for terms in fewer]
-        simpler = min(tried, key=lambda s: s.error)
-        shorter = confirm(workshop, base, simpler)
+        fewer = [term for term in chosen if term is not _least_sure(rung, chosen)]
+        shorter = _in_place(workshop, rung, Formula(where, fewer))
         if shorter.error_judging > AS_WELL * rung.error_judging:
             break
-        rung, chosen = shorter, fewer[tried.index(simpler)]
+        rung, chosen = shorter, fewer
     return Rival("formula", " + ".join(t.words for t in chosen), rung)
+
+
+def _least_sure(rung: Rung, terms: Sequence[Term]) -> Term:
+    """The term whose force is the smallest multiple of its standard deviation."""
+    fit = rung.fit
+
+    def sure(term: Term) -> float:
+        name = f"{Formula.id}.{term.name}_N"
+        return abs(fit.model.values[name]) / fit.uncertainty(name)
+
+    return min(terms, key=sure)
+
+
+def _in_place(workshop: Workshop, rung: Rung, formula: Formula) -> Rung:
+    """The rung with a formula in place of a longer one, fitted from there with its derivatives."""
+    model = rung.model.without_effect(formula.id)
+    model = model.with_effect(formula, workshop.parameters_of(formula))
+    model = model.with_values({name: rung.model.values[name] for name in model.values})
+    shared = [free for free in rung.fit.shared if free.name in model.values]
+    fitted = fit(workshop, model, shared, workshop.of_role("fit"), rung.fit)
+    return validate(workshop, fitted)
 
 
 def _named(
