@@ -62,7 +62,6 @@ def places(vehicle: Mapping[str, float]) -> list[Where]:
     if is_component(vehicle):
         return [Where("component", "strut", (0,))]
     front, rear = CORNERS[:2], CORNERS[2:]
-    alone = [Where(f"{CORNER_NAMES[i]} strut", "strut", (i,)) for i in CORNERS]
     return [
         Where("all struts", "strut", tuple(CORNERS)),
         Where("front struts", "strut", tuple(front)),
@@ -70,8 +69,26 @@ def places(vehicle: Mapping[str, float]) -> list[Where]:
         Where("all tyres", "tyre", tuple(CORNERS)),
         Where("front tyres", "tyre", tuple(front)),
         Where("rear tyres", "tyre", tuple(rear)),
-        *alone,
+        *_alone(),
     ]
+
+
+def of_axle(where: Where) -> Where:
+    """The place on the same axle, or axles, whose motion a law's knots follow."""
+    axles = {axle_name(corner) for corner in where.corners}
+    same = tuple(corner for corner in CORNERS if axle_name(corner) in axles)
+    return where if where.name == "component" else Where(where.name, where.kind, same)
+
+
+def parts_of(where: Where) -> list[Where]:
+    """Struts of which each is known by itself, to first order; else the place as it is."""
+    if where.kind == "tyre" or len(where.corners) != 2:
+        return [where]
+    return [place for place in _alone() if place.corners[0] in where.corners]
+
+
+def _alone() -> list[Where]:
+    return [Where(f"{CORNER_NAMES[i]} strut", "strut", (i,)) for i in CORNERS]
 
 
 def motion_of(workshop: Workshop, model: Model, where: Where) -> Moved | None:

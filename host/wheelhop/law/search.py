@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Campaign, ComponentCampaign
+from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Progress, Rung, fit_baseline
 from wheelhop.diagnose.added import fit_with
 from wheelhop.diagnose.confirm import confirm
@@ -19,19 +19,14 @@ from wheelhop.diagnose.screen_sums import Terms
 from wheelhop.diagnose.validate import Incumbent, validate
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, fit
+from wheelhop.law.first_order import screen_places
 from wheelhop.law.formula import Formula
-from wheelhop.law.free import Form, FreeForce
-from wheelhop.law.places import Moved, Where, motion_of, places
-from wheelhop.law.terms import Term, candidates, knots, slips
-from wheelhop.vehicle import Vehicle, static_tyre_load
+from wheelhop.law.places import Moved, Where, motion_of
+from wheelhop.law.terms import Term, candidates
+from wheelhop.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-COUNTS = {True: (5, 9, 17, 33), False: (5,)}
-"""Knots of a spline where an imposed motion gives the force at once; and elsewhere, where each knot
-is an integration of every run."""
-MOST_OF_BOTH = 9
-"""More knots than that belong to a law with a kink, which is one of extension or of rate alone."""
 MOST_TERMS = 4
 NAMED = 3
 """So many named laws are fitted in full beside the free one."""
@@ -91,67 +86,25 @@ def find_law(
     baseline = fit_baseline(campaign, vehicle, progress=progress)
     workshop, base = baseline.workshop, fit_with(baseline, accepted, progress)[-1]
     progress("screening free laws at every place")
-    free, shares = _screen_places(workshop, base)
+    promises = screen_places(workshop, base)
+    power = base.fit.error**2
+    shares = {p.where.name: 1.0 - p.screened.error**2 / power for p in promises}
     nothing = Found(workshop, base, shares, None, None, None, (), None)
-    if not free or free[0][1].gain < least_gain(workshop, base) or at_noise(base, workshop.noise):
+    if not promises or at_noise(base, workshop.noise):
         return nothing
-    where, best = free[0]
+    best = promises[0]
+    if best.screened.score <= 0 or best.screened.gain < least_gain(workshop, base):
+        return nothing
+    where = best.where
     progress(f"fitting a free law at the {where.name}")
-    rung = confirm(workshop, base, replace(best, others=()))
+    rung = confirm(workshop, base, best.screened)
     if not Incumbent(workshop, base).gives_way_to(rung):
         return nothing
     moved = motion_of(workshop, base.model, where)
     formula = _formula(workshop, base, rung, where, moved, progress) if moved is not None else None
     named = _named(workshop, base, where, library, progress)
-    words = f"free law with {best.variant.choice}"
+    words = f"free law with {best.form.name}"
     return Found(workshop, base, shares, Rival("free", words, rung), where, moved, named, formula)
-
-
-def _screen_places(
-    workshop: Workshop, base: Rung
-) -> tuple[list[tuple[Where, Screened]], dict[str, float]]:
-    """Every place with its best form, the most likely first, and the shares they explain."""
-    found = []
-    campaign = workshop.campaign
-    quick = isinstance(campaign, ComponentCampaign) and campaign.drive == "displacement"
-    for where in places(base.model.values):
-        moved = motion_of(workshop, base.model, where)
-        forms = _forms(base.model.values, where, moved, quick)
-        if forms and (result := screen(workshop, base.fit, [FreeForce(where, forms)])):
-            found.append((where, result[0]))
-    found = [(w, s) for w, s in found if np.isfinite(s.gain)]
-    power = base.fit.error**2
-    shares = {where.name: 1.0 - s.error**2 / power for where, s in found}
-    return sorted((f for f in found if f[1].score > 0), key=lambda f: -f[1].score), shares
-
-
-def _forms(
-    values: Mapping[str, float], where: Where, moved: Moved | None, quick: bool
-) -> dict[str, Form]:
-    """From few terms to many; `quick`: where a simulation costs next to nothing."""
-    forms: list[Form] = []
-    if where.kind == "tyre":
-        rest = static_tyre_load(values, where.corners[0])
-        end = "front" if where.corners[0] < 2 else "rear"
-        deflection = rest / values[f"wheel.{end}.tyre_stiffness_N_m"]
-        forms.append(Form("5 knots of deflection",
-                          tuple(float(s) * deflection for s in np.linspace(-1, 1, 5))))  # fmt: skip
-    elif moved is not None:
-        for count in COUNTS[quick]:
-            x, v = knots(moved.extension, count), knots(moved.rate, count)
-            forms += [
-                Form(f"{count} knots of extension", x),
-                Form(f"{count} knots of rate", (), v),
-            ]
-            if count > MOST_OF_BOTH:
-                continue
-            forms.append(Form(f"{count} knots each of extension and rate", x, v))
-            if quick:
-                ways = slips(moved.extension)
-                both = f"{count} knots each of extension and rate, and sliders"
-                forms.append(Form(both, x, v, ways))
-        forms.append(Form("sliders", (), (), slips(moved.extension)[:: 1 if quick else 3]))
-    return {form.name: form for form in forms}
 
 
 def _formula(
@@ -169,10 +122,14 @@ def _formula(
     best: Screened | None = None
     every = candidates(moved.extension, moved.rate)
     progress(f"terms of a formula for the {where.name}")
-    sums = Terms(workshop, base.fit, [Formula(where, [term]) for term in every])
+    alone = {term: Formula(where, [term]) for term in every}
+    sums = Terms(workshop, base.fit, list(alone.values()))
+
+    def screened_sum(terms: Sequence[Term]) -> Screened:
+        return sums.screen(Formula(where, terms), [alone[term] for term in terms])
+
     while len(chosen) < MOST_TERMS and (best is None or best.error > AS_WELL * free.error_fit):
-        trials = [(sums.screen(Formula(where, [*chosen, term])), term)
-                  for term in every if term not in chosen]  # fmt: skip
+        trials = [(screened_sum([*chosen, t]), t) for t in every if t not in chosen]
         trials = [t for t in trials if np.isfinite(t[0].gain)]
         if not trials:
             break
@@ -217,12 +174,14 @@ def _in_place(workshop: Workshop, rung: Rung, formula: Formula) -> Rung:
 def _named(
     workshop: Workshop, base: Rung, where: Where, library: Sequence[Effect], progress: Progress
 ) -> list[Rival]:
-    """The laws of the library that explain most at this kind of place, fitted in full."""
+    """The laws of the library that explain most at this kind of place, fitted in full: the first in
+    all its forms, the others, which stand beside it for the eye, in the likeliest one."""
     present = {effect.id for effect in base.model.effects}
     kind = "tyre" if where.kind == "tyre" else "suspension"
     rivals = [e for e in library if e.place == kind and e.id not in present]
     progress("named laws beside it")
     screened = [s for s in screen(workshop, base.fit, rivals) if np.isfinite(s.gain)][:NAMED]
+    screened = [*screened[:1], *(replace(s, others=()) for s in screened[1:])]
     fitted = [
         Rival(s.variant.effect.id, s.variant.effect.title, confirm(workshop, base, s))
         for s in screened
