@@ -103,3 +103,26 @@ def test_mistakes_in_recordings(folder):
     still = [",".join((*line.split(",")[:2], "7")) for line in text.splitlines()[1:]]
     file.write_text("\n".join([text.splitlines()[0], *still]) + "\n")
     assert "force_N never changes" in complaint(folder)
+
+
+def test_a_massless_component_has_no_mass_to_be_found(folder):
+    """0 means not known: there least squares finds some mass in the noise."""
+    edit(folder / "campaign.toml", "mass_kg = 0", 'mass_kg = "massless"')
+    nominal = read_nominal(read_campaign(folder))
+    assert nominal.values["component.mass_kg"] == nominal.uncertainty["component.mass_kg"] == 0.0
+    edit(folder / "campaign.toml", 'mass_kg = "massless"', "mass_kg = 0.0")
+    assert read_nominal(read_campaign(folder)).uncertainty["component.mass_kg"] > 0.0
+
+
+def test_a_force_needs_something_to_move(tmp_path):
+    component = Component(5.0, 20000.0, 120.0)
+    folder = make_campaign(tmp_path / "c", "force", component, seed=1, noise=0.01)
+    edit(folder / "campaign.toml", "mass_kg = ", 'mass_kg = "massless" # ')
+    assert "mass_kg: an imposed force moves a mass" in complaint(folder)
+
+
+def test_a_stroke_may_be_shorter_than_a_drive(folder):
+    for run in (folder / "runs").iterdir():
+        run.write_text("\n".join(run.read_text().splitlines()[:90]) + "\n")
+    run = read_campaign(folder).runs[0]
+    assert run.time_s[-1] < 0.4

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,8 @@ MEASURED = {"displacement": FORCE, "force": DISPLACEMENT}
 
 COMPONENT_KEYS = ("mass_kg", "stiffness_N_m", "damping_N_s_m")
 TOP_KEYS = ("format", "kind", "title", "sample_rate_hz", "band_hz", "drive", "component", "run")
+MASSLESS = "massless"
+"""What mass_kg says where there is none; 0 says that nothing is known of it."""
 COLUMNS = ("time_s", "displacement_m", "force_N")
 VELOCITY = "velocity_m_s"
 RECORDED = f"a component's recording holds {', '.join(COLUMNS)} and, if recorded, {VELOCITY}"
@@ -52,6 +55,9 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
     top.only((*TOP_KEYS, noise_key))
     rate = top.number("sample_rate_hz", above=0.0)
     part = top.table("component")
+    about = _component(part)
+    if drive == "force" and about["massless"]:
+        raise part.error("mass_kg: an imposed force moves a mass; state it, or 0 to have it found")
     empty = ComponentCampaign(
         folder=folder,
         title=top.text("title"),
@@ -64,7 +70,7 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
         runs=(),
         drive=drive,
         mount_file=file_inside(folder, part, "mount") if "mount" in part else None,
-        **_component(part),
+        **about,
     )
     entries = []
     for table in top.tables("run", "id"):
@@ -74,17 +80,21 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
     return replace(empty, runs=tuple(_run(item, rate, empty.band_hz, drive) for item in entries))
 
 
-def _component(table: Table) -> dict[str, dict[str, float]]:
-    """Nominal values and uncertainties by their keys."""
+def _component(table: Table) -> dict[str, Any]:
+    """Nominal values and uncertainties by their keys; whether there is no mass at all."""
     stated = [f"{key}_uncertainty" for key in COMPONENT_KEYS]
     table.only((*COMPONENT_KEYS, *stated, "relative_uncertainty", "mount"))
     relative = table.number("relative_uncertainty", above=0.0)
-    nominal = {key: table.number(key, at_least=0.0) for key in COMPONENT_KEYS}
+    massless = table.values.get("mass_kg") == MASSLESS
+    nominal = {
+        key: 0.0 if massless and key == "mass_kg" else table.number(key, at_least=0.0)
+        for key in COMPONENT_KEYS
+    }
     uncertainty = {
         key: table.number(f"{key}_uncertainty", relative * value, at_least=0.0)
         for key, value in nominal.items()
     }
-    return {"nominal": nominal, "uncertainty": uncertainty}
+    return {"nominal": nominal, "uncertainty": uncertainty, "massless": massless}
 
 
 def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDrive) -> RigRun:
@@ -95,7 +105,7 @@ def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDr
     time_s, displacement, force = (
         frozen(values[:, column(item.file, names, name, RECORDED)]) for name in COLUMNS
     )
-    check_time(item.file, time_s, rate_hz)
+    check_time(item.file, time_s, rate_hz, shortest_s=0.0)
     check_resolved(item.file, len(time_s), rate_hz, band_hz)
     _check_moving(item, displacement, force, drive)
     return RigRun(

@@ -48,8 +48,10 @@ def read_columns(
 
 
 @np.errstate(all="ignore")  # absurd stamps are reported, not warned about
-def check_time(file: Path, time_s: NDArray[np.float64], rate_hz: float) -> None:
-    """Raise unless `time_s` (n,) is uniform at `rate_hz` over at least `SHORTEST_S` seconds.
+def check_time(
+    file: Path, time_s: NDArray[np.float64], rate_hz: float, shortest_s: float = SHORTEST_S
+) -> None:
+    """Raise unless `time_s` (n,) is uniform at `rate_hz` over at least `shortest_s` seconds.
 
     Each step may differ from the period by 1 %, and by what rounding the stamps makes of it; the
     mean step by 0.1 %, since a clock that is off by more would shift every frequency.
@@ -80,10 +82,10 @@ def check_time(file: Path, time_s: NDArray[np.float64], rate_hz: float) -> None:
             f"{file}: time_s is rounded to {rounding:g} s, too coarse for sample_rate_hz = "
             f"{rate_hz:g}: write it with more decimals"
         )
-    if len(time_s) * period < SHORTEST_S:
+    if len(time_s) * period < shortest_s:
         raise CampaignError(
             f"{file}: {len(time_s)} rows at {rate_hz:g} Hz are {len(time_s) * period:.3g} s; "
-            f"a run needs at least {SHORTEST_S:g} s"
+            f"a run needs at least {shortest_s:g} s"
         )
 
 

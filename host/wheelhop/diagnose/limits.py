@@ -9,7 +9,7 @@ what the runs tell of these, I.
 from __future__ import annotations
 
 from collections.abc import Collection
-from math import inf, log
+from math import inf, isfinite, log
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def _limit(look: Look, item: Screened) -> Limit:
     scale = np.array([p.scale for p in variant.amplitudes])
     gain = float(scale @ item.information @ scale)
     strength = float(np.sqrt(_needed(look, item) / gain)) if gain > 0.0 else inf
-    shown = all(
+    shown = isfinite(strength) and all(
         strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
         for p in variant.amplitudes
     )

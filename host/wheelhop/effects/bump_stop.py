@@ -61,18 +61,19 @@ class BumpStop(Effect):
         of a pair of stops."""
         struts_of = ends(vehicle)
         usual = next(iter(struts_of.values())).usual
+        of_both = ", mean of front and rear" if len(struts_of) > 1 else ""
         found = [
             Parameter(
                 "stiffness_N_m",
                 "N/m",
-                "stiffness of a stop, mean of front and rear",
+                f"stiffness of a stop{of_both}",
                 3 * usual.stiffness_N_m,
                 lower=0.0,
             ),
             Parameter(
                 "clearance_m",
                 "m",
-                "way from rest to a stop, mean of front and rear",
+                f"way from rest to a stop{of_both}",
                 usual.travel_m,
                 lower=0.0,
                 starts=(0.2 * usual.travel_m,),

@@ -15,8 +15,9 @@ from wheelhop.fit import RunFit
 
 Array = NDArray[np.float64]
 
-WINDOW_S = 2.5
-"""So much of a run is shown against time: enough to see the shape of the waves."""
+WINDOW_S, WAVES = 2.5, 25
+"""So much of a run is shown against time, and of what moves fast so many waves of the frequency
+about which its power lies: enough to see their shape."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +93,7 @@ def _case(
         return band.from_coefficients(coefficients[:, column])
 
     measured, before, after = (signal(c) for c in (first.measured, first.model, last.model))
+    window_s = min(WINDOW_S, seconds_of(measured, band.rate_hz, WAVES))
     return Case(
         title,
         first.run.id,
@@ -104,8 +106,16 @@ def _case(
         before,
         after,
         float(comparison.floor.noise_rms[column]),
-        _loudest(measured - before, round(WINDOW_S * band.rate_hz)),
+        _loudest(measured - before, round(window_s * band.rate_hz)),
     )
+
+
+def seconds_of(signal: Array, rate_hz: float, waves: float) -> float:
+    """How long so many waves take, of the frequency about which a signal's power lies."""
+    power = np.abs(np.fft.rfft(signal - signal.mean())) ** 2
+    frequency = np.fft.rfftfreq(len(signal), 1.0 / rate_hz)
+    about_hz = float(power @ frequency / power.sum()) if power.any() else 0.0
+    return waves / about_hz if about_hz > 0.0 else np.inf
 
 
 def _loudest(residual: Array, length: int) -> slice:

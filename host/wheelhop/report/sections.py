@@ -13,8 +13,9 @@ from wheelhop.effects import Effect
 from wheelhop.files.words import listed, percent
 from wheelhop.gate import Finding
 from wheelhop.report import figures, tables
-from wheelhop.report.cases import WINDOW_S, Case, cases
+from wheelhop.report.cases import Case, cases
 from wheelhop.report.heat import heat_legend
+from wheelhop.report.loops import loops_figure
 from wheelhop.report.page import bullets, facts, figure, paragraph, section
 from wheelhop.report.svg import equation, inline
 from wheelhop.report.words import chain_words, form_of, next_run_words, track_words
@@ -59,6 +60,23 @@ def _on_rig(steps: Sequence[Step]) -> bool:
     return steps[0].comparison.breakdown.on_rig
 
 
+def loops(campaign: Campaign, steps: Sequence[Step]) -> str:
+    """Of a component: force over displacement and velocity, measured and modelled."""
+    if not isinstance(campaign, ComponentCampaign):
+        return ""
+    less = " The force is that imposed less mass times acceleration, in band."
+    less = less if campaign.drive == "force" else ""
+    drawing = inline(loops_figure(campaign, steps), "loops", "loops, measured and modelled")
+    return section(
+        "The loops",
+        figure(
+            drawing,
+            "Some waves of the runs with the largest travel, the highest speed and the smallest"
+            f" travel.{less}",
+        ),
+    )
+
+
 def traces(campaign: Campaign, steps: Sequence[Step]) -> str:
     """Measured against modelled, in time and frequency."""
     parts = []
@@ -78,10 +96,11 @@ def traces(campaign: Campaign, steps: Sequence[Step]) -> str:
 def _case_caption(case: Case, campaign: Campaign) -> str:
     run = next(run for run in campaign.runs if run.id == case.run_id)
     role = "fitted" if run.role == "fit" else "held out"
+    seconds = (case.shown.stop - case.shown.start) / case.rate_hz
     drive = f"{track_words(run.track)}, {run.speed_m_s * 3.6:.3g} km/h"
     about = run.id if isinstance(run, RigRun) else f"{run.id} ({drive})"
     return (
-        f"In band. Left: the {WINDOW_S:g} s with the largest baseline residual; grey is"
+        f"In band. Left: the {seconds:.2g} s with the largest baseline residual; grey is"
         f" ±2 standard deviations of the noise. Right: power density of the whole run, dashed the"
         f" noise floor. Run {about}, {role}."
     )

@@ -65,10 +65,28 @@ def _heat_cell(ratio: float) -> str:
 
 
 def ranking_table(ranking: Sequence[Ranked], effects: Mapping[str, Effect]) -> str:
-    """Every effect of the library on the first rung, best first, those that do not apply last."""
-    rows = [_ranking_row(i, item, effects) for i, item in enumerate(ranking, start=1)]
+    """Every effect of the library on the first rung, best first; those that do not apply folded
+    into a line."""
+    idle = [item for item in ranking if item.reason.startswith("does not apply")]
+    shown = [item for item in ranking if item not in idle]
+    rows = [_ranking_row(i, item, effects) for i, item in enumerate(shown, start=1)]
     headings = ["", "effect", "screened E", "confirmed E", "held-out E", "log evidence", "p"]
-    return table([*headings, "why, or why not"], rows, "rlrrrrrl")
+    return table([*headings, "why, or why not"], rows, "rlrrrrrl") + _folded(idle)
+
+
+def _folded(idle: Sequence[Ranked]) -> str:
+    """The effects that do not apply, by their reason; closed until somebody asks."""
+    if not idle:
+        return ""
+    reasons: dict[str, list[str]] = {}
+    for item in idle:
+        reasons.setdefault(item.reason.removeprefix("does not apply: "), []).append(item.effect)
+    lines = "".join(
+        f"<p>{escape(reason[0].upper() + reason[1:])}: {escape(', '.join(names))}.</p>"
+        for reason, names in reasons.items()
+    )
+    count = f"{len(idle)} effects do" if len(idle) > 1 else "1 effect does"
+    return f"<details><summary>{count} not apply</summary>{lines}</details>"
 
 
 def _ranking_row(number: int, item: Ranked, effects: Mapping[str, Effect]) -> list[str]:
