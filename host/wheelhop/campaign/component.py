@@ -38,8 +38,11 @@ TOP_KEYS = ("format", "kind", "title", "sample_rate_hz", "band_hz", "drive", "co
 MASSLESS = "massless"
 """What mass_kg says where there is none; 0 says that nothing is known of it."""
 COLUMNS = ("time_s", "displacement_m", "force_N")
-VELOCITY = "velocity_m_s"
-RECORDED = f"a component's recording holds {', '.join(COLUMNS)} and, if recorded, {VELOCITY}"
+VELOCITY, INPUT = "velocity_m_s", "input_"
+RECORDED = (
+    f"a component's recording holds {', '.join(COLUMNS)} and, if recorded, {VELOCITY} and inputs"
+    f" that laws may depend on, {INPUT}…"
+)
 
 
 def read_component(top: Table, folder: Path) -> ComponentCampaign:
@@ -77,7 +80,14 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
         table.only(("id", "file", "role"))
         entries.append(entry(table, folder))
     check_entries(top, entries)
-    return replace(empty, runs=tuple(_run(item, rate, empty.band_hz, drive) for item in entries))
+    runs = tuple(_run(item, rate, empty.band_hz, drive) for item in entries)
+    for run in runs:
+        if missing := runs[0].inputs.keys() ^ run.inputs.keys():
+            raise CampaignError(
+                f"{run.file}: {', '.join(sorted(missing))} is a column of some recordings only:"
+                " an input belongs into all of them"
+            )
+    return replace(empty, runs=runs)
 
 
 def _component(table: Table) -> dict[str, Any]:
@@ -100,7 +110,7 @@ def _component(table: Table) -> dict[str, Any]:
 def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDrive) -> RigRun:
     names, values = read_columns(item.file)
     for name in names:
-        if name not in (*COLUMNS, VELOCITY):
+        if name not in (*COLUMNS, VELOCITY) and not name.startswith(INPUT):
             raise CampaignError(f"{item.file}: unexpected column {name}; {RECORDED}")
     time_s, displacement, force = (
         frozen(values[:, column(item.file, names, name, RECORDED)]) for name in COLUMNS
@@ -118,6 +128,9 @@ def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDr
         displacement=displacement,
         force=force,
         velocity=frozen(values[:, names.index(VELOCITY)]) if VELOCITY in names else None,
+        inputs={
+            name: frozen(values[:, i]) for i, name in enumerate(names) if name.startswith(INPUT)
+        },
     )
 
 

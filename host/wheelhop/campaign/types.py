@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Self
@@ -105,13 +105,15 @@ class RigRun(Run):
     """One recording of a component on a rig; it stands still, on no track.
 
     `displacement`, `force` and, if recorded, `velocity` are (n,), m, N and m/s, read-only; the rig
-    imposes `drive`, and `record` holds the other one.
+    imposes `drive`, and `record` holds the other one. `inputs` are other columns (n,) that laws may
+    depend on, by name ("input_coil_V").
     """
 
     drive: RigDrive
     displacement: NDArray[np.float64]
     force: NDArray[np.float64]
     velocity: NDArray[np.float64] | None
+    inputs: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         how = f"{self.drive} imposed"

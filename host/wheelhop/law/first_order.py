@@ -83,7 +83,13 @@ def _sums(base: Rung, where: Where, moved: Moved | None, quick: bool) -> list[tu
         found += [(x,), (v,)]
         if count <= MOST_OF_BOTH:
             found += [(x, v), (x, v, sliders)] if quick else [(x, v)]
-    return [*found, (sliders,)]
+    found.append((sliders,))
+    for name in moved.inputs:
+        for count in COUNTS[quick][:2]:
+            rate = knots(moved.rate, count)
+            by = Form(f"{count} knots of rate, times {name}", inputs=((name, rate),))
+            found += [(*simple, by) for simple in found if not simple[-1].inputs] + [(by,)]
+    return found
 
 
 def _sum(simple: Sequence[Form]) -> Form:
@@ -93,4 +99,5 @@ def _sum(simple: Sequence[Form]) -> Form:
         sum((form.extension_m for form in simple), ()),
         sum((form.rate_m_s for form in simple), ()),
         sum((form.slips_m for form in simple), ()),
+        sum((form.inputs for form in simple), ()),
     )

@@ -34,14 +34,21 @@ class Formula(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The force of each term."""
         scale = SCALE * self.where.load_N(vehicle)
-        return [Parameter(f"{t.name}_N", "N", f"force of the {t.words}", scale)
-                for t in self.terms]  # fmt: skip
+        return [
+            Parameter(
+                f"{t.name}_N",
+                "N",
+                f"force of the {t.words}",
+                scale / vehicle[f"rig.{t.by}"] if t.by else scale,
+            )
+            for t in self.terms
+        ]
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add every term at every part of the place."""
         for row in self.where.rows(vehicle):
             for term in self.terms:
-                parts.add_law(row, term.kernel, (theta[f"{term.name}_N"], *term.shape))
+                parts.add_law(row, term.kernel, (theta[f"{term.name}_N"], *term.shape), term.by)
 
 
 HEADER = '''"""{title}: found by `wheelhop law` in "{campaign}"."""
@@ -92,7 +99,8 @@ def source_of(formula: Formula, found: Mapping[str, float], campaign: str, law_i
     )
     laws = "\n".join(
         f"            parts.add_law(row, {_name(t)},"
-        f' (theta["{t.name.replace("-", "_")}_N"], {", ".join(f"{s:.9g}" for s in t.shape)}))'
+        f' (theta["{t.name.replace("-", "_")}_N"], {", ".join(f"{s:.9g}" for s in t.shape)})'
+        + (f', by="{t.by}")' if t.by else ")")
         for t in terms
     )
     title = f"law of the {where.name}"

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 from scipy.interpolate import CubicSpline
 
 from wheelhop.campaign import Channel
@@ -58,12 +57,14 @@ def free_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> 
 @dataclass(frozen=True)
 class Form:
     """Which terms a free law has: knots (a,) of extension, m, and (b,) of rate, m/s, 0 among both,
-    and ways (c,), m, after which its sliders slip."""
+    ways (c,), m, after which its sliders slip, and by name the recorded inputs that one more
+    spline of rate, with a slope at rest, is times."""
 
     name: str
     extension_m: tuple[float, ...] = ()
     rate_m_s: tuple[float, ...] = ()
     slips_m: tuple[float, ...] = ()
+    inputs: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
 
 class FreeForce(Effect):
@@ -107,7 +108,20 @@ class FreeForce(Effect):
             *((f"slider_{1e3 * d:.4g}_mm_N", f"force that slips after {1e3 * d:.4g} mm", d)
               for d in self.form.slips_m),
         )  # fmt: skip
-        return [Parameter(name, "N", words, scale) for name, words, at in named if at != 0.0]
+        found = [Parameter(name, "N", words, scale) for name, words, at in named if at != 0.0]
+        for by, knots in self.form.inputs:
+            size = vehicle[f"rig.{by}"]
+            found += [
+                Parameter(
+                    f"{by}_at_{1e3 * v:.4g}_mm_s_N",
+                    "N",
+                    f"force at {1e3 * v:.4g} mm/s per {by}",
+                    scale / size,
+                )
+                for v in knots
+                if v != 0.0
+            ]
+        return found
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the force at every part of the place."""
@@ -117,6 +131,9 @@ class FreeForce(Effect):
                 parts.add_law(row, free_force, packed)
             for force, way in slips:
                 parts.add_law(row, slip, (force, way))
+            for by, knots in self.form.inputs:
+                numbers = [0.0, float(len(knots)), *_spline(knots, theta, f"{by}_at_", "mm_s")]
+                parts.add_law(row, free_force, tuple(numbers), by)
 
     def _packed(self, theta: Values) -> tuple[tuple[float, ...], list[tuple[float, float]]]:
         """The numbers `free_force` takes, and force and way of each slider."""
@@ -124,21 +141,12 @@ class FreeForce(Effect):
         numbers = [float(len(form.extension_m)), float(len(form.rate_m_s))]
         for knots, unit in ((form.extension_m, "mm"), (form.rate_m_s, "mm_s")):
             if knots:
-                values = [theta.get(f"at_{1e3 * k:.4g}_{unit}_N", 0.0) for k in knots]
-                bends = CubicSpline(knots, values)(knots, 2)
-                numbers += [*knots, *values, *bends.tolist()]
+                numbers += _spline(knots, theta, "at_", unit)
         slips = [(theta[f"slider_{1e3 * d:.4g}_mm_N"], d) for d in form.slips_m]
         return tuple(numbers), slips
 
-    def along(self, theta: Values, x: Array, v: Array) -> Array:
-        """Force (T,), N, along a motion x, v (T,)."""
-        packed, slips = self._packed(theta)
-        numbers = np.array(packed)
-        total = np.array([free_force(a, b, 0.0, 0.0, 0.0, numbers)[0]
-                          for a, b in zip(x, v, strict=True)])  # fmt: skip
-        for force, way in slips:
-            p, stretch = np.array([force, way]), 0.0
-            for t, dx in enumerate(np.diff(x, prepend=x[0])):
-                own, stretch = slip(x[t], v[t], dx, 0.0, stretch, p)
-                total[t] += own
-        return total
+
+def _spline(knots: Sequence[float], theta: Values, prefix: str, unit: str) -> list[float]:
+    """Knots, values there and second derivatives."""
+    values = [theta.get(f"{prefix}{1e3 * k:.4g}_{unit}_N", 0.0) for k in knots]
+    return [*knots, *values, *CubicSpline(knots, values)(knots, 2).tolist()]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -50,11 +50,12 @@ class Where:
 @dataclass(frozen=True, eq=False)
 class Moved:
     """How a place moved in the runs fitted: extension (T,), m, and rate (T,), m/s, one stretch
-    after the other; `stretches` holds the length of each."""
+    after the other; `stretches` holds the length of each, and `inputs` what else was recorded."""
 
     extension: Array
     rate: Array
     stretches: tuple[int, ...]
+    inputs: Mapping[str, Array] = field(default_factory=dict)
 
 
 def places(vehicle: Mapping[str, float]) -> list[Where]:
@@ -108,7 +109,12 @@ def motion_of(workshop: Workshop, model: Model, where: Where) -> Moved | None:
                     ends = travel[axle_name(corner)]
                     x = ends[:, min(corner % 2, ends.shape[1] - 1)]
                     ways.append((x, np.gradient(x, run.time_s)))
-    return _joined(ways) if ways else None
+    if not ways:
+        return None
+    runs = [bench.run for bench in benches if isinstance(bench.run, RigRun)]
+    names = runs[0].inputs if runs else ()
+    inputs = {name: np.concatenate([run.inputs[name] for run in runs]) for name in names}
+    return replace(_joined(ways), inputs=inputs)
 
 
 def _joined(ways: Sequence[tuple[Array, Array]]) -> Moved:

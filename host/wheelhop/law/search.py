@@ -98,10 +98,12 @@ def find_law(
     where = best.where
     progress(f"fitting a free law at the {where.name}")
     rung = confirm(workshop, base, best.screened)
-    if not Incumbent(workshop, base).gives_way_to(rung):
-        return nothing
     moved = motion_of(workshop, base.model, where)
     formula = _formula(workshop, base, rung, where, moved, progress) if moved is not None else None
+    # Where one run alone went far, a spline knows nothing without it; a formula may.
+    laws = [rung] if formula is None else [rung, formula.rung]
+    if not any(Incumbent(workshop, base).gives_way_to(law) for law in laws):
+        return nothing
     named = _named(workshop, base, where, library, progress)
     words = f"free law with {best.form.name}"
     return Found(workshop, base, shares, Rival("free", words, rung), where, moved, named, formula)
@@ -120,7 +122,7 @@ def _formula(
     worst = -base.fit.size * float(np.log(base.error_fit))
     chosen: list[Term] = []
     best: Screened | None = None
-    every = candidates(moved.extension, moved.rate)
+    every = candidates(moved.extension, moved.rate, moved.inputs)
     progress(f"terms of a formula for the {where.name}")
     alone = {term: Formula(where, [term]) for term in every}
     sums = Terms(workshop, base.fit, list(alone.values()))

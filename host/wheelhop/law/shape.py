@@ -47,12 +47,12 @@ class _LawsAt(Assembly):
     """Keeps the force laws that effects add along one extension."""
 
     row: Row = ()
-    found: list[tuple[Law, tuple[float, ...]]] = field(default_factory=list)
+    found: list[tuple[Law, tuple[float, ...], str]] = field(default_factory=list)
 
-    def add_law(self, row: Row, law: Law, parameters: tuple[float, ...]) -> None:
+    def add_law(self, row: Row, law: Law, parameters: tuple[float, ...], by: str = "") -> None:
         """Keep the law if it acts there."""
         if row == self.row:
-            self.found.append((law, parameters))
+            self.found.append((law, parameters, by))
 
 
 def _along(found: Found, model: Model) -> Array:
@@ -68,9 +68,10 @@ def _along(found: Found, model: Model) -> Array:
     dt, begin = 1.0 / found.workshop.campaign.sample_rate_hz, 0
     for length in moved.stretches:
         part = slice(begin, begin + length)
-        for law, parameters in at.found:
+        for law, parameters, by in at.found:
             numbers = np.array(parameters)
-            total[part] += _follow(law, moved.extension[part], moved.rate[part], dt, numbers)
+            own = _follow(law, moved.extension[part], moved.rate[part], dt, numbers)
+            total[part] += own * moved.inputs[by][part] if by else own
         begin += length
     return total
 

@@ -5,9 +5,10 @@ Every compiled function is written so that its source can stand in a user's own 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import exp, tanh
+from types import MappingProxyType
 
 import numpy as np
 
@@ -27,6 +28,12 @@ def power(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple
 def orifice(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     """p[0] v |v| / p[1]²."""
     return p[0] * v * abs(v) / p[1] ** 2, z
+
+
+@law
+def viscous(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] v / p[1]."""
+    return p[0] * v / p[1], z
 
 
 @law
@@ -70,10 +77,14 @@ class Term:
     shape: tuple[float, ...]
     words: str
     equation: str
+    by: str = ""  #: the input it is times
 
 
-def candidates(extension: Array, rate: Array) -> list[Term]:
-    """Terms with widths and gaps that suit how the place moved (T,), m and m/s."""
+def candidates(
+    extension: Array, rate: Array, inputs: Mapping[str, Array] = MappingProxyType({})
+) -> list[Term]:
+    """Terms with widths and gaps that suit how the place moved (T,), m and m/s; those of the first
+    order and friction also times each input."""
     x, v = float(np.abs(extension).max()), float(np.abs(rate).max())
     found = [
         Term("square", power, (x, 2.0), "quadratic spring (uneven both ways)",
@@ -110,7 +121,25 @@ def candidates(extension: Array, rate: Array) -> list[Term]:
                  f"friction that gives way elastically by {1e3 * way:.3g} mm",
                  rf"F z/{1e3 * way:.3g}\,mm,\ |z| \leq {1e3 * way:.3g}\,mm")
         )  # fmt: skip
-    return found
+    return found + [
+        replace(
+            term,
+            name=f"{term.name}-by-{name.removeprefix('input_')}",
+            words=f"{term.words}, times {name}",
+            equation=rf"{term.equation}\,u",
+            by=name,
+        )
+        for name in inputs
+        for term in [*_linear(x, v), *(t for t in found if t.kernel in (rounded, slip))]
+    ]
+
+
+def _linear(x: float, v: float) -> list[Term]:
+    """Spring and damper, which a component has of its own but for an input they depend on."""
+    return [
+        Term("spring", power, (x, 1.0), "spring", rf"F x/{1e3 * x:.3g}\,mm"),
+        Term("damper", viscous, (v,), "damper", rf"F v/({v:.3g}\,m/s)"),
+    ]
 
 
 def slips(extension: Array) -> tuple[float, ...]:

@@ -288,6 +288,8 @@ def integrate(
     -------
     (n_samples, c) m/s² of each; NaN columns for outputs that are not predicted.
     """
+    if any(task.system.port_by and any(task.system.port_by) for task in tasks):
+        raise ValueError("a law that depends on an input acts on a component on a rig alone")
     steps = len(tasks[0].height) - 1
     reach = first + (n_samples - 1) * stride + floor(0.5 * window_s / step_s) + 1
     if reach > steps or first < floor(0.5 * window_s / step_s) + 1:

@@ -37,6 +37,7 @@ def displacements(
     systems: Sequence[System],
     starts: Sequence[Sequence[float]],
     force: Array,
+    weights: Array,
     dt: float,
     stride: int,
 ) -> list[Array]:
@@ -50,6 +51,8 @@ def displacements(
         Displacement, m, and velocity, m/s, of each at the first step.
     force : (2 T + 1,)
         The force, N, at every half step.
+    weights : (p, 2 T + 1)
+        What the force of each port is times; (0, 0) where no law depends on an input.
     dt
         The step, s.
     stride
@@ -78,6 +81,7 @@ def displacements(
             compiled,
             laws_side_by_side([system.law_parameters for system in some]),
             force,
+            weights,
             dt,
             stride,
         )
@@ -100,10 +104,11 @@ def _until_it_runs_away(x: Array) -> Array:
 
 @numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _integrate(  # type: ignore[no-untyped-def]
-    out, state, port, motion, row, groups, laws, parameters, w, dt, stride
+    out, state, port, motion, row, groups, laws, parameters, w, weights, dt, stride
 ):
     """Displacement (T/stride+1, LANES) at every `stride`-th step. Lanes are the last axis of all
-    arrays but `parameters`, which is (lanes used, ports, …), and w (2T+1,)."""
+    arrays but `parameters`, which is (lanes used, ports, …), w (2T+1,)
+    and the weights (p, 2T+1)."""
     ports, nothing = row.shape[0], splat(0.0)
     x, v = load(state, 0), load(state, 1)
     store(out, 0, x)
@@ -123,7 +128,10 @@ def _integrate(  # type: ignore[no-untyped-def]
                     first, last = groups[k, 1], groups[k, 2]
                     laws[groups[k, 0]](port, 0.5 * dt * half, parameters, first, last)
                 for i in range(ports):
-                    a = plus(a, load(motion, 3 + i), load(port, FORCE * ports + i))
+                    own = load(port, FORCE * ports + i)
+                    if len(weights):
+                        own = plus(nothing, splat(weights[i, 2 * t + half]), own)
+                    a = plus(a, load(motion, 3 + i), own)
             weight = splat(1.0 if stage == 0 or stage == 3 else 2.0)
             advance = splat(0.5 * dt if stage < 2 else dt)
             change_x = plus(change_x, weight, at_v)

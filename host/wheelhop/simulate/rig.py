@@ -87,7 +87,7 @@ class RigSimulator:
             return [self._force(system, stride)[:, None] for _, system, stride in trials]
         alike: dict[object, list[int]] = {}
         for i, (_, system, stride) in enumerate(trials):
-            alike.setdefault((stride, system.port_law, system.laws), []).append(i)
+            alike.setdefault((stride, system.port_law, system.laws, system.port_by), []).append(i)
         found = [np.empty(0)] * len(trials)
         for places in alike.values():
             stride = trials[places[0]][2]
@@ -96,6 +96,7 @@ class RigSimulator:
                 [trials[i][1] for i in places],
                 [[numbers[name] for name in INITIAL] for numbers in own],
                 self._imposed(stride),
+                self._weights(trials[places[0]][1], 2 * stride),
                 1.0 / (self.campaign.sample_rate_hz * stride),
                 stride,
             )
@@ -135,8 +136,21 @@ class RigSimulator:
     def _force(self, system: System, stride: int) -> Array:
         x, v, a = self.motion(stride)
         linear = system.mass[0, 0] * a + system.damping[0, 0] * v + system.stiffness[0, 0] * x
-        laws = _follow(x, v, 1.0 / (self.campaign.sample_rate_hz * stride), *_ports(system))
+        laws = _follow(
+            x,
+            v,
+            1.0 / (self.campaign.sample_rate_hz * stride),
+            *_ports(system, self._weights(system, stride)),
+        )
         return np.asarray((linear + laws)[::stride])
+
+    def _weights(self, system: System, stride: int) -> Array:
+        """What each port's force is times (p, T); (0, 0) if none depends on an input."""
+        if not any(system.port_by):
+            return np.zeros((0, 0))
+        time_s, run = self._times(stride), self.run
+        inputs = {name: np.interp(time_s, run.time_s, run.inputs[name]) for name in run.inputs}
+        return np.stack([inputs[by] if by else np.ones(len(time_s)) for by in system.port_by])
 
     def _imposed(self, stride: int) -> Array:
         """Recorded force (2T+1,) at half steps, at so many steps per sample."""
@@ -146,19 +160,21 @@ class RigSimulator:
         return self._forces[stride]
 
 
-def _ports(system: System) -> tuple[object, ...]:
-    """The force laws as the loops below take them: coefficients p, laws, their parameters."""
+def _ports(system: System, weights: Array) -> tuple[object, ...]:
+    """The force laws as the loops below take them: coefficients p, laws, their parameters, and
+    what their forces are times."""
     return (
         np.ascontiguousarray(system.port[:, 0]),
         np.array(system.port_law, dtype=np.int64),
         padded(system.laws),
         system.law_parameters,
+        weights,
     )
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _follow(x, v, dt, p, port_law, laws, law_par):  # type: ignore[no-untyped-def]
-    """Force (T,) of the laws along a motion x, v (T,)."""
+def _follow(x, v, dt, p, port_law, laws, law_par, weight):  # type: ignore[no-untyped-def]
+    """Force (T,) of the laws along a motion x, v (T,), each times its weight (p, T), if any."""
     total = np.zeros(len(x))
     for port in range(len(p)):
         law, memory, before = port_law[port], 0.0, x[0]
@@ -167,6 +183,6 @@ def _follow(x, v, dt, p, port_law, laws, law_par):  # type: ignore[no-untyped-de
                 p[port] * x[t], p[port] * v[t], p[port] * (x[t] - before), dt * min(t, 1),
                 memory, law_par[port],
             )  # fmt: skip
-            total[t] += p[port] * force
+            total[t] += p[port] * force * (weight[port, t] if len(weight) else 1.0)
             before = x[t]
     return total

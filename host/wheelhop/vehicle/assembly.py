@@ -68,6 +68,7 @@ class System:
     laws: tuple[Law, ...]
     law_parameters: Array  #: (p, LAW_PARAMETERS or more)
     output: Array  #: (c, n) output displacement = output @ q; NaN row: not predicted
+    port_by: tuple[str, ...] = ()  #: (p,) input that each port's force is times, "" for none
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues (2n,) of the linear part, rad/s."""
@@ -90,7 +91,7 @@ class Assembly:
     _modes: list[tuple[str, Callable[[float, float], float]]] = field(default_factory=list)
     _masses: list[tuple[Row, float]] = field(default_factory=list)
     _springs: list[tuple[Row, float, float]] = field(default_factory=list)
-    _laws: list[tuple[Row, Law, tuple[float, ...]]] = field(default_factory=list)
+    _laws: list[tuple[Row, Law, tuple[float, ...], str]] = field(default_factory=list)
     _forces: list[Row] = field(default_factory=list)
     _outputs: list[Row | None] = field(default_factory=list)
 
@@ -116,9 +117,10 @@ class Assembly:
         """A linear spring and damper along the extension `row`."""
         self._springs.append((row, stiffness_N_m, damping_N_s_m))
 
-    def add_law(self, row: Row, law: Law, parameters: tuple[float, ...]) -> None:
-        """A nonlinear force −f(δ, δ̇) along the extension `row`, in N."""
-        self._laws.append((row, law, parameters))
+    def add_law(self, row: Row, law: Law, parameters: tuple[float, ...], by: str = "") -> None:
+        """A nonlinear force −f(δ, δ̇) along the extension `row`, in N; on a rig times the recorded
+        input `by`, if one is named."""
+        self._laws.append((row, law, parameters, by))
 
     def add_force(self, row: Row) -> None:
         """An applied force along `row`; its history is the next column of w(t)."""
@@ -163,11 +165,11 @@ class Assembly:
         springs = self._stack([row for row, _, _ in self._springs])
         k = springs.T @ (np.array([value for _, value, _ in self._springs])[:, None] * springs)
         c = springs.T @ (np.array([value for _, _, value in self._springs])[:, None] * springs)
-        ports = self._stack([row for row, _, _ in self._laws])
-        laws = tuple(dict.fromkeys(law for _, law, _ in self._laws))
-        width = max([LAW_PARAMETERS, *(len(values) for _, _, values in self._laws)])
+        ports = self._stack([row for row, *_ in self._laws])
+        laws = tuple(dict.fromkeys(law for _, law, *_ in self._laws))
+        width = max([LAW_PARAMETERS, *(len(values) for _, _, values, _ in self._laws)])
         parameters = np.zeros((len(self._laws), width))
-        for i, (_, _, values) in enumerate(self._laws):
+        for i, (_, _, values, _) in enumerate(self._laws):
             parameters[i, : len(values)] = values
         output = np.full((len(self._outputs), n), np.nan)
         for i, out in enumerate(self._outputs):
@@ -182,8 +184,9 @@ class Assembly:
             force=self._stack(self._forces)[:, :n].T.copy(),
             port=np.ascontiguousarray(ports[:, :n]),
             port_input=np.ascontiguousarray(ports[:, n:]),
-            port_law=tuple(laws.index(law) for _, law, _ in self._laws),
+            port_law=tuple(laws.index(law) for _, law, *_ in self._laws),
             laws=laws,
             law_parameters=parameters,
             output=output,
+            port_by=tuple(by for *_, by in self._laws),
         )

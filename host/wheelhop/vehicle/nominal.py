@@ -27,7 +27,8 @@ def read_nominal(campaign: Campaign) -> Vehicle:
     begins where least squares on the fitted runs put it, and its uncertainty is what it would be if
     it alone caused the force. Beside the component's numbers, "component.…", stand those of the
     rig, "rig.…": rms force, largest displacement and a third of the largest speed of the fitted
-    runs, and, where force is measured, the load it shows at displacement 0.
+    runs, the largest value of each input, and, where force is measured, the load it shows at
+    displacement 0.
 
     Raises
     ------
@@ -67,6 +68,8 @@ def _component(campaign: ComponentCampaign) -> Vehicle:
         "travel_m": float(np.abs(motion[0]).max()),
         "speed_m_s": float(np.abs(motion[1]).max()) / 3,
     }
+    for name in runs[0].inputs:
+        rig[name] = max(float(np.abs(run.inputs[name]).max()) for run in runs) or 1.0
     if campaign.drive == "displacement":
         carried = value @ motion - np.concatenate([run.force for run in runs])
         rig["static_load_N"] = float(carried.mean())
