@@ -14,6 +14,7 @@ from wheelhop.cli.main import main
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
 from wheelhop.law.free import free_force
+from wheelhop.law.look import kind_of, look, shape_of
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates, slip
 from wheelhop.vehicle import read_nominal
@@ -80,6 +81,24 @@ def test_a_slider_turns_a_closed_loop_of_known_area():
     assert area == pytest.approx(4 * 300.0 * (0.02 - 0.005), rel=1e-3)
 
 
+def test_a_law_is_told_by_what_it_follows():
+    rng = np.random.default_rng(5)
+    x, v = rng.normal(0.0, 0.01, 20000), rng.normal(0.0, 0.2, 20000)
+    history = rng.normal(0.0, 300.0, 20000)
+    assert kind_of(1e8 * x**3 + 0.1 * history, x, v)[0] == "spring"
+    assert kind_of(2000.0 * v * np.abs(v), x, v)[0] == "damper"
+    assert kind_of(1e5 * x * v, x, v)[0] == "both"
+    assert kind_of(history, x, v) == ("memory", pytest.approx(0.0, abs=0.03))
+
+
+def test_a_law_is_told_by_its_shape():
+    v = np.random.default_rng(5).normal(0.0, 0.2, 20000)
+    assert "faster than the speed, alike" in shape_of(v**3, v, "damper")
+    assert "slower than the speed, alike" in shape_of(-(v**3), v, "damper")
+    assert shape_of(v**2 * (v > 0), v, "damper").endswith("most of it in rebound.")
+    assert shape_of(v**2 * (v < 0), v, "damper").endswith("most of it in compression.")
+
+
 def test_nothing_is_found_where_nothing_is_missing(tmp_path):
     found = found_in(campaign_of(tmp_path / "c"))
     assert found.free is None and found.preferred is None
@@ -94,6 +113,9 @@ def test_one_percent_of_asymmetry_comes_out_as_asymmetry_and_not_as_a_stop(tmp_p
     assert square == pytest.approx(2e4, rel=0.3)
     assert "cubic spring" in found.formula.words and "quadratic spring" in found.formula.words
     assert "stop" not in found.formula.words
+    said = " ".join(look(found))
+    assert "follows the extension" in said and "stiffens towards the ends" in said
+    assert "one comes nearest, cubic spring" in said and "slow strokes" in said
 
 
 @pytest.mark.parametrize("law", [fading_damper, magic_bump_rubber], ids=lambda law: law.__name__)
@@ -110,6 +132,7 @@ def test_a_law_with_a_name_is_called_by_it(tmp_path):
     numbers = {"coulomb_N": 250.0, "joint_N_m": 4e5}
     found = found_in(campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers))
     assert found.preferred.name == "dry-friction"
+    assert "The nearest name is dry-friction" in " ".join(look(found))
 
 
 def test_the_formula_that_is_kept_is_an_effect_that_diagnose_finds(tmp_path, capsys):

@@ -13,7 +13,7 @@ from wheelhop.cli.exchange import write_json
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects, pick
 from wheelhop.files import write_text
-from wheelhop.law import Formula, Found, find_law, source_of
+from wheelhop.law import Formula, Found, find_law, look, source_of
 from wheelhop.report.law import amplitudes, law_lines, rivals, write_law_figure
 from wheelhop.vehicle import read_nominal
 
@@ -65,6 +65,7 @@ def to_json(found: Found) -> dict[str, Any]:
         "found": free is not None,
         "place": None if found.where is None else found.where.name,
         "preferred": None if preferred is None else preferred.name,
+        "look": look(found),
         "share_by_place": {k: round(v, 5) for k, v in found.screened.items()},
         "without": {"error_fit": found.base.error_fit, "error": found.base.error},
         "candidates": [

@@ -2,6 +2,7 @@
 
 from wheelhop.law.formula import Formula, source_of
 from wheelhop.law.free import Form, FreeForce
+from wheelhop.law.look import look
 from wheelhop.law.places import Moved, Where, places
 from wheelhop.law.search import Found, Rival, find_law
 
@@ -14,6 +15,7 @@ __all__ = [
     "Rival",
     "Where",
     "find_law",
+    "look",
     "places",
     "source_of",
 ]

@@ -70,14 +70,14 @@ def _along(found: Found, model: Model) -> Array:
         part = slice(begin, begin + length)
         for law, parameters, by in at.found:
             numbers = np.array(parameters)
-            own = _follow(law, moved.extension[part], moved.rate[part], dt, numbers)
+            own = follow(law, moved.extension[part], moved.rate[part], dt, numbers)
             total[part] += own * moved.inputs[by][part] if by else own
         begin += length
     return total
 
 
 @numba.njit(nogil=True, error_model="numpy")
-def _follow(law, x, v, dt, numbers):  # type: ignore[no-untyped-def]
+def follow(law, x, v, dt, numbers):  # type: ignore[no-untyped-def]
     """Force (T,) of one law along a motion."""
     total, memory, before = np.zeros(len(x)), 0.0, x[0]
     for t in range(len(x)):

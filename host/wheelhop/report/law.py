@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from wheelhop.law import Formula, Found, Rival
+from wheelhop.law import Formula, Found, Rival, look
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
 from wheelhop.report.svg import STYLE
@@ -84,6 +84,7 @@ def law_lines(found: Found) -> list[str]:
     preferred = found.preferred
     assert preferred is not None
     lines.append(f"The simplest law that does as well as any: {preferred.name}.")
+    lines += look(found)
     return lines
 
 
