@@ -34,6 +34,12 @@ def explanation(
         lines.extend(describe(steps[-1].comparison.breakdown))
         lines.extend(_nearest(last))
         lines.extend(_held_out_only(steps[-1]))
+        known = [e.id for e in steps[-1].rung.model.effects if not e.is_belief]
+        beside = f" --with {' '.join(known)}" if known else ""
+        lines.append(
+            f"wheelhop law{beside} looks for the force that is missing: where it acts, how it looks,"
+            " which name comes nearest and what to record next."
+        )
     for effect in steps[-1].rung.model.effects:
         if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
             lines.append(f"What to correct in campaign.toml: {remedy}.")
