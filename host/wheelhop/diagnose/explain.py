@@ -37,7 +37,7 @@ def explanation(
         known = [e.id for e in steps[-1].rung.model.effects if not e.is_belief]
         beside = f" --with {' '.join(known)}" if known else ""
         lines.append(
-            f"wheelhop law{beside} looks for the force that is missing: where it acts, how it looks,"
+            f"wheelhop law{beside} looks for the missing force: where it acts, how it looks,"
             " which name comes nearest and what to record next."
         )
     for effect in steps[-1].rung.model.effects:
