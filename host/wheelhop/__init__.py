@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         add,
         compare,
         diagnose,
+        plan,
         plot,
         read,
         read_log,
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from wheelhop.effects import Effect, Parameter, load_effects
     from wheelhop.files import InputError
     from wheelhop.logger import Channel, Log, Recording
+    from wheelhop.predict.plan import Plan
     from wheelhop.simulate import Model
     from wheelhop.vehicle import Vehicle
 
@@ -58,6 +60,7 @@ __all__ = [
     "Model",
     "NewRun",
     "Parameter",
+    "Plan",
     "Recording",
     "Run",
     "Vehicle",
@@ -68,6 +71,7 @@ __all__ = [
     "diagnose",
     "load_effects",
     "new_campaign",
+    "plan",
     "plot",
     "read",
     "read_log",
@@ -76,7 +80,7 @@ __all__ = [
 ]
 
 _ROOM_OF = {
-    **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plot"), "api"),
+    **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
     **dict.fromkeys(("read", "read_log", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),
@@ -84,6 +88,7 @@ _ROOM_OF = {
     "InputError": "files",
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
     "Model": "simulate",
+    "Plan": "predict.plan",
     "Vehicle": "vehicle",
 }
 

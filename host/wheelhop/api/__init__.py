@@ -1,5 +1,7 @@
-"""What a guest calls from Python, and the commands call too: read, compare, diagnose, add, plot."""
+"""What a guest calls from Python, and the commands call too: read, compare, diagnose, add,
+plan, plot."""
 
+from wheelhop.api.planning import plan
 from wheelhop.api.plot import plot
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.api.verbs import (
@@ -20,6 +22,7 @@ __all__ = [
     "add",
     "compare",
     "diagnose",
+    "plan",
     "plot",
     "read",
     "read_log",

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 BAD_INPUT = 2
 INTERRUPTED = 130
-COMPUTING = ("compare", "diagnose", "law", "add", "demo", "simulate")
+COMPUTING = ("compare", "diagnose", "law", "add", "demo", "simulate", "plan")
 BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
 
 

@@ -6,6 +6,7 @@ from typing import NoReturn
 
 from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
+from wheelhop.cli.parser_plan import add_plan
 from wheelhop.cli.parser_simulate import add_road, add_simulate
 
 BAD_INPUT = 2
@@ -34,6 +35,7 @@ def make_parser() -> argparse.ArgumentParser:
     add_identify(commands)
     add_simulate(commands)
     add_road(commands)
+    add_plan(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
         "folder",

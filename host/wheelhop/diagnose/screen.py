@@ -146,22 +146,24 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
 
     Effects that do not apply to this campaign are left out.
     """
-    prepared = [
-        _prepare(workshop, base.model, variant)
-        for effect in effects
-        for variant in variants(workshop, base, effect)
-    ]
-    systems = workshop.systems(base.model)
-    tables = workshop.each(lambda run: _run_tables(run, base, systems, prepared), base.runs)
+    chosen = [variant for effect in effects for variant in variants(workshop, base, effect)]
+    tables = tabulated(workshop, base, chosen)
     found: dict[str, list[Screened]] = {}
-    for i, item in enumerate(prepared):
-        result = _solve(base, item.variant, [table[i] for table in tables])
-        found.setdefault(item.variant.effect.id, []).append(result)
+    for i, variant in enumerate(chosen):
+        result = _solve(base, variant, [table[i] for table in tables])
+        found.setdefault(variant.effect.id, []).append(result)
     best = {effect_id: _best_of(results) for effect_id, results in found.items()}
     for effect in effects:
         if effect.has_random_heights and (heights := _screened_heights(workshop, base, effect)):
             best[effect.id] = heights
     return sorted(best.values(), key=lambda s: -s.score)
+
+
+def tabulated(workshop: Workshop, base: Fit, chosen: Sequence[Variant]) -> list[list[Table]]:
+    """The tables of these variants, run by run of `base`."""
+    prepared = [_prepare(workshop, base.model, variant) for variant in chosen]
+    systems = workshop.systems(base.model)
+    return workshop.each(lambda run: _run_tables(run, base, systems, prepared), base.runs)
 
 
 def _best_of(variants: Sequence[Screened]) -> Screened:

@@ -1,7 +1,7 @@
 """Fit: the vehicle's numbers, and what every run leaves free, from the records."""
 
 from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_density
-from wheelhop.fit.fit import fit, follow, update
+from wheelhop.fit.fit import fit, follow, foreseen, update
 from wheelhop.fit.ground import Ground
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.moves import Move, moves
@@ -39,6 +39,7 @@ __all__ = [
     "find_start",
     "fit",
     "follow",
+    "foreseen",
     "initial_model",
     "moves",
     "run_parameters",

@@ -115,6 +115,20 @@ def follow(workshop: Workshop, before: Model, fitted: Fit, benches: Sequence[Ben
     return model
 
 
+def foreseen(
+    workshop: Workshop, model: Model, shared: Sequence[Free], benches: Sequence[Bench]
+) -> Fit:
+    """The fit that runs nobody has driven yet would end in were `model` true: it leaves the stated
+    noise and nothing else, whatever stands in their records."""
+    problem = _Problem(workshop, Belief.of(shared), tuple(benches), None, density_free=False)
+    state = problem.linearise(problem.completed(model))
+    runs = tuple(
+        replace(run, residual=np.zeros(run.bench.size), spread=np.ones(run.bench.size))
+        for run in state.runs
+    )
+    return problem.concluded(replace(state, runs=runs))
+
+
 @RUNS_AWAY
 def _solved(
     problem: _Problem,

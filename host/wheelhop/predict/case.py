@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -89,6 +89,21 @@ class Case:
         _finite(motion.displacement, self.drives[number])
         return motion
 
+    def campaign(self, noise_rms: float) -> tuple[Campaign, Model]:
+        """All drives as an ideal instrument would record them, all of them to be fitted, and the
+        model that they come from; `noise_rms`, m/s² in band of a channel, is stated and not added.
+
+        Raises CampaignError where a simulation runs away.
+        """
+        model, runs = self.nominal, []
+        for number, drive in enumerate(self.drives):
+            simulator = self._simulator(number, SAMPLE_RATE_HZ, AVERAGING_S, 0.0)
+            model = model.with_run(drive.id, self._model(number, simulator).runs[drive.id])
+            record = self.record(number, SAMPLE_RATE_HZ, AVERAGING_S)
+            runs.append(replace(simulator.run, role="fit", record=record))
+        whole = self._campaign(tuple(runs), SAMPLE_RATE_HZ, AVERAGING_S)
+        return replace(whole, noise_rms=noise_rms), model
+
     def _simulator(
         self, number: int, rate_hz: float, averaging_s: float, lead_s: float
     ) -> MotionSimulator:
@@ -103,7 +118,11 @@ class Case:
             time_s,
             np.zeros((len(time_s), len(CHANNELS))),
         )
-        campaign = Campaign(
+        campaign = self._campaign((run,), rate_hz, averaging_s)
+        return MotionSimulator(campaign, run, run_up({"road": self.system}))
+
+    def _campaign(self, runs: tuple[Run, ...], rate_hz: float, averaging_s: float) -> Campaign:
+        return Campaign(
             Path(),
             self.vehicle.name,
             Path(),
@@ -112,9 +131,8 @@ class Case:
             averaging_s,
             None,
             CHANNELS,
-            (run,),
+            runs,
         )
-        return MotionSimulator(campaign, run, run_up({"road": self.system}))
 
     def _model(self, number: int, simulator: MotionSimulator) -> Model:
         """The model, with what differs from run to run: each run has its own random numbers."""

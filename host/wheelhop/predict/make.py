@@ -98,7 +98,7 @@ def _fill(
         if number == 0:
             title = f"{case.vehicle.name}, simulated"
             new_campaign(folder, title, made, {}, vehicle_file, constants_file, noise)
-        _copy_survey(drive, folder)
+        copy_survey(drive, folder)
         source = f"simulated with seed {case.seed}{_effects(case)}"
         add_run(folder, made, NewRun(drive.id, drive.role, drive.speed_kmph, drive.keys, source))
 
@@ -118,7 +118,8 @@ def _effects(case: Case) -> str:
     return f", with {' '.join(words)}" if words else ""
 
 
-def _copy_survey(drive: Drive, folder: Path) -> None:
+def copy_survey(drive: Drive, folder: Path) -> None:
+    """Copy the survey of a drive's track, if it has one, to where its keys say."""
     if drive.file is None:
         return
     target = folder / str(drive.keys["file"])

@@ -1,0 +1,93 @@
+"""`plan`: which runs to drive, before anyone has driven."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wheelhop.campaign import CampaignError
+from wheelhop.diagnose import Progress
+from wheelhop.effects import Effect, load_effects, pick
+from wheelhop.vehicle import Vehicle, read_vehicle
+
+if TYPE_CHECKING:
+    from wheelhop.predict.plan import Plan
+
+RUNS = 8
+SHORTEST_S, LONGEST_S = 2.0, 600.0
+
+
+def _silent(text: str) -> None:
+    """Nobody listens."""
+
+
+def plan(
+    vehicle: Vehicle | str | Path,
+    tracks: Sequence[str],
+    speeds_kmph: Sequence[float] = (),
+    *,
+    runs: int = RUNS,
+    only: Sequence[str] = (),
+    effects: Mapping[str, Effect] | str | Path | None = None,
+    noise_rms: float | None = None,
+    seconds: float | None = None,
+    jobs: int | None = None,
+    progress: Progress = _silent,
+) -> Plan:
+    """Choose the runs that would tell most of a vehicle's numbers and of the effects it may have.
+
+    Parameters
+    ----------
+    vehicle
+        As it is believed to be, or its vehicle.toml.
+    tracks
+        Those there are, in words as `wheelhop simulate` takes them: "washboard/low", "table-5.1".
+    speeds_kmph
+        At which each of them could be driven; by default those the thesis drove a named track at.
+    runs
+        How many to choose.
+    only
+        The effects to tell apart, by id; by default all but faults of sensors.
+    effects
+        The library: effects by id, or a Python file with more; `load_effects()` by default.
+    noise_rms
+        Of a channel in band, m/s²; 0.1 by default.
+    seconds
+        Length of a run; 10.24 by default.
+    jobs
+        Threads; one a processor by default.
+    progress
+        Called with a line of text at every stage.
+
+    Raises
+    ------
+    CampaignError
+        A track, a speed or an effect that is not known, more runs than could be driven, or a
+        vehicle that runs away.
+    """
+    from wheelhop.predict.case import SECONDS, Case
+    from wheelhop.predict.drives import read_drives
+    from wheelhop.predict.foresee import foresee
+    from wheelhop.predict.instrument import NOISE_RMS_M_S2
+    from wheelhop.predict.plan import check_runs, choose
+
+    noise_rms = NOISE_RMS_M_S2 if noise_rms is None else noise_rms
+    seconds = SECONDS if seconds is None else seconds
+    if not 0.0 < noise_rms < 100.0:
+        raise CampaignError(f"noise {noise_rms:g}: must be above 0, below 100 m/s²")
+    if not (isfinite(seconds) and SHORTEST_S <= seconds <= LONGEST_S):
+        raise CampaignError(f"{seconds:g} s a run: must be from {SHORTEST_S:g} to {LONGEST_S:g}")
+    library = effects if isinstance(effects, Mapping) else load_effects(_path(effects))
+    tried = pick(only, library) if only else [e for e in library.values() if e.place != "sensor"]
+    drives = read_drives(tracks, speeds_kmph)
+    check_runs(runs, len(drives))
+    if not isinstance(vehicle, Vehicle):
+        vehicle = read_vehicle(Path(vehicle))
+    case = Case(vehicle, (), drives, seconds)
+    return choose(foresee(case, tried, noise_rms, progress, jobs), runs)
+
+
+def _path(given: str | Path | None) -> Path | None:
+    return None if given is None else Path(given)
