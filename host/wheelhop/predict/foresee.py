@@ -2,15 +2,17 @@
 
 A run that leaves nothing but the sensors' noise has the information matrix of the diagnosis:
 products of derivatives over σ², with what the run leaves free eliminated. Its rows are the
-vehicle's numbers, per standard deviation believed beforehand, and then the effects. The column of
-an effect is what it adds to the record at its scale, which is clearly visible. An effect stands in
-its first form, its shapes where they start.
+vehicle's numbers, per standard deviation believed beforehand, and then the effects' amplitudes, per
+scale, at which an effect is clearly visible. An effect stands there in each of its forms, its
+shapes at each of their starts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,19 +33,30 @@ Array = NDArray[np.float64]
 class Foreseen:
     """What each of some drives would tell.
 
-    `numbers` (g) are those of the vehicle that the runs can show, `effects` (e) those that act in
-    any of the drives with a strength they share. `information` (drives, g + e, g + e) is what one
-    drive adds, and `prior` (g,) what is believed of the numbers before. `size` is the number of
-    data of one run.
+    `numbers` (g) are those of the vehicle that the runs can show; `variants` the effects, those of
+    one effect one after the other, with a amplitudes altogether. `information` (drives, g + a,
+    g + a) is what one drive adds, and `prior` (g,) what is believed of the numbers before. `size`
+    is the number of data of one run.
     """
 
     vehicle_name: str
     drives: tuple[Drive, ...]
     numbers: tuple[Free, ...]
-    effects: tuple[Variant, ...]
+    variants: tuple[Variant, ...]
     information: Array
     prior: Array
     size: int
+
+    @cached_property
+    def effects(self) -> tuple[str, ...]:
+        """Ids of the effects, each once."""
+        return tuple(dict.fromkeys(variant.effect.id for variant in self.variants))
+
+    @cached_property
+    def places(self) -> tuple[slice, ...]:
+        """Where each variant's amplitudes stand among all of them."""
+        ends = np.cumsum([len(variant.amplitudes) for variant in self.variants]).tolist()
+        return tuple(slice(first, last) for first, last in zip([0, *ends], ends, strict=False))
 
 
 def foresee(
@@ -80,10 +93,10 @@ def foresee(
             raise CampaignError(
                 "the simulation runs away when the vehicle's numbers change a little"
             )
-        chosen = [variant for one in effects if (variant := _first(base, workshop, one))]
+        chosen = [variant for one in effects for variant in _variants(base, workshop, one)]
         if not (numbers or chosen):
             raise CampaignError("nothing to find out: every number is certain, no effect acts")
-        progress(f"{len(chosen)} effects in {len(case.drives)} runs")
+        progress(f"{len(chosen)} forms of effects in {len(case.drives)} runs")
         tables = tabulated(workshop, base, chosen)
         information = np.stack(
             workshop.each(
@@ -98,32 +111,36 @@ def foresee(
     )
 
 
-def _first(base: Fit, workshop: Workshop, effect: Effect) -> Variant | None:
-    """An effect in its first form, shapes at their first starts; None where it has no strength."""
+def _variants(base: Fit, workshop: Workshop, effect: Effect) -> list[Variant]:
+    """An effect in all its forms, shapes at each of their starts; none where it has no strength."""
     settings = [run.bench.simulator.setting for run in base.runs]
     acting = [setting for setting in settings if effect.acts_in(setting)]
-    choices = effect.choices(workshop.campaign.channels)
-    if not (acting and choices) or effect.has_random_heights:
-        return None
-    form = effect.with_choice(choices[0]) if choices[0] else effect
-    parameters = tuple(workshop.parameters_of(form))
-    shapes = {p.name: p.starts[0] for p in parameters if p.is_shape}
-    runs = {
-        setting.run_id: {p.name: p.starts[0] for p in form.per_run(setting) if p.is_shape}
-        for setting in acting
-    }
-    variant = Variant(form, choices[0], shapes, parameters, runs)
-    return variant if variant.amplitudes else None
+    if not acting or effect.has_random_heights:
+        return []
+    found = []
+    for choice in effect.choices(workshop.campaign.channels):
+        form = effect.with_choice(choice) if choice else effect
+        parameters = tuple(workshop.parameters_of(form))
+        runs = {
+            setting.run_id: {p.name: p.starts[0] for p in form.per_run(setting) if p.is_shape}
+            for setting in acting
+        }
+        starts = {p.name: p.starts for p in parameters if p.is_shape}
+        for shapes in product(*starts.values()):
+            values = dict(zip(starts, shapes, strict=True))
+            found.append(Variant(form, choice, values, parameters, runs))
+    return [variant for variant in found if variant.amplitudes]
 
 
 def _information(base: Fit, run: RunFit, tables: list[Table], chosen: list[Variant]) -> Array:
-    """Of one run, (g + e, g + e). The effects' signatures are free of what each leaves free in the
+    """Of one run, (g + a, g + a). The signatures are free of what each effect leaves free in the
     run already."""
     size = run.bench.size
-    together = np.zeros((size, len(chosen)))
-    for i, (table, variant) in enumerate(zip(tables, chosen, strict=True)):
+    parts = []
+    for table, variant in zip(tables, chosen, strict=True):
         scale = np.array([p.scale for p in variant.amplitudes])
-        together[:, i] = np.nan_to_num(table.signatures @ scale, posinf=0.0, neginf=0.0)
+        parts.append(np.nan_to_num(table.signatures * scale, posinf=0.0, neginf=0.0))
+    together = np.hstack([np.zeros((size, 0)), *parts])
     columns = Columns(together, np.zeros((size, 0)))
     table = run_table(run, base, columns, Known.of(run).with_columns(run, columns))
     return table.at_noise / base.sigma**2

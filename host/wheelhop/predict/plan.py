@@ -1,12 +1,13 @@
 """Which runs to drive: of all that could be made, the few that together would tell most.
 
-Of a set of runs with the information matrix M (its blocks: g the vehicle's numbers, e the effects'
-strengths) and the prior precision W of the numbers, the plan counts in nats
+Of a set of runs with the information matrix M (its blocks: g the vehicle's numbers, a the effects'
+amplitudes) and the prior precision W of the numbers, the plan counts in nats
 
 - what it tells of the numbers: ½ ln det(W + M_gg) − ½ ln det W (D-optimality; V. Fedorov, Theory of
   Optimal Experiments, Academic Press 1972, section 2.1);
-- of every effect's strength, believed to be of its scale: ½ ln(1 + S_ii − S_ij² / (1 + S_jj)),
-  S = M_ee − M_eg (W + M_gg)⁻¹ M_ge, where j is the rival that leaves least of it.
+- of every effect's strength, believed to be of its scale: ½ ln(1 + S_ii − S_iJ (1 + S_JJ)⁻¹ S_Ji),
+  S = M_aa − M_ag (W + M_gg)⁻¹ M_ga, where J are the amplitudes of the rival that leaves least of
+  it; the mean over the effect's forms.
 
 Runs are chosen one by one, each time the one that adds most. The sum is nearly submodular: one run
 less is gained by a run that comes later, and choosing so is within 1 − 1/e of the best set if it is
@@ -15,6 +16,7 @@ so exactly (G. Nemhauser, L. Wolsey, M. Fisher, Math. Programming 14 (1978) 265)
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -50,7 +52,7 @@ class Worth(NamedTuple):
 
 @dataclass(frozen=True)
 class Told:
-    """What the advised runs tell of an effect.
+    """What the advised runs tell of an effect in its first form, as `wheelhop simulate` makes it.
 
     The least strength, relative to `amplitudes`, its scale, at which they would show it, and at
     which they would show that it is not the `rival`, the effect most like it; the angle between
@@ -174,18 +176,23 @@ def worth(foreseen: Foreseen, chosen: Sequence[int]) -> Worth:
     total = _sum(foreseen, chosen)
     matrix = _numbers(foreseen, total)
     numbers = np.linalg.slogdet(matrix)[1] - np.log(np.maximum(foreseen.prior, TINY)).sum()
-    left = _beside_rivals(_strengths(foreseen, total))
-    effects = np.log1p(left.min(axis=1, initial=inf)).sum() if len(left) else 0.0
-    return Worth(0.5 * float(numbers), 0.5 * float(effects))
+    effects = 0.0
+    if foreseen.variants:
+        left = np.log1p(_Strengths.of(foreseen, total).beside_rivals.min(axis=1))
+        counts = Counter(variant.effect.id for variant in foreseen.variants)
+        effects = sum(
+            float(one) / counts[variant.effect.id]
+            for one, variant in zip(left, foreseen.variants, strict=True)
+        )
+    return Worth(0.5 * float(numbers), 0.5 * effects)
 
 
 def told(foreseen: Foreseen, chosen: Sequence[int]) -> tuple[Told, ...]:
     """What some of the runs tell of each effect."""
-    strengths = _strengths(foreseen, _sum(foreseen, chosen))
-    left, size = _beside_rivals(strengths), np.diag(strengths)
+    strengths = _Strengths.of(foreseen, _sum(foreseen, chosen))
+    names = [variant.effect.id for variant in foreseen.variants]
     return tuple(
-        _told(foreseen, i, int(np.argmin(left[i])), strengths, left[i].min(), len(chosen))
-        for i in range(len(size))
+        _told(foreseen, strengths, names.index(name), len(chosen)) for name in foreseen.effects
     )
 
 
@@ -203,41 +210,76 @@ def _numbers(foreseen: Foreseen, total: Array) -> Array:
     return np.asarray(total[:g, :g] + np.diag(np.maximum(foreseen.prior, TINY)))
 
 
-def _strengths(foreseen: Foreseen, total: Array) -> Array:
-    """Information (e, e) on the effects' strengths, the vehicle's numbers eliminated."""
-    g = len(foreseen.numbers)
-    back = np.linalg.solve(_numbers(foreseen, total), total[:g, g:])
-    left = total[g:, g:] - total[g:, :g] @ back
-    return np.asarray(0.5 * (left + left.T))
+@dataclass(frozen=True, eq=False)
+class _Strengths:
+    """What runs tell of the v variants at once: `matrix` (a, a), the information on their
+    amplitudes per scale, the vehicle's numbers eliminated; `size` (v,) of it along each variant
+    with all its amplitudes alike; `across` (v, a), what that has in common with every amplitude."""
+
+    foreseen: Foreseen
+    matrix: Array
+    size: Array
+    across: Array
+
+    @classmethod
+    def of(cls, foreseen: Foreseen, total: Array) -> _Strengths:
+        g = len(foreseen.numbers)
+        back = np.linalg.solve(_numbers(foreseen, total), total[:g, g:])
+        matrix = np.asarray(total[g:, g:] - total[g:, :g] @ back)
+        across = np.stack([matrix[place].sum(axis=0) for place in foreseen.places])
+        size = np.array(
+            [row[place].sum() for row, place in zip(across, foreseen.places, strict=True)]
+        )
+        return cls(foreseen, matrix, np.maximum(size, 0.0), across)
+
+    @cached_property
+    def beside_rivals(self) -> Array:
+        """What is left (v, v) of each variant's information where another's amplitudes are free as
+        well; where that is of the same effect, all of it."""
+        taken = self._shared(1.0)
+        names = np.array([variant.effect.id for variant in self.foreseen.variants])
+        taken[names[:, None] == names[None, :]] = 0.0
+        return np.asarray(np.maximum(self.size[:, None] - taken, 0.0))
+
+    def angle_deg(self, variant: int, rival: int) -> float:
+        """Between what a variant does to the records and the nearest a rival can do to them."""
+        if self.size[variant] <= 0.0:
+            return 90.0
+        common = self._shared(RIDGE)[variant, rival] / self.size[variant]
+        return float(np.degrees(np.arccos(np.sqrt(np.clip(common, 0.0, 1.0)))))
+
+    def _shared(self, prior: float) -> Array:
+        """S_iJ (p + S_JJ)⁻¹ S_Ji for all variants i and J, (v, v)."""
+        found = np.empty((len(self.size), len(self.size)))
+        for j, place in enumerate(self.foreseen.places):
+            block = self.matrix[place, place]
+            part = self.across[:, place]
+            inner = block + prior * np.eye(len(block))
+            found[:, j] = (part * np.linalg.solve(inner, part.T).T).sum(axis=1)
+        return found
 
 
-def _beside_rivals(strengths: Array) -> Array:
-    """What is left (e, e) of the information on effect i where effect j is free as well; on the
-    diagonal what there is without a rival."""
-    size = np.maximum(np.diag(strengths), 0.0)
-    shared = strengths**2 / (1.0 + size)
-    np.fill_diagonal(shared, 0.0)
-    return np.asarray(np.maximum(size[:, None] - shared, 0.0))
+RIDGE = 1e-6
+"""A rival's amplitude is free, but not without any limit."""
 
 
-def _told(foreseen: Foreseen, i: int, rival: int, strengths: Array, left: float, runs: int) -> Told:
-    variant = foreseen.effects[i]
+def _told(foreseen: Foreseen, strengths: _Strengths, i: int, runs: int) -> Told:
+    variant, left = foreseen.variants[i], strengths.beside_rivals[i]
     numbers = sum(not p.switch for p in variant.amplitudes) + len(variant.shapes)
     # As the diagnosis asks: worth its parameters' price, and on a third of the runs not by chance.
     by_chance = 2.0 * log(len(foreseen.effects) / SIGNIFICANT) * (VALIDATE_EVERY - 1)
     needed = max(numbers * log(foreseen.size * runs), by_chance)
-    both = float(np.sqrt(max(strengths[i, i], 0.0) * max(strengths[rival, rival], 0.0)))
-    angle = 90.0
-    if both > 0.0 and rival != i:
-        angle = float(np.degrees(np.arccos(min(1.0, abs(strengths[i, rival]) / both))))
+    rival = int(np.argmin(left))
+    other = foreseen.variants[rival].effect.id
+    alone = other == variant.effect.id
     return Told(
         variant.effect.id,
         variant.choice,
         {p.name: p.scale for p in variant.amplitudes},
-        _least(needed, float(strengths[i, i])),
-        _least(needed, left),
-        foreseen.effects[rival].effect.id if rival != i else "",
-        angle,
+        _least(needed, float(strengths.size[i])),
+        _least(needed, float(left[rival])),
+        "" if alone else other,
+        90.0 if alone else strengths.angle_deg(i, rival),
     )
 
 
