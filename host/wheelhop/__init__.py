@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from wheelhop.predict.plan import Plan
     from wheelhop.simulate import Model
     from wheelhop.vehicle import Vehicle
+    from wheelhop.vehicle.rates import WheelRates, wheel_rates
 
 __all__ = [
     "Campaign",
@@ -64,6 +65,7 @@ __all__ = [
     "Recording",
     "Run",
     "Vehicle",
+    "WheelRates",
     "__version__",
     "add",
     "add_run",
@@ -77,6 +79,7 @@ __all__ = [
     "read_log",
     "read_recording",
     "read_vehicle",
+    "wheel_rates",
 ]
 
 _ROOM_OF = {
@@ -90,6 +93,7 @@ _ROOM_OF = {
     "Model": "simulate",
     "Plan": "predict.plan",
     "Vehicle": "vehicle",
+    **dict.fromkeys(("WheelRates", "wheel_rates"), "vehicle.rates"),
 }
 
 _CALLED = ("compare", "diagnose")

@@ -160,3 +160,9 @@ def test_what_cannot_be_planned_is_one_line(words: list[str], reason: str, capsy
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
     assert reason in lines[0]
+
+
+def test_the_table_says_where_a_tyre_would_leave_the_ground(capsys: Any) -> None:
+    words = ["--tracks", "herringbone/high", "--speeds", "20", "--runs", "1", "--seconds", "4"]
+    assert main(["plan", str(VEHICLE), *words, "--only", "dry-friction"]) == 0
+    assert "a tyre would leave the ground" in capsys.readouterr().out

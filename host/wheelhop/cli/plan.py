@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Sequence
 from math import isfinite
 
 from rich import box
@@ -16,10 +17,13 @@ from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.progress import stages
 from wheelhop.files.words import listed, significant
+from wheelhop.predict import Case
 from wheelhop.predict.case import SECONDS
 from wheelhop.predict.instrument import NOISE_RMS_M_S2
 from wheelhop.predict.plan import Plan
 from wheelhop.predict.plan_files import to_json, write_skeleton
+from wheelhop.predict.ride import ride
+from wheelhop.vehicle import read_vehicle
 
 HARDLY = 0.3
 """A number whose uncertainty stays above this share of what is believed is named."""
@@ -43,8 +47,11 @@ def run(arguments: Namespace) -> int:
         )
         if arguments.out is not None:
             write_skeleton(arguments.out, found, arguments.vehicle, noise)
+        progress("riding the chosen runs")
+        case = Case(read_vehicle(arguments.vehicle), (), found.drives, seconds)
+        loads = [ride(case, number).tyre_load_least for number in range(len(found.drives))]
     console = open_console()
-    show(console, found, seconds)
+    show(console, found, seconds, loads)
     if arguments.json is not None:
         write_json(arguments.json, to_json(found))
     if arguments.figure is not None:
@@ -67,8 +74,8 @@ def _runs(arguments: Namespace, seconds: float) -> int:
     return int(arguments.minutes * 60 // seconds)
 
 
-def show(console: Console, found: Plan, seconds: float) -> None:
-    """Print a plan."""
+def show(console: Console, found: Plan, seconds: float, loads: Sequence[float]) -> None:
+    """Print a plan; `loads` are the least of a tyre in each chosen run, over its static load."""
     count = len(found.chosen)
     console.print(
         f"{count} of {len(found.foreseen.drives)} runs, {count * seconds / 60:.1f} min of recording"
@@ -76,18 +83,22 @@ def show(console: Console, found: Plan, seconds: float) -> None:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("", justify="right")
     table.add_column("run", overflow="fold")
-    for heading in ("km/h", "role", "numbers\nnats", "effects\nnats"):
+    for heading in ("km/h", "role", "numbers\nnats", "effects\nnats", "least load\n/ static"):
         table.add_column(heading, justify="left" if heading == "role" else "right")
-    for number, (drive, role, after) in enumerate(
-        zip(found.drives, found.roles, found.after, strict=True), start=1
+    for number, (drive, role, after, load) in enumerate(
+        zip(found.drives, found.roles, found.after, loads, strict=True), start=1
     ):
-        words = (f"{drive.speed_kmph:g}", role, f"{after.numbers:.1f}", f"{after.effects:.1f}")
-        table.add_row(str(number), Text(drive.id), *words)
+        told = (f"{after.numbers:.1f}", f"{after.effects:.1f}", f"{round(load, 2) + 0.0:.2f}")
+        table.add_row(str(number), Text(drive.id), f"{drive.speed_kmph:g}", role, *told)
     console.print(table)
     console.print(
         "What these runs and those above them tell: of the vehicle's numbers, and of the effects,"
         " each beside its nearest rival."
     )
+    if min(loads) < 0.0:
+        console.print(
+            "Below 0 a tyre would leave the ground: drive there with care, or ask for lower speeds."
+        )
     _show_numbers(console, found)
     _show_effects(console, found)
 

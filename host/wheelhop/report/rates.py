@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from wheelhop.report.figures import AFTER, BEFORE, MEASURED, SOFT, WIDTH
 from wheelhop.report.svg import STYLE
-from wheelhop.vehicle.curves import Slope
-from wheelhop.vehicle.rates import Array, WheelRates
+from wheelhop.vehicle.curves import Array, Slope
+from wheelhop.vehicle.rates import WheelRates
 
 
 def rates_figure(found: WheelRates) -> Figure:

@@ -115,9 +115,9 @@ class WheelRates:
 
 
 def wheel_rates(
-    strut: Path,
-    damper: Path,
-    motion_ratio: Path | float,
+    strut: str | Path,
+    damper: str | Path,
+    motion_ratio: str | Path | float,
     *,
     ride_m: float | None = None,
     travel_m: float | None = None,
@@ -144,9 +144,10 @@ def wheel_rates(
     CampaignError
         A file cannot be read or is not what it should be, or too little of it is within the travel.
     """
-    linkage = _linkage(motion_ratio, travel_m)
+    given = Path(motion_ratio) if isinstance(motion_ratio, str) else motion_ratio
+    linkage = _linkage(given, travel_m)
     reach = None if travel_m is None else travel_m * linkage.ratio.value
-    return WheelRates(_strut(strut, ride_m, reach), _damper(damper), linkage)
+    return WheelRates(_strut(Path(strut), ride_m, reach), _damper(Path(damper)), linkage)
 
 
 def _linkage(given: Path | float, travel_m: float | None) -> Linkage:
