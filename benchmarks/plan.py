@@ -1,4 +1,4 @@
-"""Does a plan hold? python -m benchmarks.plan [--seeds N] [--runs N] [--preset NAME]
+"""Does a plan hold? python -m benchmarks.plan [--seeds N] [--runs N] [--third]
 
 From what its owner believes of a vehicle `wheelhop plan` advises some of 50 runs, 10 tracks at 5
 speeds. Naive campaigns have as many: every track once, at the speeds one after the other. All are
@@ -6,7 +6,8 @@ driven by the independent simulator (tests/truth, MuJoCo), each run at a speed u
 Without a hidden effect the fitted numbers are held against the true vehicle's, as shares of its
 body's mass where they are masses, forces or stiffnesses, as no run tells the scale of these. With
 a weak one hidden the screening says how much likelier it is than each other effect of the library,
-to first order; the table has the logarithm of the odds against its best rival.
+to first order; the table has the logarithm of the odds against its best rival. `--third` lets
+MuJoCo's simplest car drive (`plan_car.py`), which has two of the effects.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks import plan_car
 from tests.truth import CHANNELS, PRESETS, Run, Track, make_effects
 from tests.truth.model import sense_run
 from tests.truth.presets import Preset, draw_vehicles
@@ -54,11 +56,11 @@ class Driven:
     believed: Vehicle
     drives: Sequence[Drive]
     seed: int
+    third: bool = False
 
     def recorded(self, hidden: Mapping[str, Mapping[str, float]]) -> Campaign:
-        """What the independent simulator records of it."""
+        """What the independent simulator records of it, or the third."""
         rng = np.random.default_rng(self.seed)
-        physics = make_effects(hidden)
         time_s = np.arange(round(SECONDS * RATE_HZ)) / RATE_HZ
         sigma = NOISE / np.sqrt(29.5 / (RATE_HZ / 2))
         runs = []
@@ -72,7 +74,10 @@ class Driven:
                 AVERAGING_S,
                 self.seed * 1000 + number,
             )
-            samples = sense_run(self.true, truly, physics)
+            if self.third:
+                samples = plan_car.record(self.true, truly, next(iter(hidden), ""))
+            else:
+                samples = sense_run(self.true, truly, make_effects(hidden))
             samples = samples + sigma * rng.normal(size=samples.shape)
             id_, speed = drive.id, drive.speed_kmph / 3.6
             runs.append(Recorded(id_, Path(id_), "fit", speed, drive.track, time_s, samples))
@@ -164,7 +169,9 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--runs", type=int, default=4)
     parser.add_argument("--preset", default="atv", choices=sorted(PRESETS))
+    parser.add_argument("--third", action="store_true", help="driven by benchmarks/plan_car.py")
     given = parser.parse_args()
+    hideable = {k: v for k, v in HIDDEN.items() if not given.third or k in plan_car.STRUTS}
     preset, columns = PRESETS[given.preset], ("advised", "naive 1", "naive 2")
     drives = candidates(preset)
     for seed in range(1, given.seeds + 1):
@@ -173,17 +180,17 @@ def main() -> None:
         campaigns = [advised.drives, *(naive(drives, given.runs, first) for first in (0, 3))]
         print(f"\n{preset.name}, vehicle {seed}: {', '.join(d.id for d in advised.drives)}")
         print(f"{'':30s}" + "".join(f"{name:>10s}{'':19s}" for name in columns))
-        cars = [Driven(true, believed, chosen, seed) for chosen in campaigns]
-        print(f"{'rms error of the numbers, %':44s}", end="")
+        cars = [Driven(true, believed, chosen, seed, given.third) for chosen in campaigns]
+        print(f"{'rms error of the numbers, %':30s}", end="")
         for car in cars:
             print(f"{100 * error_of(fitted(car, {}), true):10.3f}{'':19s}", end="", flush=True)
         print()
         logs = np.zeros(len(cars))
-        for hidden, values in HIDDEN.items():
+        for hidden, values in hideable.items():
             print(f"{f'ln odds for {hidden}':30s}", end="")
             for i, car in enumerate(cars):
                 odds, rival = log_odds(car, hidden, values)
-                logs[i] += np.log(max(odds, 1.0)) / len(HIDDEN)
+                logs[i] += np.log(max(odds, 1.0)) / len(hideable)
                 print(f"{odds:10.1f} {rival:18s}", end="", flush=True)
             print(flush=True)
         means = "".join(f"{mean:10.1f}{'':19s}" for mean in np.exp(logs))
