@@ -39,7 +39,7 @@ def record(true: Mapping[str, float], run: Run, hidden: str = "") -> Array:
         heights[:, i] = fade * wheel_path(run.track, y, radius, way[0], way[-1])(way)
     middle, rate = 0.5 * (heights[1:] + heights[:-1]), np.diff(heights, axis=0) / STEP_S
     strut = STRUTS.get(hidden, Strut())
-    # A tendon that yields remembers how far: a method of several stages would make it yield in each.
+    # A tendon that yields would yield in each stage of a method that has several.
     model = build(true, strut, EULER if any(strut.slip_N) else RUNGE_KUTTA)
     model.opt.timestep = STEP_S
     velocity = Rollout(model, road_force(true, middle, rate)[None], 1)()[0]
