@@ -88,7 +88,8 @@ def test_a_loop_shows_stiffness_and_friction(tmp_path: Path, straight: Any) -> N
 
 def test_uncertainty_covers_noise_and_bend(tmp_path: Path, straight: Any) -> None:
     """Of a straight line with noise, σ/√Σx²; of F = k x + b x² over ± X, the slope's own rms
-    change, 2 b X/√3; that vanishes with the travel asked for."""
+    change, 2 b X/√3, which vanishes with the travel asked for; of k x + c x³, √0.96 c X² about a
+    slope of k + 0.6 c X²."""
     rng = np.random.default_rng(2)
     x = np.linspace(-40, 40, 401)
     noisy = curve(tmp_path / "n.csv", "displacement_mm,force_N", x,
@@ -98,6 +99,10 @@ def test_uncertainty_covers_noise_and_bend(tmp_path: Path, straight: Any) -> Non
     bent = curve(tmp_path / "b.csv", "displacement_mm,force_N", x, 20 * x + 0.1 * x**2)
     whole = wheel_rates(bent, straight[1], 1.0)
     assert whole.strut.stiffness.bend == pytest.approx(1e3 * 0.2 * 40 / np.sqrt(3), rel=0.02)
+    cubic = curve(tmp_path / "c.csv", "displacement_mm,force_N", x, 20 * x + 0.002 * x**3)
+    third = wheel_rates(cubic, straight[1], 1.0).strut.stiffness
+    assert third.value == pytest.approx(1e3 * (20 + 0.6 * 0.002 * 1600), rel=0.01)
+    assert third.bend == pytest.approx(1e3 * np.sqrt(0.96) * 0.002 * 1600, rel=0.02)
     little = wheel_rates(bent, straight[1], 1.0, travel_m=0.004)
     assert little.strut.stiffness.bend == pytest.approx(whole.strut.stiffness.bend / 10, rel=0.1)
 
