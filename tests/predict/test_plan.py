@@ -152,6 +152,7 @@ def test_the_figure_shows_every_run_and_effect(advised: Plan) -> None:
         (["--tracks", "washboard/low", "--minutes", "0.1"], "one run alone takes 10.24 s"),
         (["--tracks", "washboard/low", "--noise", "0"], "above 0"),
         (["--tracks", "washboard/low", "--seconds", "1"], "from 2 to 600"),
+        (["--tracks", "washboard/low", "--out", "examples"], "examples: is there already"),
         (["--tracks", "washboard/low", "--only", "dry-frictoin"], 'did you mean "dry-friction"'),
     ],
 )

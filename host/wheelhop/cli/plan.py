@@ -33,6 +33,8 @@ def run(arguments: Namespace) -> int:
     """Choose, print, and write what was asked for; raises CampaignError."""
     seconds: float = SECONDS if arguments.seconds is None else arguments.seconds
     noise = NOISE_RMS_M_S2 if arguments.noise is None else arguments.noise
+    if arguments.out is not None and arguments.out.exists():
+        raise CampaignError(f"{arguments.out}: is there already: choose another folder")
     with stages() as progress:
         found = plan(
             arguments.vehicle,
