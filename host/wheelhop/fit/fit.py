@@ -102,8 +102,7 @@ def update(
 def follow(workshop: Workshop, before: Model, fitted: Fit, benches: Sequence[Bench]) -> Model:
     """`fitted.model` with what these runs, none of which it was fitted to, leave free moved along
     with the shared numbers from where it was best in `before`, to first order. An engine's speed in
-    a run is told by how far it is from the mean speed: as that moves, so must all runs, or a fit
-    to one of them begins turns away from its engine."""
+    a run is told against the mean speed: a fit to one run would else begin turns away from it."""
     problem = _Problem(workshop, fitted.posterior, tuple(benches), None, density_free=False)
     state = problem.linearise(problem.completed(before))
     model = fitted.model
