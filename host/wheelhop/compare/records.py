@@ -54,9 +54,9 @@ class Record:
         ``noise`` (n_channels,) is the mean square of each sensor's noise in band; what the model
         does not predict has none.
         """
-        once = np.where(self.predicted, self.band.n / self.band.count * noise, 0.0)
-        power = np.tile(once, (self.band.count, 1))
-        return power if self.doubt is None else power * self.doubt**2
+        doubt = np.ones_like(self.measured) if self.doubt is None else self.doubt
+        power = self.band.n / self.band.count * noise * doubt**2
+        return np.where(self.predicted, power, 0.0)
 
 
 def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, ...]:
