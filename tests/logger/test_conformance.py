@@ -215,7 +215,7 @@ def test_a_line_is_carried_out_or_refused_for_a_reason(bench, line):
 )
 def test_lines_as_a_person_or_noise_writes_them(bench, line, reason):
     bench.link.port.write(line)
-    reply = bench.link._reply(5.0, None)
+    reply = bench.link._reply(5.0, 5.0, None)
     assert (reply if isinstance(reply, str) else None) == reason
 
 

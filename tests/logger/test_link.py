@@ -108,6 +108,28 @@ def test_a_reply_that_comes_late_is_not_taken_for_the_next_one(talk):
         link.command("set x=1")
 
 
+@pytest.mark.parametrize("command", [Link.start, Link.stop])
+def test_a_long_command_that_was_not_heard_is_asked_again_soon(talk, command):
+    link, port = talk(b"", frames("Lwait", "K"))
+    begun_s = time.monotonic()
+    command(link)
+    assert time.monotonic() - begun_s < 2.0 and len(port.heard) == 2
+
+
+def test_a_long_command_that_was_heard_is_waited_for(talk):
+    link, port = talk(frames("Lwait"))
+    threading.Timer(0.5, port.queue.put, [frames("KHOP00001.HOP")]).start()
+    assert link.start() == "HOP00001.HOP"
+    assert port.heard == ["start"]
+
+
+def test_of_a_command_that_was_heard_twice_the_last_answer_counts(talk):
+    link, port = talk(b"", frames("Eno card", "Lwait"))
+    threading.Timer(0.8, port.queue.put, [frames("KHOP00001.HOP")]).start()
+    assert link.start() == "HOP00001.HOP"
+    assert port.heard == ["start"] * 2
+
+
 def test_a_restart_in_the_middle_of_a_reply_is_survived(talk):
     link, _ = talk(frames("Lfirmware=1", "Mready"), frames("Lchannels=A", "K"))
     assert link.info() == {"channels": "A"}

@@ -132,10 +132,11 @@ void Console::say_session() {
 const FlashChar* Console::carry_out(char* line) {
     Trouble trouble = kNoTrouble;
     session_.read_clock();  // info and status tell the time of now
-    if (same(line, FLASH("start"))) {
-        if (!session_.running()) trouble = start();
-    } else if (same(line, FLASH("stop"))) {
-        if (session_.running()) trouble = stop(End::Command);
+    const bool starts = same(line, FLASH("start"));
+    if (starts || same(line, FLASH("stop"))) {
+        if (starts == session_.running()) return nullptr;
+        say('L', FLASH("wait"));  // the card may take long
+        trouble = starts ? start() : stop(End::Command);
     } else if (same(line, FLASH("status"))) {
         say_lines('L', status_line);
     } else if (same(line, FLASH("info"))) {

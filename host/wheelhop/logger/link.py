@@ -13,11 +13,13 @@ from wheelhop.logger.frames import Frame, FrameReader, is_ready, pack_command
 from wheelhop.logger.port import POLL_S, Port, PortLost
 
 REPLY_S = 2.0
-SLOW_REPLY_S = 30.0  # start and stop
+SLOW_REPLY_S = 30.0  # while the card works
+SLOW_TRIES = 15  # no longer until somebody hears that there is no logger
 QUIET_S = 0.25  # without a reply frame: no late one will come
 LEAST_WAIT_S = 1e-4
 TRIES = 4
 REPLY = "LFKE"
+WAIT = "wait"  # the line that says that a command was heard and takes long
 NOISE = ("checksum", "line too long or not plain text")  # refusals of a line that was damaged
 
 
@@ -89,15 +91,16 @@ class Link:
         line: str,
         *,
         timeout_s: float | None = None,
+        first_s: float | None = None,
         tries: int = TRIES,
         whole: Callable[[Reply], bool] = lambda reply: True,
         piece: Callable[[Frame], None] | None = None,
     ) -> Reply:
         """Send a line until it is answered.
 
-        `timeout_s` may pass between frames of the reply; one that is not `whole` is asked for
-        again. `F` frames are given to `piece`. Raises Refused, Silent, or LoggerError for a line
-        that cannot be sent.
+        `first_s` may pass before the first frame of the reply, `timeout_s` between those that
+        follow; a reply that is not `whole` is asked for again. `F` frames are given to `piece`.
+        Raises Refused, Silent, or LoggerError for a line that cannot be sent.
         """
         try:
             data = pack_command(line)
@@ -106,12 +109,20 @@ class Link:
         refusal = ""
         before = self.reader.bytes
         unanswered = False
+        timeout_s = timeout_s or self._reply_s
+        first_s = first_s or timeout_s
         for _ in range(tries):
             if self._late_replies or unanswered:
                 self._drop_late_replies()
             self.port.write(data)
-            reply = self._reply(timeout_s or self._reply_s, piece)
+            reply = self._reply(first_s, timeout_s, piece)
             unanswered |= reply is None
+            # Of a line that was heard more than once the last answer counts.
+            while unanswered and reply is not None:
+                later = self._reply(QUIET_S, timeout_s, piece)
+                if later is None:
+                    break
+                reply = later
             self._late_replies = unanswered  # they may come after the one we take
             if isinstance(reply, Reply) and whole(reply):
                 return reply
@@ -140,11 +151,15 @@ class Link:
 
     def start(self) -> str:
         """Start a session, unless one runs; the name of its file."""
-        return self.command("start", timeout_s=SLOW_REPLY_S, tries=2).text
+        return self._heard("start").text
 
     def stop(self) -> None:
         """End the session, if one runs; returns when its file is closed."""
-        self.command("stop", timeout_s=SLOW_REPLY_S, tries=2)
+        self._heard("stop")
+
+    def _heard(self, line: str) -> Reply:
+        """Send a line that takes long; the logger says at once that it has heard it."""
+        return self.command(line, first_s=self._reply_s, timeout_s=SLOW_REPLY_S, tries=SLOW_TRIES)
 
     def stream(self, on: bool) -> None:
         """Ask for `D` frames, or no longer."""
@@ -221,15 +236,17 @@ class Link:
         if frame is not None and frame.kind not in REPLY:
             self._unasked.append(frame)
 
-    def _reply(self, timeout_s: float, piece: Callable[[Frame], None] | None) -> Reply | str | None:
+    def _reply(
+        self, first_s: float, timeout_s: float, piece: Callable[[Frame], None] | None
+    ) -> Reply | str | None:
         """The reply, or the text of a refusal, or None if none came, or one with holes."""
         lost = self.reader.lost
         lines: list[str] = []
-        deadline = time.monotonic() + timeout_s
+        deadline = time.monotonic() + first_s
         while (frame := self._next(deadline)) is not None:
             if frame.kind in REPLY:
                 deadline = time.monotonic() + timeout_s
-            if frame.kind == "L":
+            if frame.kind == "L" and frame.text != WAIT:
                 lines.append(frame.text)
             elif frame.kind == "F" and piece:
                 piece(frame)

@@ -7,7 +7,7 @@ import pytest
 
 from tests.firmware.promises.reader import checked
 from tests.firmware.promises.test_stalls import check_totals
-from wheelhop.hil_sim import sines
+from wheelhop.hil_sim import Faults, sines
 
 
 def ends(frames):
@@ -195,6 +195,25 @@ def test_commands_may_be_repeated_without_harm(logger, card):
     assert first.ok and second.ok and first.text == second.text == "HOP00001.HOP"
     one.run(0.5)
     assert one.command("stop").ok and one.command("stop").ok
+    assert [name for name in card.files() if name.endswith(".HOP")] == ["HOP00001.HOP"]
+
+
+def test_what_takes_long_is_heard_at_once_and_done_once(logger, card):
+    one = logger(card)
+    one.board.faults = Faults(stalls={write: 0.05 for write in range(400)})
+    for order, kinds in (("start", "H"), ("stop", "S")):
+        begin, given_s = len(one.frames), one.board.time
+        one.board.serial.write(checked(order))
+        for _ in range(4):  # a program that did not hear that it was heard
+            one.run(0.1)
+            one.board.serial.write(checked(order))
+        one.until(lambda begin=begin: ends(one.frames[begin:]))
+        one.run(0.2)
+        new = one.frames[begin:]
+        assert (new[0].kind, new[0].text) == ("L", "wait") and new[0].time_s - given_s < 0.1
+        assert ends(new)[0].time_s - given_s > 0.3 and all(f.kind == "K" for f in ends(new))
+        told = [f.text for f in new if f.kind in kinds]
+        assert len(told) == len({text.split("=")[0] for text in told})  # once
     assert [name for name in card.files() if name.endswith(".HOP")] == ["HOP00001.HOP"]
 
 

@@ -50,6 +50,8 @@ class Console:
         command = checked_command(line)
         done = None
         if command in ("start", "stop"):
+            if self._device.running != (command == "start"):
+                yield ("L", b"wait")
             yield from self.start() if command == "start" else self.stop("command")
         elif command in ("status", "info"):
             yield from _lines("L", self._status() if command == "status" else self._header())
