@@ -5,6 +5,9 @@ block, link): a comparison that is off by one, a sign, a condition turned round,
 larger, a statement left out. Each mutant is compiled into the native tests with the sanitizers
 watching. One that fails them, or does not come to an end, is caught; the others are listed.
 `--part ring` draws from one part alone, `--all` takes every mutation there is.
+
+A change that no compiler takes, or that leaves the machine code of both boards as it was, is no
+mistake: another is drawn in its place.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 import argparse
 import random
 import re
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -21,7 +25,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tools.firmware_build import ROOT, native_command
+from tools.firmware_build import CPP_ONLY, ROOT, compiler_flags, native_command, read_ini, sources
 from tools.firmware_fatfs import fetch
 
 PARTS = ("ring", "sdcard", "logfile", "block", "link")
@@ -107,6 +111,11 @@ class Remembered(Mutant):
         return self.text
 
 
+REMEMBERED = Remembered(
+    ROOT / "firmware/lib/ring/ring.cpp", 0, "ring/ring.cpp: the ring's earlier rule"
+)
+
+
 def mutations(part: str) -> Iterator[Mutant]:
     """Every mutation of a part."""
     for file in sorted((ROOT / "firmware/lib" / part).glob("*.cpp")):
@@ -123,18 +132,51 @@ def mutations(part: str) -> Iterator[Mutant]:
                 yield Mutant(file, number, "")
 
 
-def drawn(parts: tuple[str, ...], count: int, seed: int) -> list[Mutant]:
-    """So many, evenly from the parts."""
+def drawn(parts: tuple[str, ...], seed: int) -> Iterator[Mutant]:
+    """All of them in random order, from each part in turn."""
     rng = random.Random(seed)
     pools = []
     for part in parts:
         pool = list(mutations(part))
         rng.shuffle(pool)
         pools.append(pool)
-    found: list[Mutant] = []
-    while len(found) < count and any(pools):
-        found += [pool.pop() for pool in pools if pool]
-    return found[:count]
+    while any(pools):
+        yield from [pool.pop() for pool in pools if pool]
+
+
+class Boards:
+    """The machine code that the boards run, one source file at a time.
+
+    What an optimizing compiler makes the same of two texts means the same: trivial compiler
+    equivalence (Papadakis and others, ICSE 2015).
+    """
+
+    def __init__(self, folder: Path) -> None:
+        ini = read_ini()
+        self.folder = folder
+        self.includes = [f"-I{path}" for path in sources(ini).folders]
+        self.flags = []
+        for env in ("nano", "mega"):
+            flags = [flag for flag in compiler_flags(ini, env) if flag != "-flto"]
+            self.flags.append([[*flags, "-w"], [*flags, "-w", "-O3"]])
+
+    def code(self, file: Path, source: str, flags: list[str]) -> bytes:
+        """The object file."""
+        copy, target = self.folder / file.name, self.folder / "board.o"
+        copy.write_text(source, encoding="utf-8")
+        command = ["avr-g++", *shlex.split(CPP_ONLY), *flags, *self.includes, "-c"]
+        subprocess.run([*command, copy, "-o", target], cwd=ROOT, check=True)
+        return target.read_bytes()
+
+    def run_the_same(self, mutant: Mutant) -> bool:
+        """Whether a mutant changes nothing, on either board."""
+        text = mutant.file.read_text(encoding="utf-8")
+
+        def same(flags: list[str]) -> bool:
+            unchanged = self.code(mutant.file, text, flags)
+            return self.code(mutant.file, mutant.source, flags) == unchanged
+
+        return all(any(same(flags) for flags in board) for board in self.flags)
 
 
 class Workbench:
@@ -144,47 +186,62 @@ class Workbench:
         command = native_command(TESTS, folder / "unused")
         command = command[: command.index("-o")]
         self.sources = [Path(a) for a in command if a.endswith((".cpp", ".c"))]
-        self.flags = [a for a in command if not a.endswith((".cpp", ".c"))]
+        self.flags = [a for a in command if not a.endswith((".cpp", ".c"))] + ["-O1"]
         self.folder = folder
+        self.order: list[str] = []
         self.longest_s = 600.0
         self.objects = {}
         for i, source in enumerate(self.sources):
             whole = (ROOT / source).resolve()
             self.objects[whole] = folder / f"{i}.o"
-            self._compile(whole, self.objects[whole], check=True)
+            self._compile(whole, self.objects[whole])
+        self.image = folder / "card.img"
+        vfat = shutil.which("mkfs.vfat", path="/usr/sbin:/sbin:/usr/bin") or "mkfs.vfat"
+        empty = [vfat, "--invariant", "-F", "16", "-s", "1", "-C", str(self.image), "8192"]
+        subprocess.run(empty, check=True, capture_output=True)
 
-    def _compile(self, source: Path, target: Path, check: bool = False) -> bool:
+    def _compile(self, source: Path, target: Path, check: bool = True) -> bool:
         command = [*self.flags, "-c", str(source), "-o", str(target)]
-        return subprocess.run(command, check=check, cwd=ROOT, capture_output=True).returncode == 0
+        done = subprocess.run(command, check=check, cwd=ROOT, capture_output=True)
+        return done.returncode == 0
 
-    def check_unchanged(self) -> None:
-        """The tests pass without a mutant; how long they take says how long one may take."""
-        begun_s = time.monotonic()
-        if self.outcome(None) != "survived":
-            raise SystemExit("the tests fail without any mutant")
-        self.longest_s = max(PATIENCE * (time.monotonic() - begun_s), 10.0)
-
-    def outcome(self, mutant: Mutant | None) -> str:
-        """ "caught", "survived", or "no program" where it does not compile."""
-        objects = dict(self.objects)
-        if mutant is not None:
-            source = self.folder / mutant.file.name
-            source.write_text(mutant.source, encoding="utf-8")
-            objects[mutant.file] = self.folder / "mutant.o"
-            if not self._compile(source, objects[mutant.file]):
-                return "no program"
-        program, image = self.folder / "parts", self.folder / "card.img"
+    def _run(self, objects: dict[Path, Path]) -> subprocess.CompletedProcess[str]:
+        program = self.folder / "parts"
         link = [self.flags[0], "-fsanitize=address,undefined", *map(str, objects.values())]
         subprocess.run([*link, "-o", str(program)], check=True, capture_output=True)
-        image.unlink(missing_ok=True)
-        vfat = shutil.which("mkfs.vfat", path="/usr/sbin:/sbin:/usr/bin") or "mkfs.vfat"
-        empty = [vfat, "--invariant", "-F", "16", "-s", "1", "-C", str(image), "8192"]
-        subprocess.run(empty, check=True, capture_output=True)
+        return subprocess.run(
+            [program, self.image, *self.order],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=self.longest_s,
+        )
+
+    def prepare(self) -> None:
+        """The tests pass without a mutant; what takes long is asked last, and nothing for ever."""
+        begun_s = time.monotonic()
+        done = self._run(self.objects)
+        if done.returncode:
+            raise SystemExit("the tests fail without any mutant")
+        self.longest_s = max(PATIENCE * (time.monotonic() - begun_s), 10.0)
+        taken_us = re.findall(r"^(\w+) took (\d+) us", done.stdout, re.MULTILINE)
+        self.order = [name for name, _ in sorted(taken_us, key=lambda test: int(test[1]))]
+
+    def outcome(self, mutant: Mutant) -> str:
+        """The test that fails with it; "survived", or "no program" where it does not compile."""
+        source = self.folder / mutant.file.name
+        source.write_text(mutant.source, encoding="utf-8")
+        changed = self.folder / "mutant.o"
+        if not self._compile(source, changed, check=False):
+            return "no program"
         try:
-            done = subprocess.run([program, image], capture_output=True, timeout=self.longest_s)
+            done = self._run({**self.objects, mutant.file: changed})
         except subprocess.TimeoutExpired:
-            return "caught"
-        return "survived" if done.returncode == 0 else "caught"
+            return "no end"
+        if not done.returncode:
+            return "survived"
+        failed = re.search(r"^(\w+):FAILED", done.stdout, re.MULTILINE)
+        return failed[1] if failed else "broken off"
 
 
 def main() -> None:
@@ -194,29 +251,34 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--part", choices=PARTS, action="append")
     parser.add_argument("--all", action="store_true")
+    parser.add_argument("--verbose", action="store_true", help="say what catches each")
     arguments = parser.parse_args()
     parts = tuple(arguments.part or PARTS)
-    chosen = drawn(parts, 10**6 if arguments.all else arguments.count, arguments.seed)
-    if "ring" in parts:
-        ring = ROOT / "firmware/lib/ring/ring.cpp"
-        chosen = [Remembered(ring, 0, "ring/ring.cpp: the ring's earlier rule"), *chosen]
+    count = 10**6 if arguments.all else arguments.count
     fetch(ROOT)
-    counts: Counter[tuple[str, str]] = Counter()
-    with tempfile.TemporaryDirectory() as folder:
-        bench = Workbench(Path(folder))
-        bench.check_unchanged()
-        for mutant in chosen:
+    caught: Counter[str] = Counter()
+    survived: Counter[str] = Counter()
+    redrawn = 0
+    with tempfile.TemporaryDirectory() as name:
+        boards, bench = Boards(Path(name)), Workbench(Path(name))
+        bench.prepare()
+        if "ring" in parts:
+            print(f"{REMEMBERED}: {bench.outcome(REMEMBERED)}", flush=True)
+        for mutant in drawn(parts, arguments.seed):
+            if caught.total() + survived.total() == count:
+                break
             outcome = bench.outcome(mutant)
-            counts[mutant.file.parent.name, outcome] += 1
-            if outcome == "survived":
-                print(f"survived: {mutant}", flush=True)
+            survives = outcome == "survived"
+            if outcome == "no program" or (survives and boards.run_the_same(mutant)):
+                redrawn += 1
+                continue
+            (survived if survives else caught)[mutant.file.parent.name] += 1
+            if survives or arguments.verbose:
+                print(f"{outcome}: {mutant}", flush=True)
     for part in parts:
-        caught, survived = counts[part, "caught"], counts[part, "survived"]
-        print(f"{part:8} {caught} of {caught + survived} caught")
-    caught = sum(n for (_, outcome), n in counts.items() if outcome == "caught")
-    total = caught + sum(n for (_, outcome), n in counts.items() if outcome == "survived")
-    dropped = sum(counts.values()) - total
-    print(f"{caught} of {total} caught, {caught / total:.0%}; {dropped} did not compile")
+        print(f"{part:8} {caught[part]} of {caught[part] + survived[part]} caught")
+    total = caught.total() + survived.total()
+    print(f"{caught.total()} of {total} caught, {caught.total() / total:.0%}; {redrawn} redrawn")
 
 
 if __name__ == "__main__":

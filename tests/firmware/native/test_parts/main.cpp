@@ -1,4 +1,11 @@
-// Runs all tests of this folder. The argument is an empty FAT image; it stays as it is.
+// Runs all tests of this folder, or those named, in that order and until one fails:
+//
+//     parts [IMAGE [TEST ...]]
+//
+// IMAGE is an empty FAT file system; it stays as it is.
+#include <chrono>
+#include <cstring>
+
 #include "check.h"
 #include "fake_board.h"
 
@@ -10,17 +17,31 @@ Test::Test(const char* test_name, void (*test_body)())
     first = this;
 }
 
+static bool passes(const Test& test) {
+    using Clock = std::chrono::steady_clock;
+    fake::power_on();
+    const int before = failures;
+    const Clock::time_point start = Clock::now();
+    test.body();
+    if (fake::card.rude) ++failures, std::printf("the card was spoken to rudely\n");
+    const bool passed = failures == before;
+    const auto us = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
+    std::printf("%s took %lld us\n", test.name, static_cast<long long>(us.count()));
+    std::printf("%s:%s\n", test.name, passed ? "PASSED" : "FAILED");
+    std::fflush(stdout);
+    return passed;
+}
+
 int main(int count, char** arguments) {
     fake::image_path = count > 1 ? arguments[1] : nullptr;
-    int failed = 0;
-    for (Test* test = first; test; test = test->next) {
-        fake::power_on();
-        const int before = failures;
-        test->body();
-        if (fake::card.rude) ++failures, std::printf("the card was spoken to rudely\n");
-        const bool passed = failures == before;
-        failed += !passed;
-        std::printf("%s:%s\n", test->name, passed ? "PASSED" : "FAILED");
+    bool all = true;
+    if (count < 3) {
+        for (Test* test = first; test; test = test->next) all = passes(*test) && all;
     }
-    return failed != 0;
+    for (int k = 2; k < count && all; ++k) {
+        Test* test = first;
+        while (test && std::strcmp(test->name, arguments[k])) test = test->next;
+        all = test && passes(*test);
+    }
+    return !all;
 }
