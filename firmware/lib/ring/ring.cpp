@@ -2,11 +2,13 @@
 
 #include <string.h>
 
-Ring::Ring(Block& one, Block& other, Block* more) : blocks_{&one, &other} {
+template <uint8_t blocks>
+RingOf<blocks>::RingOf(Block& one, Block& other, Block* more) : blocks_{&one, &other} {
     for (uint8_t k = 2; k < kBlocks; ++k) blocks_[k] = more++;
 }
 
-void Ring::begin(uint8_t scan_bytes) {
+template <uint8_t blocks>
+void RingOf<blocks>::begin(uint8_t scan_bytes) {
     next_ = lost_ = 0;
     scan_bytes_ = scan_bytes;
     const uint16_t fit = Block::kPayload / scan_bytes;
@@ -16,7 +18,8 @@ void Ring::begin(uint8_t scan_bytes) {
     filling().clear('D');
 }
 
-bool Ring::add(uint32_t number, const uint8_t* scan, uint16_t late) {
+template <uint8_t blocks>
+void RingOf<blocks>::add(uint32_t number, const uint8_t* scan, uint16_t late) {
     lost_ += number - next_;
     next_ = number + 1;
     // The scans of a block are consecutive. Its own numbers tell, not the scan before this one:
@@ -25,7 +28,7 @@ bool Ring::add(uint32_t number, const uint8_t* scan, uint16_t late) {
     if (filling().count == capacity_ || (filling().count && !follows)) {
         if (!spare()) {
             ++lost_;
-            return false;
+            return;
         }
         hand_over();
     }
@@ -40,10 +43,10 @@ bool Ring::add(uint32_t number, const uint8_t* scan, uint16_t late) {
     const uint16_t held = depth();
     if (held > deepest_) deepest_ = held;
     if (block.count == capacity_ && spare()) hand_over();
-    return true;
 }
 
-Block& Ring::insert(char kind) {
+template <uint8_t blocks>
+Block& RingOf<blocks>::insert(char kind) {
     const Block& next = filling();
     waiting_ = 1;
     Block& block = *waiting();
@@ -54,39 +57,48 @@ Block& Ring::insert(char kind) {
     return block;
 }
 
-void Ring::release() {
+template <uint8_t blocks>
+void RingOf<blocks>::release() {
     --waiting_;
     if (filling().count == capacity_) hand_over();
 }
 
-void Ring::lose(uint8_t scans) {
+template <uint8_t blocks>
+void RingOf<blocks>::lose(uint8_t scans) {
     lost_ += scans;
     for (uint8_t k = waiting_; k; --k) blocks_[before(k)]->lost += scans;
     if (filling().count) filling().lost += scans;
 }
 
-void Ring::finish(uint32_t due) {
+template <uint8_t blocks>
+void RingOf<blocks>::finish(uint32_t due) {
     lost_ += due - next_;
     next_ = due;
     if (filling().count && spare()) hand_over();
 }
 
-void Ring::abandon() {
+template <uint8_t blocks>
+void RingOf<blocks>::abandon() {
     lost_ += depth();
     waiting_ = 0;
     filling().count = 0;
 }
 
-uint16_t Ring::depth() const {
+template <uint8_t blocks>
+uint16_t RingOf<blocks>::depth() const {
     uint16_t scans = blocks_[filling_]->count;
     for (uint8_t k = waiting_; k; --k) scans += blocks_[before(k)]->count;
     return scans;
 }
 
-void Ring::hand_over() {
+template <uint8_t blocks>
+void RingOf<blocks>::hand_over() {
     const uint16_t late = filling().late;
     ++waiting_;
     filling_ = (filling_ + 1) & (kBlocks - 1);
     filling().clear('D');
     filling().late = late;
 }
+
+template class RingOf<2>;
+template class RingOf<8>;

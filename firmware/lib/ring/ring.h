@@ -8,21 +8,19 @@
 // A block is free again as soon as the card has taken its bytes, so that while the card is busy
 // with them all blocks can fill: 2 × 37 scans of eight channels on the Nano, 8 × 37 on the Mega.
 // Every scan that finds no place is counted.
-class Ring {
+template <uint8_t blocks>
+class RingOf {
   public:
-#ifdef __AVR_ATmega2560__
-    static const uint8_t kBlocks = 8;
-#else
-    static const uint8_t kBlocks = 2;
-#endif  // a power of two
+    static const uint8_t kBlocks = blocks;  // a power of two
 
     // Two of the blocks have other uses between sessions; `more` are those that have none.
-    Ring(Block& one, Block& other, Block* more = nullptr);
+    RingOf(Block& one, Block& other, Block* more = nullptr);
 
     void begin(uint8_t scan_bytes);
 
-    // Take the scan; numbers that were skipped count as lost. False if there was no room.
-    bool add(uint32_t number, const uint8_t* scan, uint16_t late);
+    // Take the scan; numbers that were skipped count as lost, and the scan itself if there is no
+    // room.
+    void add(uint32_t number, const uint8_t* scan, uint16_t late);
 
     // While none waits: a block without scans that waits now, before the one being filled.
     Block& insert(char kind);
@@ -56,3 +54,9 @@ class Ring {
     uint8_t filling_ = 0;
     uint8_t waiting_ = 0;  // blocks
 };
+
+#ifdef __AVR_ATmega2560__
+using Ring = RingOf<8>;
+#else
+using Ring = RingOf<2>;
+#endif

@@ -41,7 +41,6 @@ void SdCard::begin() {
     state_ = Starting;
     step_ = Reset;
     traits_ = 0;
-    protected_ = false;
     since_ms_ = static_cast<uint16_t>(board::milliseconds());
 }
 

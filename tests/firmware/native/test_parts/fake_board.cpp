@@ -16,9 +16,10 @@ uint8_t sampling = 0;
 uint16_t reference_code = 341;  // 3300 mV
 Sampler sampler;
 Card card;
+uint32_t longest_unfed_us = 0, fed_us = 0;
 
 void power_on() {
-    now_us = 0;
+    now_us = fed_us = longest_unfed_us = 0;
     eeprom.assign(64, 0xFF);
     sampling = 0;
     reference_code = 341;
@@ -34,6 +35,8 @@ std::string sent(Link& link) {
 }
 
 void Card::select(bool selected) {
+    const bool speaks = !out_.empty() && out_.front() != 0xFF;  // it has more to say
+    if (selected_ && !selected && inserted && speaks) ++rude;
     selected_ = selected;
     if (!selected) in_.clear(), out_.clear(), receiving_ = false;
 }
@@ -73,9 +76,10 @@ uint8_t Card::exchange(uint8_t sent) {
 void Card::answer_block(const uint8_t* data, size_t size) {
     answer(0xFF);
     answer(0xFE);
-    const bool wrong = disturb_read && size == 512;
-    if (wrong) --disturb_read;
-    for (size_t k = 0; k < size; ++k) answer(wrong && k == 77 ? data[k] ^ 4 : data[k]);
+    int& disturbed = size == 512 ? disturb_read : disturb_sheet;
+    const bool wrong = disturbed;
+    if (wrong) --disturbed;
+    for (size_t k = 0; k < size; ++k) answer(wrong && k == 7 ? data[k] ^ 4 : data[k]);
     const uint16_t crc = crc16(data, size);
     answer(static_cast<uint8_t>(crc >> 8));
     answer(static_cast<uint8_t>(crc));
@@ -121,7 +125,12 @@ void Card::command() {
     in_.clear();
     const uint8_t ready = idle_ ? 1 : 0;
     sector_ = by_sector ? argument : argument / 512;
-    const bool inside = sector_ < content.size() / 512;
+    const bool readable = index != 17 || reads_left;
+    const bool inside = sector_ < content.size() / 512 && readable;
+    if (index == 17 && reads_left > 0) --reads_left;
+    // What means nothing is to be 0.
+    const bool means = index == 8 || index == 16 || index == 17 || index == 24 || index == 41;
+    if (!means && index != 59 && argument) ++rude;
     uint8_t sheet[16] = {};
     answer(0xFF);
     switch (index) {
@@ -191,7 +200,7 @@ void Card::store() {
     receiving_ = false;
     busy_until_us_ = now_us + busy_us;
     ++writes;
-    if (refuse || write_protected || !right) {
+    if (refuse || write_protected || !right || !writes_left) {
         if (refuse) --refuse;
         if (write_protected) status_ = 0x20;
         answer(right ? 0xED : 0xEB);
@@ -200,6 +209,7 @@ void Card::store() {
         status_ = 0x04;
         answer(0xE5);
     } else {
+        if (writes_left > 0) --writes_left;
         memcpy(&content[sector_ * 512], &in_[1], 512);
         answer(0xE5);
     }
@@ -212,7 +222,11 @@ namespace board {
 
 uint32_t milliseconds() { return fake::now_us / 1000; }
 uint16_t dice() { return 0x1234; }
-void feed_watchdog() {}
+void feed_watchdog() {
+    const uint32_t unfed_us = fake::now_us - fake::fed_us;
+    if (unfed_us > fake::longest_unfed_us) fake::longest_unfed_us = unfed_us;
+    fake::fed_us = fake::now_us;
+}
 bool was_reset() { return true; }
 const FlashChar* reset_cause() { return FLASH("watchdog"); }
 

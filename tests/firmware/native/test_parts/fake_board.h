@@ -16,6 +16,7 @@ extern std::vector<uint8_t> eeprom;
 extern uint8_t sampling;         // what board::sample() was told last
 extern uint16_t reference_code;  // of the internal reference
 extern Sampler sampler;
+extern uint32_t fed_us, longest_unfed_us;  // when the watchdog was fed last, and its longest wait
 
 void power_on();               // everything as new
 std::string sent(Link& link);  // what the serial interrupt would send
@@ -40,6 +41,9 @@ struct Card {
     bool knows_checks = true;       // CMD59
     int disturb = 0;                // so many of the next blocks arrive with a wrong bit,
     int disturb_read = 0;           // or are read with one
+    int disturb_sheet = 0;          // and so many of the next registers
+    int reads_left = -1;            // so many blocks can still be read, or written, and no more;
+    int writes_left = -1;           // -1: as many as there are
     int rude = 0;                   // what a real card may take amiss: see exchange()
     bool checks() const { return checks_; }
     bool selected() const { return selected_; }

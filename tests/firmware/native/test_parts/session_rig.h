@@ -13,18 +13,25 @@
 #include "fake_board.h"
 #include "session.h"
 
-static int config_problems = 0;
-static uint16_t last_problem = 0;  // its line
+// Lines of HOP.CFG that were not understood, and the number of the last.
+struct ConfigProblems {
+    int count = 0;
+    uint16_t last = 0;
+};
+inline ConfigProblems& config_problems() {
+    static ConfigProblems found;
+    return found;
+}
 
 struct Rig {
     Session session{fake::sampler, [](uint16_t line, const FlashChar*) {
-                        ++config_problems;
-                        last_problem = line;
+                        ++config_problems().count;
+                        config_problems().last = line;
                     }};
     uint32_t code = 0;
 
     Rig() {
-        config_problems = 0;
+        config_problems() = ConfigProblems();
         session.begin();
         session.settings.size_mb = 1;
     }

@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -16,13 +17,15 @@ std::vector<std::string> counted_frames(const std::string& bytes) {
         size_t end = bytes.find('\0', start);
         if (end == std::string::npos) break;
         std::string content;
-        for (size_t at = start; at < end;) {
+        size_t at = start;
+        while (at < end) {
             const size_t code = static_cast<uint8_t>(bytes[at]);
             content += bytes.substr(at + 1, std::min(code, end - at) - 1);
             at += code;
             if (at < end) content += '\0';
         }
         start = end + 1;
+        if (at != end) continue;  // the last code leads elsewhere
         if (content.size() < 4) continue;
         const uint16_t told =
             static_cast<uint16_t>(static_cast<uint8_t>(content[content.size() - 2]) |
@@ -117,6 +120,35 @@ TEST(commands_with_and_without_checksum) {
         CHECK(command(link) == "!checksum");
     }
     CHECK(command(link) == "");
+}
+
+TEST(a_checksum_has_any_digits_capital_or_not) {
+    Link link;
+    for (int k = 0; k < 500; ++k) {
+        const std::string line = "time " + std::to_string(k);
+        for (const char* digits : {"*%04X\n", "*%04x\n"}) {
+            char sum[8];
+            snprintf(sum, sizeof sum, digits, crc16(line.data(), line.size()));
+            receive(link, line + sum);
+            CHECK(command(link) == line);
+        }
+    }
+}
+
+TEST(what_is_no_digit_is_no_checksum_whatever_its_line) {
+    Link link;
+    for (int k = 0; k < 200000; ++k) {
+        const std::string line = std::to_string(k);
+        const uint16_t crc = crc16(line.data(), line.size());
+        if (crc >> 4 != 0xFFF && crc & 0xFFF0) continue;  // what a wrong digit might count as
+        char sum[8];
+        snprintf(sum, sizeof sum, "*%04X\n", crc);
+        for (const char wrong : {'G', 'g', '/', ':', '@', '`', '~'}) {
+            sum[4] = wrong;
+            receive(link, line + sum);
+            CHECK(command(link) == "!checksum");
+        }
+    }
 }
 
 TEST(a_line_that_comes_too_early_is_dropped_whole) {

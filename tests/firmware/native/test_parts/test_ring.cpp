@@ -6,17 +6,19 @@ namespace {
 const uint8_t kScanSize = 13;
 const int kCapacity = 486 / kScanSize;
 
+template <uint8_t kBlocks>
 struct Rig {
-    Block blocks[2];
-    Ring ring{blocks[0], blocks[1]};
+    Block blocks[kBlocks];
+    RingOf<kBlocks> ring{blocks[0], blocks[1], blocks + 2};
     uint32_t next = 0, stored = 0;
+    uint16_t late = 0;
 
     explicit Rig(uint8_t scan_size = kScanSize) { ring.begin(scan_size); }
 
     void add(int count) {
         for (; count; --count, ++next) {
             uint8_t scan[kScanSize] = {static_cast<uint8_t>(next), static_cast<uint8_t>(next >> 8)};
-            ring.add(next, scan, 0);
+            ring.add(next, scan, late);
         }
     }
 
@@ -32,62 +34,87 @@ struct Rig {
         stored += block->count;
         ring.release();
     }
+
+    // The session is over: all that is left goes to the card.
+    void finish() {
+        for (int k = 0; k <= kBlocks; ++k) {
+            ring.finish(next);
+            if (ring.waiting()) take();
+        }
+        CHECK(!ring.waiting() && !ring.depth());
+        CHECK(stored + ring.lost() == next && ring.due() == next);
+    }
 };
 
 }  // namespace
 
-TEST(a_full_block_waits_at_once) {
-    Rig rig;
+// Of the Nano's ring and of the Mega's.
+#define TEST_RINGS(name)                             \
+    template <uint8_t kBlocks>                       \
+    static void name();                              \
+    static Test name##_of_2(#name "_of_2", name<2>); \
+    static Test name##_of_8(#name "_of_8", name<8>); \
+    template <uint8_t kBlocks>                       \
+    static void name()
+
+TEST_RINGS(a_full_block_waits_at_once) {
+    Rig<kBlocks> rig;
     rig.add(kCapacity - 1);
     CHECK(!rig.ring.waiting());
     rig.add(1);
     CHECK(rig.ring.waiting() && rig.ring.waiting()->count == kCapacity);
+    CHECK(rig.ring.waiting()->kind == 'D' && rig.ring.depth() == kCapacity);
 }
 
-TEST(two_blocks_fill_before_anything_is_lost) {
-    Rig rig;
-    rig.add(2 * kCapacity);
-    CHECK(rig.ring.lost() == 0 && rig.ring.depth() == 2 * kCapacity);
+TEST_RINGS(all_blocks_fill_before_anything_is_lost) {
+    Rig<kBlocks> rig;
+    rig.add(kBlocks * kCapacity);
+    CHECK(rig.ring.lost() == 0 && rig.ring.depth() == kBlocks * kCapacity);
+    CHECK(rig.ring.room() == kBlocks * kCapacity);
     rig.add(5);
-    CHECK(rig.ring.lost() == 5 && rig.ring.deepest() == 2 * kCapacity);
+    CHECK(rig.ring.lost() == 5 && rig.ring.deepest() == kBlocks * kCapacity);
     rig.take();
     rig.add(1);
-    rig.take();
     CHECK(rig.ring.lost() == 5);
-    rig.ring.finish(rig.next);
-    rig.take();
-    CHECK(rig.stored + rig.ring.lost() == rig.next);
+    rig.finish();
 }
 
-TEST(skipped_numbers_begin_a_new_block_and_count_as_lost) {
-    Rig rig;
+TEST_RINGS(a_card_that_keeps_up_loses_nothing) {
+    Rig<kBlocks> rig;
+    for (int block = 0; block < 40; ++block) {
+        rig.add(kCapacity);
+        rig.take();
+    }
+    CHECK(rig.ring.lost() == 0 && rig.ring.deepest() == kCapacity);
+    rig.finish();
+}
+
+TEST_RINGS(skipped_numbers_begin_a_new_block_and_count_as_lost) {
+    Rig<kBlocks> rig;
     rig.add(3);
     rig.next += 4;
     rig.add(2);
     CHECK(rig.ring.lost() == 4);
     rig.take();
-    rig.ring.finish(rig.next + 1);  // one more was due at the end
-    rig.take();
-    CHECK(rig.stored + rig.ring.lost() == rig.next + 1);
-    CHECK(rig.ring.due() == rig.next + 1);  // so the summary says
+    ++rig.next;  // one more was due at the end
+    rig.finish();
+    CHECK(rig.ring.lost() == 5);
 }
 
-TEST(scans_behind_a_gap_wait_for_a_block_of_their_own) {
-    Rig rig;
-    rig.add(kCapacity + 5);  // one block waits, the other is partly full
+TEST_RINGS(scans_behind_a_gap_wait_for_a_block_of_their_own) {
+    Rig<kBlocks> rig;
+    rig.add((kBlocks - 1) * kCapacity + 5);  // all but one wait, the last is partly full
     rig.next += 4;
     rig.add(3);  // there is no block for these
-    CHECK(rig.ring.lost() == 7 && rig.ring.depth() == kCapacity + 5);
+    CHECK(rig.ring.lost() == 7 && rig.ring.depth() == (kBlocks - 1) * kCapacity + 5);
     rig.take();
     rig.add(2);
-    rig.take();
-    rig.ring.finish(rig.next);
-    rig.take();
-    CHECK(rig.ring.lost() == 7 && rig.stored + rig.ring.lost() == rig.next);
+    rig.finish();
+    CHECK(rig.ring.lost() == 7);
 }
 
-TEST(an_inserted_block_goes_first_and_keeps_the_count) {
-    Rig rig;
+TEST_RINGS(an_inserted_block_goes_first_and_keeps_the_count) {
+    Rig<kBlocks> rig;
     rig.add(kCapacity);
     rig.take();
     rig.next += 2;
@@ -102,27 +129,36 @@ TEST(an_inserted_block_goes_first_and_keeps_the_count) {
     CHECK(rig.ring.insert('V').first_scan == rig.next && rig.ring.depth() == 0);
     rig.take();
     rig.add(1);
-    rig.ring.finish(rig.next);
-    rig.take();
-    CHECK(rig.ring.lost() == 2 && rig.stored + rig.ring.lost() == rig.next);
+    rig.finish();
+    CHECK(rig.ring.lost() == 2);
 }
 
-TEST(a_block_that_failed_after_release_is_charged_to_all_that_follow) {
-    Rig rig;
-    rig.add(2 * kCapacity + 3 - 3);
+TEST_RINGS(a_block_that_failed_after_release_is_charged_to_all_that_follow) {
+    Rig<kBlocks> rig;
+    rig.add(kBlocks * kCapacity);
     rig.ring.release();
     rig.ring.lose(kCapacity);  // it never reached the card
     rig.add(3);
-    rig.take();
-    rig.ring.finish(rig.next);
-    rig.take();
-    CHECK(rig.ring.lost() == kCapacity && rig.stored + rig.ring.lost() == rig.next);
+    rig.finish();
+    CHECK(rig.ring.lost() == kCapacity);
 }
 
-TEST(a_new_session_counts_from_zero) {
-    Rig rig;
+// What is said of late triggers belongs to the block's last scan, in a block without scans to the
+// one before it.
+TEST_RINGS(a_block_tells_the_late_triggers_up_to_its_last_scan) {
+    Rig<kBlocks> rig;
+    rig.add(2);
+    rig.late = 7;
+    rig.add(kCapacity - 2);
+    CHECK(rig.ring.waiting() && rig.ring.waiting()->late == 7);
+    rig.take();
+    CHECK(rig.ring.insert('V').late == 7);
+}
+
+TEST_RINGS(a_new_session_counts_from_zero) {
+    Rig<kBlocks> rig;
     rig.next = 5;
-    rig.add(2 * kCapacity + 3);
+    rig.add(kBlocks * kCapacity + 3);
     rig.ring.begin(kScanSize);
     CHECK(rig.ring.due() == 0 && rig.ring.lost() == 0);
     CHECK(rig.ring.depth() == 0 && rig.ring.deepest() == 0 && !rig.ring.waiting());
@@ -132,18 +168,17 @@ TEST(a_new_session_counts_from_zero) {
     CHECK(rig.ring.lost() == 0 && rig.ring.deepest() == kCapacity);
 }
 
-TEST(what_is_abandoned_is_lost) {
-    Rig rig;
+TEST_RINGS(what_is_abandoned_is_lost) {
+    Rig<kBlocks> rig;
     rig.add(kCapacity + 9);
     rig.ring.abandon();
     CHECK(rig.ring.lost() == kCapacity + 9 && rig.ring.depth() == 0 && !rig.ring.waiting());
 }
 
-TEST(numbers_may_pass_sixteen_and_thirty_two_bits) {
-    Rig rig;
+TEST_RINGS(numbers_may_pass_sixteen_and_thirty_two_bits) {
+    Rig<kBlocks> rig;
     rig.add(70000 % kCapacity);
-    rig.ring.finish(rig.next);
-    rig.take();
+    rig.finish();
     rig.next = 0xFFFFFFFE;
     const uint32_t lost = rig.ring.lost();
     rig.add(1);
@@ -152,8 +187,9 @@ TEST(numbers_may_pass_sixteen_and_thirty_two_bits) {
     CHECK(rig.ring.lost() - lost == 0xFFFFFFFE - 70000 % kCapacity);
 }
 
-TEST(small_scans_still_fit_the_counters) {
-    Rig rig(2);
-    rig.add(1000);
-    CHECK(rig.ring.room() == 254 && rig.ring.deepest() == 254 && rig.ring.lost() == 1000 - 254);
+TEST_RINGS(small_scans_still_fit_the_counters) {
+    Rig<kBlocks> rig(2);
+    rig.add(2000);
+    CHECK(rig.ring.room() == kBlocks * 127 && rig.ring.deepest() == rig.ring.room());
+    CHECK(rig.ring.lost() == 2000u - rig.ring.room());
 }

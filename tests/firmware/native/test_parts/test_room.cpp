@@ -23,7 +23,7 @@ TEST(a_run_up_to_the_last_cluster_is_found_and_does_not_go_on_at_the_first) {
     set_free(volume, {{2, 60}, {last, 90}});
     uint8_t sector[512];
     logfile::Run found;
-    for (uint32_t from : {uint32_t{2}, uint32_t{1000}, last, last + 80}) {
+    for (uint32_t from : {uint32_t{2}, uint32_t{1000}, last, last + 80, volume.n_fatent, ~0u}) {
         volume.last_clst = from;
         CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
         CHECK(found.start == last && found.length == 90);
@@ -73,4 +73,25 @@ TEST(a_cluster_is_free_only_if_nothing_stands_in_its_entry) {
         }
     }
     f_mount(nullptr, "", 0);
+}
+
+TEST(a_session_takes_what_room_there_is_from_a_megabyte_on) {
+    const uint32_t per_mb = 2048;  // clusters of one sector
+    for (uint32_t free : {per_mb - 1, per_mb, per_mb + 1, 3 * per_mb}) {
+        if (!insert_card()) return;
+        {
+            FATFS volume;
+            CHECK(logfile::mount(volume) == kNoTrouble);
+            set_free(volume, {{1000, free}});
+            f_mount(nullptr, "", 0);
+        }
+        Rig rig;
+        rig.session.settings.size_mb = 4;
+        CHECK(rig.session.start() == (free > per_mb ? kNoTrouble : kNoRoom));
+        if (free > per_mb) {
+            File file;
+            CHECK(file.open("HOP00001.HOP") && file.blocks() == free - 1);
+        }
+        fake::power_on();
+    }
 }

@@ -27,6 +27,8 @@ TEST(sectors_are_written_and_read_on_both_kinds_of_card) {
         card.begin();
         CHECK(!fake::card.fast);  // a card that wakes up takes no more than 400 kHz
         CHECK(wake() && card.state() == SdCard::Ready && fake::card.fast);
+        card.begin();
+        CHECK(!fake::card.fast && wake());
         CHECK(write(5, 0xA5) && fake::card.content[5 * 512 + 511] == 0xA5);
         uint8_t data[512] = {};
         CHECK(card.read(5, data) && data[0] == 0xA5 && data[511] == 0xA5);
@@ -137,6 +139,28 @@ TEST(a_card_never_seen_that_does_not_say_how_it_counts_is_asked_again) {
     }
 }
 
+// Only "illegal command" says that a card cannot check.
+TEST(a_card_never_seen_whose_answer_to_cmd59_is_an_error_is_asked_again) {
+    for (uint8_t reply : {0xFF, 0x08, 0x7F, 0x40, 0x01, 0x05}) {
+        fake::power_on();
+        fake::card.bad_command = 59;
+        fake::card.bad_reply = reply;
+        fake::card.bad_replies = 1;
+        CHECK(!wake() && card.state() == SdCard::Down);
+        CHECK(wake() && fake::card.checks());
+    }
+}
+
+TEST(a_question_that_was_refused_is_not_waited_for) {
+    for (uint8_t command : {9, 10, 58, 59}) {
+        fake::power_on();
+        fake::card.bad_command = command;
+        fake::card.bad_reply = 0x08;
+        fake::card.bad_replies = 1;
+        CHECK(!wake() && fake::now_us < 50000);
+    }
+}
+
 TEST(a_card_that_starts_leaves_the_bus_between_questions) {
     card.begin();
     while (card.state() == SdCard::Starting) {
@@ -185,5 +209,23 @@ TEST(what_is_read_is_checked) {
     uint8_t data[512];
     fake::card.disturb_read = 1;
     CHECK(!card.read(2, data));
-    CHECK(card.read(2, data) && data[77] == 0x22);
+    CHECK(card.read(2, data) && data[7] == 0x22);
+    fake::card.disturb_sheet = 1;
+    const uint32_t before_us = fake::now_us;
+    CHECK(!wake() && fake::now_us - before_us < 50000);  // it need not be waited for
+    CHECK(wake());
+}
+
+// The watchdog bites after 2 s.
+TEST(the_watchdog_is_fed_while_a_card_is_waited_for) {
+    for (const bool settles : {true, false}) {
+        fake::power_on();
+        fake::card.sheet_late_us = 80000;
+        CHECK(wake());
+        fake::card.busy_us = 1800000;
+        uint8_t data[512] = {};
+        CHECK(card.write(1, data));
+        CHECK(settles ? card.settle() : card.finish());
+        CHECK(fake::longest_unfed_us < 10000);
+    }
 }

@@ -264,6 +264,15 @@ TEST(a_block_is_written_three_times_before_it_is_given_up) {
     CHECK(disk_write(0, block, 6, 1) == RES_ERROR && fake::card.writes == 6);
 }
 
+TEST(neighbouring_blocks_are_written_and_read_in_their_order) {
+    BYTE blocks[4 * 512];
+    for (int k = 0; k < 4 * 512; ++k) blocks[k] = static_cast<BYTE>(k / 3);
+    CHECK(disk_initialize(0) == 0 && disk_write(0, blocks, 5, 4) == RES_OK);
+    CHECK(!memcmp(&fake::card.content[5 * 512], blocks, sizeof blocks));
+    BYTE found[4 * 512];
+    CHECK(disk_read(0, found, 5, 4) == RES_OK && !memcmp(found, blocks, sizeof blocks));
+}
+
 TEST(a_file_that_is_not_there_is_told_from_a_card_that_is_not) {
     if (!insert_card()) return;
     Rig rig;
@@ -303,7 +312,7 @@ TEST(hop_cfg_is_read_as_editors_leave_it) {
         if (!insert_card()) return;
         write_config(text);
         Rig rig;
-        CHECK(rig.session.meet() == kNoTrouble && config_problems == 0);
+        CHECK(rig.session.meet() == kNoTrouble && config_problems().count == 0);
         CHECK(rig.session.config_errors == 0 && rig.session.settings.conversions == 2);
         CHECK(std::string(rig.session.settings.name) == "kerb" && !rig.session.settings.resume);
         fake::power_on();
@@ -315,7 +324,8 @@ TEST(a_line_that_is_not_understood_is_counted_and_told_by_its_number) {
     write_config("rate = 400\n\nnonsense\nname = k\xEF\n" + std::string(70, 'x') +
                  "\nresume = off\n");
     Rig rig;
-    CHECK(rig.session.meet() == kNoTrouble && config_problems == 3 && last_problem == 5);
+    CHECK(rig.session.meet() == kNoTrouble && config_problems().count == 3);
+    CHECK(config_problems().last == 5);
     CHECK(rig.session.config_errors == 3 && !rig.session.settings.resume);
 }
 

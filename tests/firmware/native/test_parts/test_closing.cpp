@@ -1,0 +1,113 @@
+// Files are closed, by `stop` and after a reset, whatever the card does meanwhile.
+#include <vector>
+
+#include "session_rig.h"
+
+static uint32_t free_clusters() {
+    FATFS volume;
+    FATFS* found;
+    DWORD count = 0;
+    CHECK(f_mount(&volume, "", 1) == FR_OK && f_getfree("", &count, &found) == FR_OK);
+    f_mount(nullptr, "", 0);
+    return count;
+}
+
+static uint32_t file_blocks(const char* name) {
+    File file;
+    return file.open(name) ? file.blocks() : 0;
+}
+
+// The card reads, or writes, so many blocks more and then fails.
+static void fail_after(bool reading, int blocks) {
+    (reading ? fake::card.reads_left : fake::card.writes_left) = blocks;
+}
+
+static bool has_failed() { return !fake::card.reads_left || !fake::card.writes_left; }
+
+static void heal() {
+    fake::card.reads_left = fake::card.writes_left = -1;
+    fake::card.lose_power();
+}
+
+TEST(a_closed_file_keeps_its_own_room_and_no_more) {
+    if (!insert_card()) return;
+    const uint32_t free = free_clusters();
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.run(500);
+    CHECK(rig.stop() == kNoTrouble);
+    CHECK(free - free_clusters() == file_blocks("HOP00001.HOP"));  // clusters of one block
+}
+
+TEST(only_a_session_that_was_cut_off_is_gone_on_with) {
+    for (const bool stopped : {true, false}) {
+        fake::power_on();
+        if (!insert_card()) return;
+        uint32_t id;
+        {
+            Rig rig;
+            CHECK(rig.session.start() == kNoTrouble);
+            rig.run(500);
+            id = rig.session.id();
+            if (stopped) CHECK(rig.stop() == kNoTrouble);
+        }
+        Rig rig;
+        CHECK(rig.session.meet() == kNoTrouble);
+        CHECK(rig.session.continues == (stopped ? 0 : id));
+    }
+}
+
+TEST(a_card_that_fails_while_a_session_is_stopped_keeps_what_was_acknowledged) {
+    for (const bool reading : {true, false}) {
+        bool failed = true;
+        for (int blocks = 0; failed; blocks += 1 + blocks / 4) {
+            fake::power_on();
+            if (!insert_card()) return;
+            const uint32_t free = free_clusters();
+            uint32_t written;
+            {
+                Rig rig;
+                CHECK(rig.session.start() == kNoTrouble);
+                rig.run(100);
+                fail_after(reading, blocks);
+                const Trouble trouble = rig.stop();
+                failed = has_failed();
+                heal();
+                CHECK(failed || !trouble);
+                written = rig.session.tally.written;
+                if (!trouble) CHECK(free - free_clusters() == file_blocks("HOP00001.HOP"));
+            }
+            Rig rig;
+            CHECK(rig.session.meet() == kNoTrouble);
+            const Found found = decode("HOP00001.HOP");
+            CHECK(found.kinds == "HS" && found.scans >= written && written >= 74);
+        }
+    }
+}
+
+TEST(a_card_that_fails_while_a_reset_session_is_closed_loses_nothing) {
+    if (!insert_card()) return;
+    {
+        Rig rig;
+        CHECK(rig.session.start() == kNoTrouble);
+        rig.run(37 * 20 + 1);
+    }
+    const std::vector<uint8_t> intact = fake::card.content;
+    for (const bool reading : {true, false}) {
+        bool failed = true;
+        for (int blocks = 0; failed; blocks += 1 + blocks / 3) {
+            fake::card.content = intact;
+            for (const bool well : {false, true}) {
+                if (!well) fail_after(reading, blocks);
+                Rig rig;
+                const Trouble trouble = rig.session.meet();
+                if (!well) failed = has_failed();
+                if (!failed || well) CHECK(trouble == kNoTrouble);
+                heal();
+                const Found found = decode("HOP00001.HOP");
+                CHECK(found.scans == 37 * 20);
+                CHECK(found.kinds == "HS" || (found.kinds == "H" && failed && !well));
+            }
+        }
+    }
+}
