@@ -13,7 +13,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +94,13 @@ def stalls(rng: Rng, one: Logger) -> Faults:
     return Faults(stalls={int(write): float(rng.uniform(0.05, 0.9)) for write in writes})
 
 
+def waits(rng: Rng, one: Logger) -> Faults:
+    """The same, and the program waits for something meanwhile: scans are skipped."""
+    starts = one.board.time + rng.uniform(0.0, 3.0, rng.integers(10, 40))
+    holds = [(float(start), float(start + rng.uniform(2e-3, 60e-3))) for start in starts]
+    return replace(stalls(rng, one), holds=holds)
+
+
 def sags(rng: Rng, one: Logger) -> Faults:
     """The sensors' supply sags and recovers, and the card is busy for long."""
     faults = stalls(rng, one)
@@ -136,6 +144,7 @@ CAUSES: dict[str, Callable[[Rng, Logger], Faults]] = {
     "CSD fails once": loosens,
     "CMD59 ignored": no_checks,
     "stalls to 0.9 s": stalls,
+    "program waits": waits,
     "refused writes": rejects,
     "power cuts": cut,
     "resets": reset,
@@ -278,12 +287,14 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="seed of the first (default 0)")
     options = parser.parse_args()
     subprocess.run([ROOT / "tools/build_firmware.sh", "nano"], check=True, stdout=sys.stderr)
-    outcomes = []
-    with tempfile.TemporaryDirectory() as folder:
+    outcomes: list[Outcome] = []
+    with tempfile.TemporaryDirectory() as folder, suppress(KeyboardInterrupt):
         for seed in range(options.first, options.first + options.seeds):
             outcomes.append(trial(seed, Path(folder)))
             for text in outcomes[-1].wrong:
                 print(f"seed {seed}, {outcomes[-1].cause}: {text}", flush=True)
+            print(f"\r{len(outcomes)} of {options.seeds}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
     print(table(outcomes))
     return 1 if any(outcome.wrong for outcome in outcomes) else 0
 

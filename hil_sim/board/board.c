@@ -92,6 +92,7 @@ bool board_open(Board* board, const char* mcu, const char* elf) {
     avr->frequency = CPU_HZ;
     avr->sleep = count_idle;
     avr->reset = begin_epoch;  // the cores' own reset functions are empty
+    board->run_cycle_limit = avr->run_cycle_limit;
 
     board->card_select = WIRING[known].card_select;
     board->button = WIRING[known].button;
@@ -192,9 +193,34 @@ void board_write_eeprom(Board* board, uint8_t* bytes) {
     avr_ioctl(board->avr, AVR_IOCTL_EEPROM_SET, &all);
 }
 
+static bool stands_still(const Board* board) {
+    const uint64_t now = board_now(board);
+    for (size_t i = 0; i < board->hold_count; i++)
+        if (board->holds[i].from <= now && now < board->holds[i].to) return true;
+    return false;
+}
+
+// While the main program is to stand still it sleeps between interrupts, wherever it is. Steps are
+// single instructions then: it must not go on behind an interrupt.
+static void hold_program(Board* board) {
+    avr_t* avr = board->avr;
+    const bool still = board->hold_count && stands_still(board);
+    avr->run_cycle_limit = still ? 1 : board->run_cycle_limit;
+    const bool in_main = avr->sreg[S_I] && !avr->interrupts.running_ptr;
+    const bool is_quiet = !avr_has_pending_interrupts(avr);
+    if (still && in_main && is_quiet && avr->state == cpu_Running) {
+        avr->state = cpu_Sleeping;
+        board->held = true;
+    } else if (!still && board->held) {
+        avr->state = cpu_Running;
+        board->held = false;
+    }
+}
+
 const char* board_run(Board* board, uint64_t end) {
     avr_t* avr = board->avr;
     while (board->powered && board_now(board) < end) {
+        hold_program(board);
         int state = avr_run(avr);
         if (board->was_reset) {
             board->resets++;

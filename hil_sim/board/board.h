@@ -36,12 +36,17 @@ typedef struct Board {
     Signals signals;
     Trace trace;
 
+    Interval holds[MAX_FAULTS];  // the main program stands still, interrupts go on
+    size_t hold_count;
+    bool held;  // asleep because of that
+
     bool powered;
     bool button_pressed, led_on;
-    bool was_reset;        // by the watchdog or by us; our peripherals follow
-    uint64_t epoch;        // board time at which simavr's cycle counter was 0
-    uint64_t idle_cycles;  // spent asleep since power-up
-    uint32_t resets;       // since power-up, the first start not counted
+    bool was_reset;            // by the watchdog or by us; our peripherals follow
+    uint64_t epoch;            // board time at which simavr's cycle counter was 0
+    uint64_t run_cycle_limit;  // simavr's own, between two looks at its surroundings
+    uint64_t idle_cycles;      // spent asleep since power-up
+    uint32_t resets;           // since power-up, the first start not counted
 } Board;
 
 typedef enum { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT } ResetCause;

@@ -121,7 +121,7 @@ static void set_card_times(const Request* request) {
     config->write_protected = number(request, 5);
     config->sheet_latency = number(request, 6);
     config->ignores_crc = number(request, 7);
-    config->fault_count = config->reply_fault_count = config->gap_count = 0;
+    config->fault_count = config->reply_fault_count = config->gap_count = board.hold_count = 0;
     memset(board.card.commands, 0, sizeof board.card.commands);
     ok();
 }
@@ -149,6 +149,14 @@ static void add_gap(const Request* request) {
     CardConfig* config = &board.card.config;
     if (!has_room(config->gap_count)) return;
     config->gaps[config->gap_count++] =
+        (Interval){.from = number(request, 1), .to = number(request, 2)};
+    ok();
+}
+
+// hold-program FROM TO
+static void add_hold(const Request* request) {
+    if (!has_room(board.hold_count)) return;
+    board.holds[board.hold_count++] =
         (Interval){.from = number(request, 1), .to = number(request, 2)};
     ok();
 }
@@ -262,6 +270,7 @@ static const struct {
     {"fault", add_fault},
     {"bad-reply", add_bad_reply},
     {"loose", add_gap},
+    {"hold-program", add_hold},
     {"record", record},
     {"take-trace", take_trace},
     {"take-journal", take_journal},

@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from wheelhop.hil_sim import Event, constant, from_volts, ramp, sines
+from wheelhop.hil_sim import Event, Faults, constant, from_volts, ramp, sines
 
 ADC_VECTOR, TIMER1_COMPA_VECTOR = 21, 11
 OCF1A = 1 << 1
@@ -124,6 +124,19 @@ def test_code_that_takes_too_long_loses_triggers(probe, cycles, lost, phase):
     steps = np.diff(one.board.trace().of(Event.CONVERSION)["cycle"].astype(int))[1:]
     assert all(step % 2500 == 0 for step in steps)
     assert sum(step // 2500 - 1 for step in steps) == one.board.counters().missed - 1
+
+
+def test_a_program_that_stands_still_has_its_interrupts_go_on(probe):
+    one = probe(trace=True)
+    begin = one.board.time
+    one.board.faults = Faults(holds=[(begin + 5e-3, begin + 15e-3), (begin + 0.1, begin + 0.15)])
+    one.convert(128)  # 20 ms
+    assert one.board.counters().missed == 1  # of the first, as always
+    one.board.run(begin + 0.11 - one.board.time)
+    one.board.serial.write(b"m")
+    one.board.run(0.1)
+    (answered,), _ = one.board.serial.read_timed()
+    assert begin + 0.15 < answered < begin + 0.151
 
 
 def test_an_internal_reference_against_a_driven_aref_is_noticed(probe):

@@ -31,7 +31,8 @@ FRESULT find_room(const FATFS& volume, uint32_t wanted, uint8_t* sector, Run& lo
     for (uint32_t left = sectors; left; --left) {
         if (disk_read(0, sector, volume.fatbase + position, 1) != RES_OK) return FR_DISK_ERR;
         for (const uint8_t* entry = sector; entry < sector + 512; entry += entry_size, ++cluster) {
-            // The first two entries are never free, and behind the last one there are no clusters.
+            // The first two entries are never free, so that no run goes on there from the end of
+            // the table. Behind the last one there are no clusters.
             if (is_free(entry, is_16) && cluster < volume.n_fatent) {
                 if (++run.length < wanted) continue;
                 longest = run;
@@ -40,11 +41,7 @@ FRESULT find_room(const FATFS& volume, uint32_t wanted, uint8_t* sector, Run& lo
             if (run.length > longest.length) longest = run;
             run = {cluster + 1, 0};
         }
-        if (++position == sectors) {
-            if (run.length > longest.length) longest = run;
-            position = cluster = 0;
-            run = {0, 0};
-        }
+        if (++position == sectors) position = cluster = 0;
     }
     if (run.length > longest.length) longest = run;
     return FR_OK;

@@ -1,4 +1,4 @@
-"""What goes wrong with the card, as plain configuration."""
+"""What goes wrong with the card, and with the program's time, as plain configuration."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -36,7 +36,7 @@ class BadReply:
 
 @dataclass(frozen=True)
 class Faults:
-    """Faults and times of the card. Writes are blocks, counted from 0 since it was inserted.
+    """Faults and times of the card and of the program. Writes are blocks, counted from 0 since it was inserted.
 
     `stalls`: seconds for which the card is busy after a write, beyond `write_busy`.
     `rejects`: writes refused with "crc" or "write" error; nothing is stored.
@@ -44,6 +44,8 @@ class Faults:
     `pulled_at`: board time in seconds at which the card leaves its socket.
     `bad_replies`: commands that fail. `bounces`: from and to, board times in seconds between which
     the contacts are open; the card has lost its power by then.
+    `holds`: from and to, board times in seconds between which the main program stands still and
+    interrupts go on, as where a program waits for something.
     `ignores_crc`: the card answers CMD59 and checks nothing.
     `sheet_latency`: seconds before CSD and CID.
     `write_busy`, `read_latency`: seconds per block; `start_up`: from the first ACMD41 on.
@@ -56,6 +58,7 @@ class Faults:
     pulled_at: float | None = None
     bad_replies: Sequence[BadReply] = ()
     bounces: Sequence[tuple[float, float]] = ()
+    holds: Sequence[tuple[float, float]] = ()
     ignores_crc: bool = False
     sheet_latency: float = 100e-6
     write_protected: bool = False
@@ -84,6 +87,10 @@ class Faults:
             if end < start:
                 raise ValueError(f"faults: the contacts close at {end} s, before they open")
             yield f"loose {cycles(start)} {cycles(end)}"
+        for start, end in self.holds:
+            if end < start:
+                raise ValueError(f"faults: the program goes on at {end} s, before it stops")
+            yield f"hold-program {cycles(start)} {cycles(end)}"
         for write, seconds in self.stalls.items():
             yield f"fault stall {write} {cycles(seconds)}"
         for write, error in self.rejects.items():

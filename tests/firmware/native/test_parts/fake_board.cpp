@@ -17,6 +17,7 @@ uint16_t reference_code = 341;  // 3300 mV
 Sampler sampler;
 Card card;
 uint32_t longest_unfed_us = 0, fed_us = 0;
+static bool transmitting = false;
 
 void power_on() {
     now_us = fed_us = longest_unfed_us = 0;
@@ -30,6 +31,8 @@ void power_on() {
 
 std::string sent(Link& link) {
     std::string bytes;
+    if (!transmitting) return bytes;
+    transmitting = false;
     for (uint8_t byte; link.transmit(byte);) bytes.push_back(static_cast<char>(byte));
     return bytes;
 }
@@ -258,6 +261,6 @@ void sample(uint8_t conversions) {
 }
 
 uint16_t reference_code() { return fake::reference_code; }
-void start_transmitter() {}
+void start_transmitter() { fake::transmitting = true; }
 
 }  // namespace board

@@ -19,7 +19,7 @@ extern Sampler sampler;
 extern uint32_t fed_us, longest_unfed_us;  // when the watchdog was fed last, and its longest wait
 
 void power_on();               // everything as new
-std::string sent(Link& link);  // what the serial interrupt would send
+std::string sent(Link& link);  // what the serial interrupt sends, once it was started
 
 struct Card {
     std::vector<uint8_t> content;  // as many sectors as it has

@@ -80,6 +80,15 @@ TEST(frames_arrive_as_sent) {
     CHECK(!link.sending());
 }
 
+TEST(a_short_frame_behind_a_long_one_ends_with_its_own_zero) {
+    Link link;
+    for (int size = Link::kPayload; size >= 0; --size) {
+        const std::string payload(static_cast<size_t>(size), 'x');
+        const std::string bytes = send(link, 'D', payload);
+        CHECK(bytes.back() == 0 && frames(bytes) == std::vector<std::string>{"D" + payload});
+    }
+}
+
 TEST(frames_are_counted_modulo_256) {
     Link link;
     for (int k = 0; k < 600; ++k) {

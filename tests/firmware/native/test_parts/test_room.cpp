@@ -18,16 +18,22 @@ TEST(a_run_up_to_the_last_cluster_is_found_and_does_not_go_on_at_the_first) {
     if (!insert_card()) return;
     FATFS volume;
     CHECK(logfile::mount(volume) == kNoTrouble);
-    volume.n_fatent &= ~255u;  // the table's last sector is full
-    const uint32_t last = volume.n_fatent - 90;
-    set_free(volume, {{2, 60}, {last, 90}});
+    const uint32_t full = volume.n_fatent & ~255u;  // the table's last sector
     uint8_t sector[512];
     logfile::Run found;
-    for (uint32_t from : {uint32_t{2}, uint32_t{1000}, last, last + 80, volume.n_fatent, ~0u}) {
-        volume.last_clst = from;
-        CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
-        CHECK(found.start == last && found.length == 90);
+    for (uint32_t unused : {0, 100}) {
+        volume.n_fatent = full;
+        const uint32_t last = full - unused - 90;
+        set_free(volume, {{2, 60}, {last, 90 + unused}});
+        volume.n_fatent -= unused;  // behind it zeros mean nothing
+        for (uint32_t from : {uint32_t{2}, uint32_t{1000}, last, last + 80, volume.n_fatent, ~0u}) {
+            volume.last_clst = from;
+            CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
+            CHECK(found.start == last && found.length == 90);
+        }
     }
+    volume.fs_type = FS_FAT12;  // whose entries are of 12 bits
+    CHECK(logfile::find_room(volume, 10, sector, found) == FR_NO_FILESYSTEM);
     f_mount(nullptr, "", 0);
 }
 

@@ -32,6 +32,7 @@ TEST(sectors_are_written_and_read_on_both_kinds_of_card) {
         CHECK(write(5, 0xA5) && fake::card.content[5 * 512 + 511] == 0xA5);
         uint8_t data[512] = {};
         CHECK(card.read(5, data) && data[0] == 0xA5 && data[511] == 0xA5);
+        CHECK(!fake::card.selected());
         CHECK(!card.read(64, data));  // there is no such sector
         CHECK(!write(64, 1) && write(63, 1));
         CHECK(!fake::card.selected());  // others may use the bus

@@ -284,11 +284,16 @@ TEST(a_file_that_is_not_there_is_told_from_a_card_that_is_not) {
     CHECK(logfile::mount(volume) == kNoTrouble);
     fake::card.inserted = false;  // the directory has not been read yet
     const Trouble trouble = logfile::open_file(work, "HOP00001.HOP", 0);
-    CHECK(trouble != kNoFile && trouble != kNoTrouble);
+    CHECK(trouble == kNoCard);
     fake::card.inserted = true;
     CHECK(logfile::mount(volume) == kNoTrouble);
     CHECK(logfile::open_file(work, "HOP00099.HOP", 0) == kNoFile);
-    CHECK(logfile::open_file(work, "HOP00001.HOP", 0) == kNoTrouble);
+    for (uint32_t block : {3u, 0u}) {
+        CHECK(logfile::open_file(work, "HOP00001.HOP", block) == kNoTrouble);
+        uint8_t got, data[16];
+        CHECK(logfile::read_file(work, data, sizeof data, got) == kNoTrouble && got == 16);
+        CHECK(!memcmp(data, block ? "HOP1S" : "HOP1H", 5) && data[12] == block);
+    }
     f_mount(nullptr, "", 0);
 }
 
@@ -334,8 +339,9 @@ TEST(log_files_are_those_with_five_digits_in_their_name) {
     FATFS volume;
     FIL file;
     CHECK(f_mount(&volume, "", 1) == FR_OK);
-    for (const char* name : {"HOP0000A.HOP", "HOP00019.HOP", "HOP00-01.HOP", "HOP0001.HOP",
-                             "HIP00001.HOP", "HOP90000.HOP", "HOP00001.TXT", "HOP.CFG"}) {
+    for (const char* name :
+         {"HOP0000A.HOP", "HOPA0000.HOP", "HOP00019.HOP", "HOP00-01.HOP", "HOP0001.HOP",
+          "HIP00001.HOP", "HOP90000.HOP", "HOP00001.TXT", "HOP.CFG"}) {
         CHECK(f_open(&file, name, FA_WRITE | FA_CREATE_NEW) == FR_OK && f_close(&file) == FR_OK);
     }
     CHECK(f_mkdir("HOP00003.HOP") == FR_OK);
