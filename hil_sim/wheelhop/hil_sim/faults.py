@@ -36,7 +36,8 @@ class BadReply:
 
 @dataclass(frozen=True)
 class Faults:
-    """Faults and times of the card and of the program. Writes are blocks, counted from 0 since it was inserted.
+    """Faults and times of card and program. Writes are blocks, counted from 0 since the card was
+    inserted.
 
     `stalls`: seconds for which the card is busy after a write, beyond `write_busy`.
     `rejects`: writes refused with "crc" or "write" error; nothing is stored.
