@@ -1,8 +1,8 @@
 """Mutants of the firmware: python -m benchmarks.firmware_mutants [--count N] [--seed N]
 
 Small mistakes are planted, one at a time, in the parts that carry samples (ring, sdcard, logfile,
-block, link): a comparison that is off by one, a sign, a condition turned round, a number one
-larger, a statement left out. Each mutant is compiled into the native tests with the sanitizers
+block, link): a comparison that is off by one, a sign, a condition turned round, another number,
+a statement left out. Each mutant is compiled into the native tests with the sanitizers
 watching. One that fails them, or does not come to an end, is caught; the others are listed.
 `--part ring` draws from one part alone, `--all` takes every mutation there is.
 
@@ -50,9 +50,13 @@ RULES = (
     (r"\btrue\b", "false"),
     (r"\bfalse\b", "true"),
     (r"(?<=[ (])!(?=[\w(])", ""),
-    (r"(?<![\w.])(\d+)(?![\w.])", "+1"),
+    (r"(?<![\w.])(\d+)(?![\w.])", "number"),
 )
-"""What is found and what takes its place; "+1": the number, one larger."""
+"""What is found and what takes its place; of a number another one: see `other_number`."""
+
+BOUNDARY = {"<": "<=", "<=": "<", ">": ">=", ">=": ">"}
+TIME_LIMIT = re.compile(r" k\w+Ms\b")
+MAXIMUM = re.compile(r"if \((\w+)([\w.]*) > (\w+)\2\) \3 = \1;")
 
 STATEMENT = re.compile(
     r"^\s+(?!return|const|static|auto|uint|int|bool|Block|case|break)[\w(*+-].*;$"
@@ -116,6 +120,17 @@ REMEMBERED = Remembered(
 )
 
 
+def other_number(text: str) -> str:
+    """One larger; from ten on, where a number is a limit of time or patience, twice as large."""
+    return str(int(text) + 1 if int(text) < 10 else 2 * int(text))
+
+
+def is_no_boundary(code: str, at: int) -> bool:
+    """Whether nothing depends on a comparison of equals: of milliseconds with a limit of hundreds,
+    or where the larger of two is kept."""
+    return bool(TIME_LIMIT.match(code, at) or MAXIMUM.search(code))
+
+
 def mutations(part: str) -> Iterator[Mutant]:
     """Every mutation of a part."""
     for file in sorted((ROOT / "firmware/lib" / part).glob("*.cpp")):
@@ -125,7 +140,9 @@ def mutations(part: str) -> Iterator[Mutant]:
                 continue
             for pattern, new in RULES:
                 for found in re.finditer(pattern, code):
-                    put = str(int(found[0]) + 1) if new == "+1" else new
+                    if BOUNDARY.get(found[0]) == new and is_no_boundary(code, found.end()):
+                        continue
+                    put = other_number(found[0]) if new == "number" else new
                     changed = code[: found.start()] + put + code[found.end() :]
                     yield Mutant(file, number, changed.rstrip())
             if STATEMENT.match(code.rstrip()):
