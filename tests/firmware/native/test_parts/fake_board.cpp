@@ -76,6 +76,14 @@ uint8_t Card::exchange(uint8_t sent) {
     return reply;
 }
 
+bool Card::can(int& left) {
+    if (left > 0) return left--;
+    if (left) return true;
+    ++failed;
+    if (failures > 0 && --failures == 0) left = -1;
+    return false;
+}
+
 void Card::answer_block(const uint8_t* data, size_t size) {
     answer(0xFF);
     answer(0xFE);
@@ -128,9 +136,8 @@ void Card::command() {
     in_.clear();
     const uint8_t ready = idle_ ? 1 : 0;
     sector_ = by_sector ? argument : argument / 512;
-    const bool readable = index != 17 || reads_left;
+    const bool readable = index != 17 || can(reads_left);
     const bool inside = sector_ < content.size() / 512 && readable;
-    if (index == 17 && reads_left > 0) --reads_left;
     // What means nothing is to be 0.
     const bool means = index == 8 || index == 16 || index == 17 || index == 24 || index == 41;
     if (!means && index != 59 && argument) ++rude;
@@ -203,7 +210,7 @@ void Card::store() {
     receiving_ = false;
     busy_until_us_ = now_us + busy_us;
     ++writes;
-    if (refuse || write_protected || !right || !writes_left) {
+    if (refuse || write_protected || !right || sector_ == bad_sector || !can(writes_left)) {
         if (refuse) --refuse;
         if (write_protected) status_ = 0x20;
         answer(right ? 0xED : 0xEB);
@@ -212,7 +219,6 @@ void Card::store() {
         status_ = 0x04;
         answer(0xE5);
     } else {
-        if (writes_left > 0) --writes_left;
         memcpy(&content[sector_ * 512], &in_[1], 512);
         answer(0xE5);
     }

@@ -42,8 +42,11 @@ struct Card {
     int disturb = 0;                // so many of the next blocks arrive with a wrong bit,
     int disturb_read = 0;           // or are read with one
     int disturb_sheet = 0;          // and so many of the next registers
-    int reads_left = -1;            // so many blocks can still be read, or written, and no more;
-    int writes_left = -1;           // -1: as many as there are
+    int reads_left = -1;            // so many blocks can still be read, or written, and then
+    int writes_left = -1;           // `failures` times none; -1: as many as there are
+    int failures = -1;              // -1: for ever
+    int failed = 0;                 // so often
+    uint32_t bad_sector = ~0u;      // takes no block
     int rude = 0;                   // what a real card may take amiss: see exchange()
     bool checks() const { return checks_; }
     bool selected() const { return selected_; }
@@ -54,6 +57,7 @@ struct Card {
 
   private:
     void answer(uint8_t byte) { out_.push_back(byte); }
+    bool can(int& left);  // read or write another block
     void answer_block(const uint8_t* data, size_t size);
     void answer_sheet(const uint8_t* data);
     uint8_t crc7() const;

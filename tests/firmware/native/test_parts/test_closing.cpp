@@ -17,12 +17,19 @@ static uint32_t file_blocks(const char* name) {
     return file.open(name) ? file.blocks() : 0;
 }
 
-// The card reads, or writes, so many blocks more and then fails.
-static void fail_after(bool reading, int blocks) {
-    (reading ? fake::card.reads_left : fake::card.writes_left) = blocks;
+// The card reads, or writes, so many blocks more and then fails: three times, or for ever.
+struct Failing {
+    bool reading, for_ever;
+};
+const Failing kFailing[] = {{true, true}, {true, false}, {false, true}, {false, false}};
+
+static void fail_after(const Failing& how, int blocks) {
+    (how.reading ? fake::card.reads_left : fake::card.writes_left) = blocks;
+    fake::card.failures = how.for_ever ? -1 : 3;
+    fake::card.failed = 0;
 }
 
-static bool has_failed() { return !fake::card.reads_left || !fake::card.writes_left; }
+static bool has_failed() { return fake::card.failed; }
 
 static void heal() {
     fake::card.reads_left = fake::card.writes_left = -1;
@@ -38,6 +45,25 @@ TEST(a_closed_file_keeps_its_own_room_and_no_more) {
     CHECK(rig.stop() == kNoTrouble);
     CHECK(file_blocks("HOP00001.HOP") == 1 + 14 + 1);
     CHECK(free - free_clusters() == 1 + 14 + 1);  // clusters of one block
+}
+
+TEST(a_file_whose_entry_cannot_be_written_keeps_all_its_room) {
+    if (!insert_card()) return;
+    const uint32_t free = free_clusters();
+    Rig rig;
+    CHECK(rig.session.start() == kNoTrouble);
+    rig.run(500);
+    {
+        FATFS volume;
+        CHECK(f_mount(&volume, "", 1) == FR_OK);
+        fake::card.bad_sector = volume.dirbase;  // where the entry is
+        f_mount(nullptr, "", 0);
+    }
+    CHECK(rig.stop() == kCardError);
+    fake::card.bad_sector = ~0u;
+    CHECK(file_blocks("HOP00001.HOP") == 2048 && free - free_clusters() == 2048);
+    CHECK(rig.session.meet() == kNoTrouble && decode("HOP00001.HOP").scans == 500);
+    CHECK(file_blocks("HOP00001.HOP") == 1 + 14 + 1 && free - free_clusters() == 1 + 14 + 1);
 }
 
 TEST(only_a_session_that_was_cut_off_is_gone_on_with) {
@@ -59,7 +85,7 @@ TEST(only_a_session_that_was_cut_off_is_gone_on_with) {
 }
 
 TEST(a_card_that_fails_while_a_session_is_stopped_keeps_what_was_acknowledged) {
-    for (const bool reading : {true, false}) {
+    for (const Failing& how : kFailing) {
         bool failed = true;
         for (int blocks = 0; failed; blocks += 1 + blocks / 4) {
             fake::power_on();
@@ -70,7 +96,7 @@ TEST(a_card_that_fails_while_a_session_is_stopped_keeps_what_was_acknowledged) {
                 Rig rig;
                 CHECK(rig.session.start() == kNoTrouble);
                 rig.run(100);
-                fail_after(reading, blocks);
+                fail_after(how, blocks);
                 const Trouble trouble = rig.stop();
                 failed = has_failed();
                 heal();
@@ -94,12 +120,12 @@ TEST(a_card_that_fails_while_a_reset_session_is_closed_loses_nothing) {
         rig.run(37 * 20 + 1);
     }
     const std::vector<uint8_t> intact = fake::card.content;
-    for (const bool reading : {true, false}) {
+    for (const Failing& how : kFailing) {
         bool failed = true;
-        for (int blocks = 0; failed; blocks += 1 + blocks / 3) {
+        for (int blocks = 0; failed; blocks += 1 + blocks) {
             fake::card.content = intact;
             for (const bool well : {false, true}) {
-                if (!well) fail_after(reading, blocks);
+                if (!well) fail_after(how, blocks);
                 Rig rig;
                 const Trouble trouble = rig.session.meet();
                 if (!well) failed = has_failed();

@@ -101,3 +101,16 @@ TEST(a_session_takes_what_room_there_is_from_a_megabyte_on) {
         fake::power_on();
     }
 }
+
+TEST(a_card_that_fails_while_room_is_looked_for_is_not_called_full) {
+    bool failed = true;
+    for (int reads = 0; failed; ++reads) {
+        if (!insert_card()) return;
+        Rig rig;
+        fake::card.reads_left = reads;
+        const Trouble trouble = rig.session.start();
+        failed = fake::card.failed;
+        CHECK(!trouble || (failed && trouble == kCardError));
+        fake::power_on();
+    }
+}
