@@ -19,7 +19,6 @@ import shlex
 import shutil
 import subprocess
 import tempfile
-import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -30,7 +29,6 @@ from tools.firmware_fatfs import fetch
 
 PARTS = ("ring", "sdcard", "logfile", "block", "link")
 TESTS = ROOT / "tests/firmware/native/test_parts"
-PATIENCE = 10  # times what the tests take without a mutant, 10 s at least
 
 RULES = (
     (r"(?<= )<(?= )", "<="),
@@ -121,8 +119,10 @@ REMEMBERED = Remembered(
 
 
 def other_number(text: str) -> str:
-    """One larger; from ten on, where a number is a limit of time or patience, twice as large."""
-    return str(int(text) + 1 if int(text) < 10 else 2 * int(text))
+    """Zero for one, which may be a flag; else one larger; from ten on, where a number is a limit of
+    time or patience, twice as large."""
+    number = int(text)
+    return str(0 if number == 1 else number + 1 if number < 10 else 2 * number)
 
 
 def is_no_boundary(code: str, at: int) -> bool:
@@ -206,7 +206,6 @@ class Workbench:
         self.flags = [a for a in command if not a.endswith((".cpp", ".c"))] + ["-O1"]
         self.folder = folder
         self.order: list[str] = []
-        self.longest_s = 600.0
         self.objects = {}
         for i, source in enumerate(self.sources):
             whole = (ROOT / source).resolve()
@@ -227,20 +226,14 @@ class Workbench:
         link = [self.flags[0], "-fsanitize=address,undefined", *map(str, objects.values())]
         subprocess.run([*link, "-o", str(program)], check=True, capture_output=True)
         return subprocess.run(
-            [program, self.image, *self.order],
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=self.longest_s,
+            [program, self.image, *self.order], capture_output=True, text=True, errors="replace"
         )
 
     def prepare(self) -> None:
-        """The tests pass without a mutant; what takes long is asked last, and nothing for ever."""
-        begun_s = time.monotonic()
+        """The tests pass without a mutant; what takes long is asked last."""
         done = self._run(self.objects)
         if done.returncode:
             raise SystemExit("the tests fail without any mutant")
-        self.longest_s = max(PATIENCE * (time.monotonic() - begun_s), 10.0)
         taken_us = re.findall(r"^(\w+) took (\d+) us", done.stdout, re.MULTILINE)
         self.order = [name for name, _ in sorted(taken_us, key=lambda test: int(test[1]))]
 
@@ -253,8 +246,8 @@ class Workbench:
             return "no program"
         try:
             done = self._run({**self.objects, mutant.file: changed})
-        except subprocess.TimeoutExpired:
-            return "no end"
+        except subprocess.CalledProcessError:
+            return "no program"
         if not done.returncode:
             return "survived"
         failed = re.search(r"^(\w+):FAILED", done.stdout, re.MULTILINE)

@@ -121,7 +121,7 @@ def test_triggers_that_are_lost_are_counted(logger, card, cycles):
         one.board.hold_cpu(cycles)
     one.run(0.1)
     missed = one.board.counters().missed - missed
-    assert missed > 3
+    assert missed >= 2  # at 900 cycles, one phase in twenty
     assert one.command("stop").ok
     log = one.log()
     assert int(log.summary["late"]) == missed

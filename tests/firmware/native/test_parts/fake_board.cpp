@@ -40,7 +40,9 @@ std::string sent(Link& link) {
 void Card::select(bool selected) {
     const bool speaks = !out_.empty() && out_.front() != 0xFF;  // it has more to say
     if (selected_ && !selected && inserted && speaks) ++rude;
+    holds_bus_ |= selected_ && !selected;
     selected_ = selected;
+    just_spoke_ = false;
     if (!selected) in_.clear(), out_.clear(), receiving_ = false;
 }
 
@@ -53,8 +55,11 @@ void Card::lose_power() {
 uint8_t Card::exchange(uint8_t sent) {
     now_us += 2;
     if (inserted && !selected_ && clocks_ < 74) clocks_ += 8;
+    if (!selected_) holds_bus_ = false;
     if (!inserted || !selected_) return 0xFF;
     uint8_t reply = 0xFF;
+    if (!receiving_ && in_.empty() && (sent & 0xC0) == 0x40 && just_spoke_) ++rude;
+    just_spoke_ = false;
     // A command into an answer that was not read to its end; a block without a byte's pause before.
     const bool quiet = out_.empty();
     if (!receiving_ && in_.empty() && (sent & 0xC0) == 0x40 && !quiet) ++rude;
@@ -63,6 +68,7 @@ uint8_t Card::exchange(uint8_t sent) {
     if (!out_.empty()) {
         reply = out_.front();
         out_.pop_front();
+        just_spoke_ = out_.empty();
     } else if (static_cast<int32_t>(busy_until_us_ - now_us) > 0) {
         reply = 0;
     }
@@ -153,6 +159,10 @@ void Card::command() {
             answer(1);
             break;
         case 8:
+            if (version_1) {
+                answer(4 | ready);
+                break;
+            }
             for (uint8_t byte : {ready, uint8_t(0), uint8_t(0), uint8_t(1), uint8_t(0xAA)})
                 answer(byte);
             break;
@@ -182,8 +192,9 @@ void Card::command() {
             pause_ = false;
             break;
         case 41:
-            if (application) idle_ = false;
-            answer(application ? 0 : 5);
+            if (version_1 && argument) ++rude;
+            if (application && (!by_sector || argument >> 30 & 1)) idle_ = false;
+            answer(application ? idle_ : 5);
             break;
         case 55:
             application_ = true;

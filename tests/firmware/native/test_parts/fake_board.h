@@ -24,7 +24,8 @@ std::string sent(Link& link);  // what the serial interrupt sends, once it was s
 struct Card {
     std::vector<uint8_t> content;  // as many sectors as it has
     bool inserted = true;
-    bool by_sector = true;  // SDHC
+    bool by_sector = true;   // SDHC
+    bool version_1 = false;  // and no SDHC
     bool write_protected = false;
     uint8_t serial_number = 1;
     uint32_t busy_us = 300;  // after every write
@@ -49,7 +50,7 @@ struct Card {
     uint32_t bad_sector = ~0u;      // takes no block
     int rude = 0;                   // what a real card may take amiss: see exchange()
     bool checks() const { return checks_; }
-    bool selected() const { return selected_; }
+    bool holds_bus() const { return selected_ || holds_bus_; }
 
     void select(bool selected);
     uint8_t exchange(uint8_t sent);
@@ -68,8 +69,10 @@ struct Card {
     std::deque<uint8_t> out_;
     bool selected_ = false, idle_ = true, receiving_ = false, application_ = false;
     bool checks_ = false;
-    int clocks_ = 0;      // while it was not selected; it wants 74 before the first command
-    bool pause_ = false;  // since the answer to CMD24
+    int clocks_ = 0;           // while it was not selected; it wants 74 before the first command
+    bool pause_ = false;       // since the answer to CMD24
+    bool just_spoke_ = false;  // a byte's pause is due before the next command
+    bool holds_bus_ = false;   // until a clock after it was deselected
     uint8_t status_ = 0;
     size_t sector_ = 0;
     uint32_t busy_until_us_ = 0;

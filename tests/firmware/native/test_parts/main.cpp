@@ -1,8 +1,11 @@
-// Runs all tests of this folder, or those named, in that order and until one fails:
+// Runs all tests of this folder, or those named, in that order and until one fails or takes the
+// processor for more than 4 s:
 //
 //     parts [IMAGE [TEST ...]]
 //
 // IMAGE is an empty FAT file system; it stays as it is.
+#include <sys/time.h>
+
 #include <chrono>
 #include <cstring>
 
@@ -39,6 +42,8 @@ int main(int count, char** arguments) {
         for (Test* test = first; test; test = test->next) all = passes(*test) && all;
     }
     for (int k = 2; k < count && all; ++k) {
+        const itimerval patience = {{0, 0}, {4, 0}};
+        setitimer(ITIMER_PROF, &patience, nullptr);
         Test* test = first;
         while (test && std::strcmp(test->name, arguments[k])) test = test->next;
         all = test && passes(*test);

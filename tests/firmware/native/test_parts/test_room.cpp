@@ -21,7 +21,7 @@ TEST(a_run_up_to_the_last_cluster_is_found_and_does_not_go_on_at_the_first) {
     const uint32_t full = volume.n_fatent & ~255u;  // the table's last sector
     uint8_t sector[512];
     logfile::Run found;
-    for (uint32_t unused : {0, 100}) {
+    for (uint32_t unused : {0, 100, 255}) {
         volume.n_fatent = full;
         const uint32_t last = full - unused - 90;
         set_free(volume, {{2, 60}, {last, 90 + unused}});
@@ -44,13 +44,20 @@ TEST(the_longest_run_of_free_clusters_is_found) {
     set_free(volume, {{500, 50}, {2000, 120}, {5000, 80}});
     uint8_t sector[512];
     logfile::Run found;
+    fake::fed_us = fake::now_us;
+    fake::longest_unfed_us = 0;
     CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
+    CHECK(fake::longest_unfed_us < 20000 && fake::now_us - fake::fed_us < 20000);
     CHECK(found.start == 2000 && found.length == 120);
     volume.last_clst = 4900;  // the search begins behind, and comes round
     CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
     CHECK(found.start == 2000 && found.length == 120);
     CHECK(logfile::find_room(volume, 60, sector, found) == FR_OK);
     CHECK(found.start == 5000 && found.length == 60);
+    set_free(volume, {{1000, 1200}});
+    volume.last_clst = 1100;  // in the middle of it
+    CHECK(logfile::find_room(volume, 2000, sector, found) == FR_OK);
+    CHECK(found.start >= 1000 && found.start + found.length == 2200);
     f_mount(nullptr, "", 0);
 }
 

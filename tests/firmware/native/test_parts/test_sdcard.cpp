@@ -32,10 +32,20 @@ TEST(sectors_are_written_and_read_on_both_kinds_of_card) {
         CHECK(write(5, 0xA5) && fake::card.content[5 * 512 + 511] == 0xA5);
         uint8_t data[512] = {};
         CHECK(card.read(5, data) && data[0] == 0xA5 && data[511] == 0xA5);
-        CHECK(!fake::card.selected());
+        CHECK(!fake::card.holds_bus());
         CHECK(!card.read(64, data));  // there is no such sector
         CHECK(!write(64, 1) && write(63, 1));
-        CHECK(!fake::card.selected());  // others may use the bus
+        CHECK(!fake::card.holds_bus());  // others may use the bus
+    }
+}
+
+TEST(a_card_of_another_kind_may_follow) {
+    for (int k = 0; k < 6; ++k) {
+        fake::card.lose_power();
+        fake::card.serial_number = static_cast<uint8_t>(k);
+        fake::card.by_sector = k % 3 == 0;
+        fake::card.version_1 = k % 3 == 1;
+        CHECK(wake() && write(3, k) && fake::card.content[3 * 512 + 99] == k);
     }
 }
 
@@ -49,12 +59,12 @@ TEST(polling_a_busy_card_never_waits) {
     CHECK(wake());
     fake::card.busy_us = 600000;
     uint8_t data[512] = {};
-    CHECK(card.write(1, data) && !fake::card.selected());  // others may use the bus
+    CHECK(card.write(1, data) && !fake::card.holds_bus());  // others may use the bus
     int polls = 0;
     while (card.state() == SdCard::Busy) {
         const uint32_t before = fake::now_us;
         card.poll();
-        CHECK(fake::now_us - before < 100 && !fake::card.selected());
+        CHECK(fake::now_us - before < 100 && !fake::card.holds_bus());
         ++polls;
     }
     CHECK(card.written() && polls > 1000);
@@ -80,6 +90,9 @@ TEST(refused_and_failed_writes_are_told) {
 }
 
 TEST(write_protection_is_told_by_sheet_and_status) {
+    fake::card.write_protected = true;
+    CHECK(wake() && card.write_protected());
+    fake::card.write_protected = false;
     CHECK(wake() && !card.write_protected());
     fake::card.write_protected = true;
     CHECK(!write(1, 1) && card.write_protected());
@@ -89,7 +102,7 @@ TEST(write_protection_is_told_by_sheet_and_status) {
 TEST(a_card_that_lost_contact_is_not_ready) {
     CHECK(wake());
     fake::card.lose_power();
-    CHECK(!card.present() && card.state() == SdCard::Down && !fake::card.selected());
+    CHECK(!card.present() && card.state() == SdCard::Down && !fake::card.holds_bus());
     CHECK(wake());
     fake::card.inserted = false;
     CHECK(!write(1, 1) && card.state() == SdCard::Down);
@@ -167,9 +180,9 @@ TEST(a_card_that_starts_leaves_the_bus_between_questions) {
     card.begin();
     while (card.state() == SdCard::Starting) {
         card.poll();
-        CHECK(!fake::card.selected() || fake::card.commands[9]);
+        CHECK(!fake::card.holds_bus() || fake::card.commands[9]);
     }
-    CHECK(!fake::card.selected());
+    CHECK(!fake::card.holds_bus());
 }
 
 TEST(a_card_that_counts_otherwise_than_its_sheet_says_is_refused) {

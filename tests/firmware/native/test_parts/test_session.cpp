@@ -287,7 +287,9 @@ TEST(a_file_that_is_not_there_is_told_from_a_card_that_is_not) {
     CHECK(trouble == kNoCard);
     fake::card.inserted = true;
     CHECK(logfile::mount(volume) == kNoTrouble);
-    CHECK(logfile::open_file(work, "HOP00099.HOP", 0) == kNoFile);
+    for (const char* name : {"HOP00099.HOP", "HOP/1.HOP", "HOP*.HOP", ""}) {
+        CHECK(logfile::open_file(work, name, 0) == kNoFile);
+    }
     for (uint32_t block : {3u, 0u}) {
         CHECK(logfile::open_file(work, "HOP00001.HOP", block) == kNoTrouble);
         uint8_t got, data[16];
