@@ -20,9 +20,10 @@ def test_the_verdict_on_measured_axles(name, tmp_path):
     case = CASES[name]
     folder = truth.make_campaign(tmp_path, seed=case.seed, effects=case.hidden, short=True)
     campaign = read_campaign(folder)
-    axles = axle_driven(campaign)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    axles = axle_driven(campaign, vehicle)
     assert axles is not None
-    found = diagnose(axles, read_vehicle(campaign.vehicle_file), LIBRARY, jobs=1)
+    found = diagnose(axles, vehicle, LIBRARY, jobs=1)
     assert found.verdict == case.verdict
     assert found.confidence > 0.9
     assert found.ladder[-1].over_floor < 1.1

@@ -21,7 +21,7 @@ from wheelhop.effects import OwnValues, RunSetting
 from wheelhop.effects.progressive_tyre import beyond_linear
 from wheelhop.effects.tyre_lift_off import no_pull
 from wheelhop.vehicle import baseline
-from wheelhop.vehicle.full_car import body_inertia
+from wheelhop.vehicle.layout import body_inertia
 
 REACHED = 2e-4
 """What the two simulators differ by, band rms, with or without these effects."""

@@ -14,7 +14,7 @@ from wheelhop.effects.dry_friction import creeping_slip, elastic_slip
 from wheelhop.effects.progressive_spring import POLYTROPIC_EXPONENT, cubic, gas
 from wheelhop.effects.tyre_lift_off import no_pull
 from wheelhop.vehicle import baseline, static_load, static_tyre_load
-from wheelhop.vehicle.full_car import body_inertia
+from wheelhop.vehicle.layout import body_inertia
 
 
 def force(law, x, v, *parameters):

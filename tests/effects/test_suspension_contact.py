@@ -11,7 +11,7 @@ from tests.simulate.setup import ATV, CHANNELS, EFFECTS
 from wheelhop.effects.backlash import RISE_S, free_play
 from wheelhop.effects.bump_stop import SHARES, stops
 from wheelhop.vehicle import baseline, static_load
-from wheelhop.vehicle.full_car import body_inertia
+from wheelhop.vehicle.layout import body_inertia
 
 K, C, LOAD = 10_000.0, 600.0, 500.0
 STRUT = (K, C, LOAD, RISE_S)

@@ -10,7 +10,7 @@ from wheelhop.effects.mount_bushing import in_series, relaxing
 from wheelhop.material import Elements
 from wheelhop.material.series import in_series as on_elements
 from wheelhop.vehicle import baseline
-from wheelhop.vehicle.full_car import body_inertia
+from wheelhop.vehicle.layout import body_inertia
 
 K, C = 10_000.0, 600.0
 

@@ -13,7 +13,7 @@ from tests.truth.closed_form import matrices
 from wheelhop.campaign import Channel
 from wheelhop.simulate import frequency_response
 from wheelhop.vehicle import CORNERS, Assembly, Body, Coordinate, axle, baseline, between, ground
-from wheelhop.vehicle.full_car import body_inertia
+from wheelhop.vehicle.layout import body_inertia
 
 POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
 CHANNELS = [Channel(name, name) for name in POINTS]

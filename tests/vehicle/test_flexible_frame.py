@@ -20,7 +20,7 @@ from wheelhop.frame import (
 )
 from wheelhop.simulate import frequency_response
 from wheelhop.vehicle import baseline, car_on_frame, frame_values
-from wheelhop.vehicle.full_car import body_inertia
+from wheelhop.vehicle.layout import body_inertia
 
 BODY = [Channel(name, name) for name in ("B1", "B2", "B3", "B4")]
 MASSES = [PointMass(c, 35.0) for c in CORNERS] + [PointMass("ML", 40.0), PointMass("MR", 40.0)]

@@ -219,7 +219,7 @@ def _driven_by_axles(
 ) -> Step | None:
     """The same model with the measured axle motion driving the body; None where that is not
     possible, or is what was compared already."""
-    driven = axle_driven(campaign)
+    driven = axle_driven(campaign, vehicle)
     if driven is None or all(run.track.kind == "unknown" for run in campaign.runs):
         return None
     acting = [effect for effect in effects if not effect.needs_road]

@@ -86,7 +86,7 @@ def print_rides(case: Case, console: Console) -> None:
 
 
 def _cells(found: Ride) -> tuple[str, ...]:
-    return (
+    cells = (
         f"{found.comfort_wk_rms_m_s2:.2f}",
         f"{found.comfort_wk_rms_below_50_hz_m_s2:.2f}",
         f"{found.comfort_vdv_m_s1_75:.1f}",
@@ -95,6 +95,7 @@ def _cells(found: Ride) -> tuple[str, ...]:
         f"{found.dynamic_load_front:.2f}/{found.dynamic_load_rear:.2f}",
         f"{round(found.tyre_load_least, 2) + 0.0:.2f}",  # no minus zero
     )
+    return tuple(cell.replace("nan/nan", "").replace("/nan", "") for cell in cells)
 
 
 def _sweep(arguments: Namespace) -> int:

@@ -23,7 +23,7 @@ from wheelhop.fit import (
     vehicle_parameters,
 )
 from wheelhop.simulate import Model
-from wheelhop.vehicle import CORNERS, Vehicle
+from wheelhop.vehicle import Vehicle, wheels
 
 Progress = Callable[[str], None]
 
@@ -50,7 +50,7 @@ def fit_baseline(
     CampaignError
         The campaign does not hold what a comparison needs.
     """
-    _check(campaign)
+    _check(campaign, vehicle)
     model = initial_model(campaign, vehicle)
     workshop = Workshop(campaign, model, jobs=jobs)
     progress("finding each run's start and speed")
@@ -83,12 +83,12 @@ def fit_baseline(
     return Baseline(workshop, free, rung)
 
 
-def axle_driven(campaign: Campaign) -> Campaign | None:
+def axle_driven(campaign: Campaign, vehicle: Vehicle) -> Campaign | None:
     """The same records, the measured axle motion driving the body: track, speed and tyres no
-    longer matter. None without all four axles or without a channel on the body that moves."""
+    longer matter. None without the axles of all wheels, or a channel on the body that moves."""
     corners = {c.corner for c in campaign.channels if c.is_axle}
     body = [i for i, c in enumerate(campaign.channels) if not c.is_axle]
-    if corners != set(CORNERS) or not body or _resting(campaign, body):
+    if corners != set(wheels(vehicle.values)) or not body or _resting(campaign, body):
         return None
     unknown = TrackSpec("unknown", {})
     return replace(campaign, runs=tuple(replace(run, track=unknown) for run in campaign.runs))
@@ -139,7 +139,7 @@ def _resting(campaign: Campaign, channels: list[int]) -> list[str]:
     return [role for role, any_moves in moves.items() if not any_moves]
 
 
-def _check(campaign: Campaign) -> None:
+def _check(campaign: Campaign, vehicle: Vehicle) -> None:
     where = campaign.folder / "campaign.toml"
     for role in _resting(campaign, list(range(len(campaign.channels)))):
         raise CampaignError(
@@ -148,12 +148,12 @@ def _check(campaign: Campaign) -> None:
         )
     corners = {c.corner for c in campaign.channels if c.is_axle}
     unknown = [run.id for run in campaign.runs if run.track.kind == "unknown"]
-    if unknown and corners != set(CORNERS):
-        missing = ", ".join(f"A{i + 1}" for i in CORNERS if i not in corners)
+    lacking = [f"A{i + 1}" for i in wheels(vehicle.values) if i not in corners]
+    if unknown and lacking:
         raise CampaignError(
             f'{where}: run "{unknown[0]}" has track.kind = "unknown", so measured axle motion must'
-            f" drive the model, but {missing} is not among the channels; describe the track, or"
-            " leave the run out"
+            f" drive the model, but {', '.join(lacking)} is not among the channels; describe the"
+            " track, or leave the run out"
         )
     if unknown and all(c.is_axle for c in campaign.channels):
         raise CampaignError(

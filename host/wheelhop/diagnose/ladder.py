@@ -30,7 +30,7 @@ from wheelhop.effects import Effect, Place, beliefs
 from wheelhop.fit import Workshop
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import linearity
-from wheelhop.vehicle import Vehicle
+from wheelhop.vehicle import CORNERS, Vehicle, wheels
 
 HOPELESS = 2.0
 """An effect that leaves this many times the leader's held-out error won't catch up in a refit; nor
@@ -100,7 +100,8 @@ def diagnose_from(
     diagnosis = replace(diagnosis, findings=(*gated.findings, *criticism(diagnosis)))
     last = diagnosis.ladder[-1]
     between = any(e.place in BETWEEN for e in last.rung.model.effects) or last.above_floor
-    if not between or axle_driven(gated.campaign) is None:
+    whole = len(wheels(vehicle.values)) == len(CORNERS)
+    if not between or not whole or axle_driven(gated.campaign, vehicle) is None:
         return diagnosis
     progress("asking whether what lies between axle and body is linear")
     return replace(diagnosis, axle_to_body=linearity(gated.campaign, vehicle))

@@ -94,6 +94,8 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
     found: list[Variant] = []
     for choice in effect.choices(channels):
         form = effect.with_choice(choice) if choice else effect
+        if not form.applies_to(workshop.nominal):
+            continue
         parameters = tuple(workshop.parameters_of(form))
         amplitudes = any(not p.is_shape for p in parameters)
         if not amplitudes and not any(form.per_run(setting) for setting in settings):

@@ -14,6 +14,7 @@ class AntiRollBar(Effect):
 
     id = "anti-roll-bar"
     place = "suspension"
+    needs_motions = ("roll",)
     title = "left and right travel coupled by a spring"
     equation = r"f_\mathrm{left} = -f_\mathrm{right} = k_b\,(x_\mathrm{left} - x_\mathrm{right})"
     source = (

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.track import Wheel, WheelPath
 from wheelhop.vehicle.assembly import Assembly, Law
+from wheelhop.vehicle.layout import motions
 
 Array = NDArray[np.float64]
 Values = Mapping[str, float]
@@ -159,6 +160,8 @@ class Effect:
     source: ClassVar[str]
     needs_road: ClassVar[bool] = False
     """Whether the effect acts upstream of the axle, where an unknown track hides it."""
+    needs_motions: ClassVar[Sequence[str]] = ()
+    """Motions of the body, "pitch" or "roll", without which it has nothing to act on."""
     on_rig: ClassVar[bool] = False
     """Whether it acts on a component on a rig, too: springs and force laws along the rows of
     `wheelhop.vehicle.struts`, and nothing that has a motion of its own."""
@@ -175,6 +178,10 @@ class Effect:
     def acts_in(self, run: RunSetting) -> bool:
         """Whether it can act in a run: upstream of measured axles nothing does."""
         return self.on_rig if run.on_rig else run.on_road or not self.needs_road
+
+    def applies_to(self, vehicle: Values) -> bool:
+        """Whether the vehicle has what it acts on; the other hooks are not called if not."""
+        return set(self.needs_motions) <= set(motions(vehicle))
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The parameters, with scales fitting this vehicle; empty: the effect does not apply."""

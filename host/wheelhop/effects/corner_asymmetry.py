@@ -36,10 +36,12 @@ class CornerAsymmetry(Effect):
         """The difference on the axle `choice`."""
         return CornerAsymmetry(choice)
 
+    def applies_to(self, vehicle: Values) -> bool:
+        """Whether that axle has a left and a right strut."""
+        return self.axle in pairs(vehicle)
+
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Half the difference of left and right over the mean, of spring and of damper."""
-        if self.axle not in pairs(vehicle):
-            return ()
         return tuple(
             Parameter(
                 f"{part}_excess",

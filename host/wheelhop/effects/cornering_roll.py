@@ -10,6 +10,7 @@ class CorneringRoll(AccelerationMoment):
     """Load transfer between the sides, to the right wheels in a curve to the left."""
 
     id = "cornering-roll"
+    needs_motions = ("roll",)
     title = "a curved path rolls the body: a slowly varying roll moment"
     equation = (
         r"M_\phi = m h\,a_y(t),\quad a_y = \sum_j c_j B_j(t),"

@@ -24,6 +24,7 @@ class DriverRocking(Effect):
             "freq_hz", "upper", "body.roll_inertia_kg_m2", "held stiffly he rolls with the body"
         ),
     )
+    needs_motions = ("roll",)
     title = "the driver sways laterally on a torsional restraint (roll)"
     equation = (
         r"I_d \ddot\phi_d = -k (\phi_d - \phi) - c (\dot\phi_d - \dot\phi),"

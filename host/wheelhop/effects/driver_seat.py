@@ -7,7 +7,7 @@ from math import pi
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Becomes, Effect, Parameter, Values
-from wheelhop.vehicle import Assembly, Body, between
+from wheelhop.vehicle import Assembly, Body, between, motions
 
 
 class DriverSeat(Effect):
@@ -28,6 +28,13 @@ class DriverSeat(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Mass that moves on the seat, the seat's resonance, and where it is."""
+        place = Parameter(
+            "x_m",
+            "m",
+            "how far the seat is ahead of the centre of mass",
+            0.05,
+            starts=(vehicle.get("driver.x_m", 0.0),),
+        )
         return (
             Parameter(
                 "mass_kg",
@@ -47,19 +54,13 @@ class DriverSeat(Effect):
                 starts=(2.0, 3.5, 6.0, 10.0),
             ),
             Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
-            Parameter(
-                "x_m",
-                "m",
-                "how far the seat is ahead of the centre of mass",
-                0.05,
-                starts=(vehicle.get("driver.x_m", 0.0),),
-            ),
+            *((place,) if "pitch" in motions(vehicle) else ()),
         )
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Move the mass from the body to the seat."""
         mass, omega = theta["mass_kg"], 2 * pi * theta["freq_hz"]
-        seat = Body(theta["x_m"], vehicle.get("driver.y_m", 0.0))
+        seat = Body(theta.get("x_m", 0.0), vehicle.get("driver.y_m", 0.0))
         if mass < 1e-6 * vehicle["body.mass_kg"]:
             return
         driver = parts.add_coordinate("driver")

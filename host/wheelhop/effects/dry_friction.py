@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
-from wheelhop.vehicle import Assembly, ends, struts
+from wheelhop.vehicle import COMPONENT, Assembly, ends, struts
 
 LONGEST_STEP_S = {"elastic": 0.00125, "creeping": 0.000625}
 """What a joint does before it slips, and the step that takes: its stiffness against the unsprung
@@ -89,7 +89,7 @@ class DryFriction(Effect):
                 )
                 for end, strut in found.items()
             ),
-            self._before_slip(len(found) > 1, spring),
+            self._before_slip(COMPONENT not in found, spring),
         )
 
     def _before_slip(self, on_car: bool, spring_N_m: float) -> Parameter:

@@ -16,6 +16,7 @@ class FrameTwist(Effect):
     id = "frame-twist"
     place = "body"
     becomes = (Becomes("freq_hz", "upper", "a rigid body", "a mode beyond the band hardly moves"),)
+    needs_motions = ("pitch", "roll")
     title = "the frame's first torsional mode"
     equation = (
         r"z(x, y) = z - x\theta + y\phi + \tau\,\frac{(x - x_m)\,y}{(L/2)(t/2)},"

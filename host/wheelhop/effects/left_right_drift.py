@@ -32,6 +32,7 @@ class LeftRightDrift(Effect):
         r"\quad B_j \text{ cubic B-splines, 1 s apart (slow) or 0.15 s (fast)}"
     )
     source = "thesis 4.4, points 4 and 5: no differential, tracks that are not straight"
+    needs_motions = ("roll",)
     needs_road = True
 
     def __init__(self, form: str = "slow") -> None:

@@ -10,6 +10,7 @@ class LongitudinalPitch(AccelerationMoment):
     """Load transfer between the axles, to the front one when braking."""
 
     id = "longitudinal-pitch"
+    needs_motions = ("pitch",)
     title = "fore-aft acceleration pitches the body"
     equation = (
         r"M_\theta = -m h\,a_x(t),\quad a_x = \sum_j c_j B_j(t),"

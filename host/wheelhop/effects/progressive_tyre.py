@@ -8,7 +8,7 @@ import numba
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
-from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_tyre_load, tyre
+from wheelhop.vehicle import Assembly, axle_name, axles, static_tyre_load, tyre, wheels
 
 
 @numba.njit("float64(float64, float64, float64, float64)", cache=True, error_model="numpy")
@@ -62,7 +62,7 @@ class ProgressiveTyre(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Growth of the stiffness, or its bend, per axle."""
         parameters = []
-        for corner, end in ((0, "front"), (2, "rear")):
+        for corner, end in zip((0, 2), axles(vehicle), strict=False):
             # A load ∝ (deflection)ⁿ has growth (n − 1) / deflection at rest; n is 1.0 to 1.5.
             at_rest = static_tyre_load(vehicle, corner) / vehicle[f"wheel.{end}.tyre_stiffness_N_m"]
             if self.form == "quadratic":
@@ -91,7 +91,7 @@ class ProgressiveTyre(Effect):
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the force to each tyre."""
-        for i in CORNERS:
+        for i in wheels(vehicle):
             end = axle_name(i)
             stiffness = vehicle[f"wheel.{end}.tyre_stiffness_N_m"]
             growth, bend = theta.get(f"{end}_1_m", 0.0), theta.get(f"{end}_1_m2", 0.0)

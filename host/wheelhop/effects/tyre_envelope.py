@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Effect, Parameter, Values
 from wheelhop.track import Wheel, WheelPath
-from wheelhop.vehicle import axle_name
+from wheelhop.vehicle import axle_name, axles
 
 CONTACT_M = 0.1
 """Contacts are 0.05 to 0.25 m long, from a kart's to a lorry's."""
@@ -50,7 +50,7 @@ class TyreEnvelope(Effect):
         """The length averaged over, per axle."""
         # Where the model's wheels have shrunk to less than a contact, to follow the ground, no
         # rigid wheel is left to average: the footprint alone tells what they stand for.
-        shrunk = any(vehicle[f"wheel.{end}.radius_m"] < CONTACT_M / 2 for end in ("front", "rear"))
+        shrunk = any(vehicle[f"wheel.{end}.radius_m"] < CONTACT_M / 2 for end in axles(vehicle))
         if shrunk and self.form != "footprint":
             return ()
         lengths = [
@@ -62,7 +62,7 @@ class TyreEnvelope(Effect):
                 lower=0.0,
                 upper=5 * CONTACT_M,
             )
-            for end in ("front", "rear")
+            for end in axles(vehicle)
         ]
         if self.form != "footprint":
             return lengths

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
 from wheelhop.effects.progressive_tyre import bend_of, beyond_linear
-from wheelhop.vehicle import CORNERS, Assembly, axle_name, static_tyre_load, tyre
+from wheelhop.vehicle import Assembly, axle_name, static_tyre_load, tyre, wheels
 
 
 @law
@@ -35,7 +35,7 @@ class TyreLiftOff(Effect):
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the correction to each tyre."""
-        for i in CORNERS:
+        for i in wheels(vehicle):
             end = axle_name(i)
             stiffness = vehicle[f"wheel.{end}.tyre_stiffness_N_m"]
             damping = vehicle[f"wheel.{end}.tyre_damping_N_s_m"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
-from wheelhop.vehicle import CORNERS, Assembly, axle, axle_name
+from wheelhop.vehicle import CORNERS, Assembly, axle, axle_name, wheels
 
 WHEELS: Mapping[str, tuple[int, ...]] = {
     "front_left": (0,),
@@ -77,6 +77,10 @@ class WheelImbalance(Effect):
     def with_choice(self, choice: str) -> WheelImbalance:
         """This effect with the wheel `choice`."""
         return WheelImbalance(choice)
+
+    def applies_to(self, vehicle: Values) -> bool:
+        """Whether it has all these wheels."""
+        return set(self.wheels) <= set(wheels(vehicle))
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The radius the wheels roll on; it starts where `shape_starts` sees their line."""

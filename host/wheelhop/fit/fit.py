@@ -193,7 +193,7 @@ class _Problem:
         self.column = {free.name: i for i, free in enumerate(names)}
 
     def own(self, bench: Bench, model: Model) -> tuple[Free, ...]:
-        return tuple(run_parameters(bench.run, bench.simulator.setting, model.effects))
+        return tuple(run_parameters(bench.run, bench.simulator.setting, model))
 
     def completed(self, model: Model) -> Model:
         """The model with everything the runs leave free stated: at its prior mean if it is not."""

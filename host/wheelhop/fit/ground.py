@@ -16,7 +16,7 @@ from scipy import fft
 from wheelhop.effects import Effect
 from wheelhop.fit.workshop import Bench
 from wheelhop.simulate import HeightSeries, Model, frequency_response
-from wheelhop.vehicle import System
+from wheelhop.vehicle import System, wheels
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -54,14 +54,18 @@ class Ground:
         return Ground(self.bench, self._model, self._system, self._coherent)
 
     def response(self, wave_number_rad_m: Array) -> ComplexArray:
-        """Record per height of the left and the right path (k, c, 2), or of every wheel (k, c, 4),
-        1/s², at the mean speed; phases are those under the front wheel."""
+        """Record per height of the left and the right path (k, c, 2), or of every wheel
+        (k, c, wheels), 1/s², at the mean speed; phases are those under the front wheel."""
         frequency = wave_number_rad_m * self.speed_m_s / (2 * np.pi)
         campaign = self.bench.simulator.campaign
         wheel = frequency_response(self._system, frequency)[:, self.bench.predicted]
         wheel = wheel * np.sinc(frequency * campaign.averaging_s)[:, None, None]
-        later = np.exp(-1j * wave_number_rad_m * self._behind_m)[:, None, None]
-        path = wheel[:, :, :2] + later * wheel[:, :, 2:] if self._coherent else wheel
+        if not self._coherent:
+            return self._sensed(wheel, frequency)
+        later = np.exp(-1j * wave_number_rad_m * self._behind_m)[:, None]
+        path = np.zeros((*wheel.shape[:2], 2), dtype=np.complex128)
+        for j, i in enumerate(wheels(self._model.values)):
+            path[:, :, i % 2] += wheel[:, :, j] * (later if i >= 2 else 1.0)
         return self._sensed(path, frequency)
 
     @property

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.simulate import folded_power, frequency_response, sample_of
-from wheelhop.vehicle import CORNERS, System
+from wheelhop.vehicle import System
 
 Array = NDArray[np.float64]
 
@@ -42,15 +42,15 @@ def led_astray(campaign: Campaign, run: Run) -> Run:
 
 
 def _input_power(campaign: Campaign, run: Run, frequency_hz: Array) -> Array:
-    """Variance (f, 4), (m/s²)², of what is not the axles' motion in their records."""
+    """Variance (f, axles), (m/s²)², of what is not the axles' motion in their records."""
     axles = run.record[:, _columns(campaign)]
     noise, rate_hz = _noise(campaign), campaign.sample_rate_hz
     return noise**2 + folded_power(axles, rate_hz, campaign.averaging_s, noise, frequency_hz)
 
 
 def _columns(campaign: Campaign) -> list[int]:
-    place = {c.corner: i for i, c in enumerate(campaign.channels) if c.is_axle}
-    return [place[corner] for corner in CORNERS]
+    place = {int(c.point[1]): i for i, c in enumerate(campaign.channels) if c.is_axle}
+    return [i for _, i in sorted(place.items())]
 
 
 def _noise(campaign: Campaign) -> float:

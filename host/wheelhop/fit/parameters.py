@@ -11,8 +11,8 @@ from wheelhop.campaign import Campaign, Channel, ComponentCampaign, RigRun, Run
 from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
-from wheelhop.simulate.run import INITIAL, PATH_KEYS
-from wheelhop.vehicle import Vehicle
+from wheelhop.simulate.run import PATH_KEYS
+from wheelhop.vehicle import Vehicle, motions
 
 SPEED_UNCERTAINTY = 0.06
 """A driver holds the nominal speed within ±10 %, nearly always: one standard deviation of it."""
@@ -67,14 +67,13 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
         for key, value in vehicle.values.items()
         if not key.startswith(idle) and vehicle.uncertainty[key] > 0
     ]
-    spread = {
-        "x_m": vehicle.values["geometry.wheelbase_m"] / 4,
-        "y_m": vehicle.values["geometry.track_width_m"] / 4,
-    }
+    spread = {"x_m": "geometry.wheelbase_m", "y_m": "geometry.track_width_m"}
     for channel in campaign.channels:
         if channel.point == "body":
-            for axis, sigma in spread.items():
-                free.append(Free(f"channel.{channel.name}.{axis}", 0.0, sigma, sigma))
+            for axis, length in spread.items():
+                if length in vehicle.values:  # where the body only heaves, all places are alike
+                    sigma = vehicle.values[length] / 4
+                    free.append(Free(f"channel.{channel.name}.{axis}", 0.0, sigma, sigma))
         for what, sigma in calibrated(channel).items():
             free.append(Free(f"channel.{channel.name}.{what}", 0.0, sigma, sigma, lower=-0.5))
     return free
@@ -115,14 +114,15 @@ def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Eff
         if p.switch:
             continue
         name = f"{effect.id}.{p.name}"
-        mean = model.values.get(name, p.absent) if p.believed is None else p.believed
+        begun = model.values.get(name, p.absent) if p.is_shape else p.absent
+        mean = begun if p.believed is None else p.believed
         sigma = p.scale if p.is_shape else np.inf
         shape = p.is_shape
         free.append(Free(name, mean, sigma, p.scale, p.lower, p.upper, is_shape=shape))
     return free
 
 
-def run_parameters(run: Run, setting: RunSetting, effects: Sequence[Effect]) -> list[Free]:
+def run_parameters(run: Run, setting: RunSetting, model: Model) -> list[Free]:
     """What a run leaves free: speed and start on the track (on measured axles and on a rig that
     imposes a force: what moved how when the record began), and the effects' own."""
     free = list(_rig_start(run)) if isinstance(run, RigRun) else []
@@ -131,10 +131,10 @@ def run_parameters(run: Run, setting: RunSetting, effects: Sequence[Effect]) -> 
         free.append(Free("speed_m_s", run.speed_m_s, sigma, 1e-3 * run.speed_m_s, 0.0))
         free.append(Free("start_m", 0.0, np.inf, 1e-2))
     if not setting.on_road and not setting.on_rig:
-        for name in INITIAL:
+        for name in motions(model.values):
             free.append(Free(f"initial_{name}", 0.0, 0.02, 0.02))
             free.append(Free(f"initial_{name}_rate", 0.0, 0.2, 0.2))
-    for effect in effects:
+    for effect in model.effects:
         if effect.acts_in(setting):
             free.extend(effect_run_parameters(setting, effect))
     return free

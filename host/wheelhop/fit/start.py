@@ -14,7 +14,7 @@ from wheelhop.compare.band import InBand
 from wheelhop.fit.workshop import Bench
 from wheelhop.simulate import Model, frequency_response, linear_response
 from wheelhop.track import Track, make_track, wheel_envelope
-from wheelhop.vehicle import CORNERS, Drive, System, axle_name, corner_position
+from wheelhop.vehicle import Drive, System, axle_name, behind_m, corner_position, wheels
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -99,17 +99,18 @@ def _speeds(run: Run, wavelength_m: float) -> Array:
 
 
 def _behind(model: Model) -> Array:
-    """How far each wheel follows the front axle, (4,) m."""
-    return np.array([0.0, 0.0, 1.0, 1.0]) * model.values["geometry.wheelbase_m"]
+    """How far each wheel follows the front axle, (wheels,) m."""
+    return np.array([behind_m(model.values, i) for i in wheels(model.values)])
 
 
 def _envelopes(model: Model, track: Track, x: Array) -> Array:
-    """Envelope heights (len(x), 4) at the same x under each wheel."""
-    heights = np.empty((len(x), 4))
-    for i in CORNERS:
+    """Envelope heights (len(x), wheels) at the same x under each wheel."""
+    rolling = wheels(model.values)
+    heights = np.empty((len(x), len(rolling)))
+    for j, i in enumerate(rolling):
         radius = model.values[f"wheel.{axle_name(i)}.radius_m"]
         y = corner_position(model.values, i)[1]
-        heights[:, i] = wheel_envelope(track, y, radius, x.min(), x.max()).height(x)
+        heights[:, j] = wheel_envelope(track, y, radius, x.min(), x.max()).height(x)
     return heights
 
 
@@ -160,7 +161,7 @@ def _match_shape(
     duration = run.time_s[-1] - run.time_s[0]
     travelled = run.speed_m_s * duration * (1 + REACH)
     low = max(track.start_m, -2 * travelled) - travelled - 1.0
-    high = min(track.end_m, 2 * travelled) + model.values["geometry.wheelbase_m"] + 1.0
+    high = min(track.end_m, 2 * travelled) + _behind(model).max() + 1.0
     x = np.linspace(low, high, int((high - low) / 0.01) + 1)
     profile = _envelopes(model, track, x)
     step = 1.0 / campaign.sample_rate_hz
@@ -170,7 +171,7 @@ def _match_shape(
     for speed in _speeds(run, run.speed_m_s / 8.0):
         n = fft.next_fast_len(int((high - low) / speed / step) + len(measured))
         position = low + speed * step * np.arange(n)
-        height = np.empty((n, 4))
+        height = np.empty((n, profile.shape[1]))
         for i, behind in enumerate(_behind(model)):
             height[:, i] = np.interp(position - behind, x, profile[:, i])
         response = linear_response(system, height, step)[:, predicted]

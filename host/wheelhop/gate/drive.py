@@ -22,7 +22,7 @@ from wheelhop.campaign import Campaign, Run, TrackSpec
 from wheelhop.gate.spectra import Spectra
 from wheelhop.simulate import Model, frequency_response
 from wheelhop.track import make_track, wheel_envelope
-from wheelhop.vehicle import CORNERS, axle_name, corner_position
+from wheelhop.vehicle import axle_name, behind_m, corner_position, wheels
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -102,13 +102,13 @@ class Nominal:
         self._paths: dict[tuple[object, ...], ComplexArray] = {}
 
     def at(self, frequency_hz: Array) -> ComplexArray:
-        """Response (…, c, 4) at the grid's points next to some frequencies."""
+        """Response (…, c, wheels) at the grid's points next to some frequencies."""
         step = self.grid_hz[1] - self.grid_hz[0]
         index = np.rint((frequency_hz - self.grid_hz[0]) / step).astype(int)
         return np.asarray(self._response[np.clip(index, 0, len(self.grid_hz) - 1)])
 
     def paths(self, spec: TrackSpec) -> ComplexArray:
-        """Amplitudes (HARMONICS, 4), m, of what the wheels' centres do on a periodic track."""
+        """Amplitudes (HARMONICS, wheels), m, of what the wheels' centres do on a periodic track."""
         key = (spec.kind, *sorted(spec.values.items()))
         if key not in self._paths:
             self._paths[key] = self._follow(spec)
@@ -118,13 +118,14 @@ class Nominal:
         track = make_track(spec)
         pitch = track.period_m or 1.0
         x = np.arange(SAMPLES) * pitch / SAMPLES
-        height = np.empty((SAMPLES, 4))
-        for i in CORNERS:
+        rolling = wheels(self.values)
+        height = np.empty((SAMPLES, len(rolling)))
+        for j, i in enumerate(rolling):
             radius = self.values[f"wheel.{axle_name(i)}.radius_m"]
             path = wheel_envelope(track, corner_position(self.values, i)[1], radius, 0.0, pitch)
-            height[:, i] = path.height(x)
+            height[:, j] = path.height(x)
         shape = np.fft.rfft(height, axis=0)[1 : HARMONICS + 1] * 2 / SAMPLES
-        behind = np.array([0.0, 0.0, 1.0, 1.0]) * self.values["geometry.wheelbase_m"]
+        behind = np.array([behind_m(self.values, i) for i in rolling])
         order = np.arange(1, HARMONICS + 1)[:, None]
         return np.asarray(shape * np.exp(-2j * np.pi * order * behind / pitch))
 
@@ -252,7 +253,7 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
         if front in points and rear in points
     )
     told = pairs and spectra.spread([column for pair in pairs for column in pair]) > BROAD
-    return Passing(spectra, nominal.values["geometry.wheelbase_m"], pairs) if told else None
+    return Passing(spectra, behind_m(nominal.values, 2), pairs) if told else None
 
 
 def speeds_about(speed_m_s: float, reach: float = REACH, count: int = 17) -> Array:

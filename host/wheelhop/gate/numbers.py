@@ -10,7 +10,7 @@ from scipy import stats
 
 from wheelhop.campaign.write import VEHICLE
 from wheelhop.gate.finding import FALSE_ALARM, Finding
-from wheelhop.vehicle import Vehicle
+from wheelhop.vehicle import Vehicle, axles, wheels
 
 CHANCE_ALIKE = 0.1
 """That a number of one's own agrees with the sample's in all its digits: most are round."""
@@ -39,7 +39,7 @@ def number_findings(vehicle: Vehicle) -> Iterator[Finding]:
 def impossible(vehicle: Vehicle) -> Iterator[Finding]:
     """Numbers that no vehicle has, each under the key that is likeliest to be wrong."""
     for key, (low, high) in LENGTHS_M.items():
-        if not low <= vehicle[key] <= high:
+        if key in vehicle.values and not low <= vehicle[key] <= high:
             yield _no_vehicle(
                 key, f"{key} = {vehicle[key]:g}", f"vehicles have {low:g} to {high:g} m"
             )
@@ -47,16 +47,14 @@ def impossible(vehicle: Vehicle) -> Iterator[Finding]:
 
 
 def _dynamics(v: Mapping[str, float]) -> Iterator[Finding]:
-    quarter = v["body.mass_kg"] / 4
-    for end in ("front", "rear"):
+    quarter = v["body.mass_kg"] / len(wheels(v))
+    for end in axles(v):
         spring, wheel = f"suspension.{end}.stiffness_N_m", f"wheel.{end}.unsprung_mass_kg"
         tyre, damper = f"wheel.{end}.tyre_stiffness_N_m", f"suspension.{end}.damping_N_s_m"
         body_hz = sqrt(v[spring] / quarter) / (2 * pi)
         yield from _outside(spring, v, body_hz, BODY_HZ, "the body on its springs", "Hz")
         mass = v[wheel] / quarter
-        yield from _outside(
-            wheel, v, mass, UNSPRUNG, "the share of a quarter of the body's mass", ""
-        )
+        yield from _outside(wheel, v, mass, UNSPRUNG, "the share of the body's mass per wheel", "")
         hop_hz = sqrt((v[spring] + v[tyre]) / v[wheel]) / (2 * pi)
         if UNSPRUNG[0] <= mass <= UNSPRUNG[1] and BODY_HZ[0] <= body_hz <= BODY_HZ[1]:
             yield from _outside(tyre, v, hop_hz, WHEEL_HZ, "the wheel on its tyre", "Hz")
@@ -67,7 +65,7 @@ def _dynamics(v: Mapping[str, float]) -> Iterator[Finding]:
         ("body.pitch_inertia_kg_m2", "geometry.wheelbase_m"),
         ("body.roll_inertia_kg_m2", "geometry.track_width_m"),
     ):
-        if LENGTHS_M[length][0] <= v[length] <= LENGTHS_M[length][1]:
+        if key in v and LENGTHS_M[length][0] <= v[length] <= LENGTHS_M[length][1]:
             share = sqrt(v[key] / v["body.mass_kg"]) / v[length]
             yield from _outside(key, v, share, GYRATION, "the radius of gyration over the", length)
 

@@ -43,7 +43,7 @@ def screen_places(workshop: Workshop, base: Rung) -> list[Promise]:
     terms: dict[tuple[Where, Form], FreeForce] = {}
     totals: list[tuple[Where, Form, list[FreeForce]]] = []
     for where in places(values):
-        moved = motion_of(workshop, base.model, of_axle(where))
+        moved = motion_of(workshop, base.model, of_axle(where, base.model.values))
         for simple in _sums(base, where, moved, quick):
             for part in parts_of(where):
                 for form in simple:

@@ -56,7 +56,7 @@ HEADER = '''"""{title}: found by `wheelhop law` in "{campaign}"."""
 from math import exp, tanh
 
 from wheelhop.effects import Effect, Parameter, law
-from wheelhop.vehicle import struts, tyre
+from wheelhop.vehicle import strut_at, tyre
 
 '''
 
@@ -116,7 +116,7 @@ def source_of(formula: Formula, found: Mapping[str, float], campaign: str, law_i
             equation=" + ".join(t.equation for t in terms),
             parameters=parameters,
             corners=where.corners,
-            row="tyre(i)" if where.kind == "tyre" else "struts(vehicle)[i].row",
+            row="tyre(i)" if where.kind == "tyre" else "strut_at(vehicle, i).row",
             laws=laws,
         )
     )  # fmt: skip

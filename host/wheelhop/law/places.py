@@ -13,11 +13,13 @@ from wheelhop.campaign import RigRun
 from wheelhop.diagnose.probe import FitProbe
 from wheelhop.fit import Workshop
 from wheelhop.simulate import Model
-from wheelhop.vehicle import CORNERS, Motion, axle_name, is_component, struts, tyre
+from wheelhop.vehicle import CORNERS, Motion, axle_name, is_component, strut_at, tyre, wheels
 from wheelhop.vehicle.assembly import Row
 
 Array = NDArray[np.float64]
 CORNER_NAMES = ("front left", "front right", "rear left", "rear right")
+
+Kind = Literal["strut", "tyre"]
 
 
 @dataclass(frozen=True)
@@ -26,25 +28,25 @@ class Where:
     corner 0."""
 
     name: str
-    kind: Literal["strut", "tyre"]
+    kind: Kind
     corners: tuple[int, ...]
 
     def rows(self, vehicle: Mapping[str, float]) -> list[Row]:
         """The extensions along which the force acts."""
         if self.kind == "tyre":
             return [tyre(i) for i in self.corners]
-        return [struts(vehicle)[i].row for i in self.corners]
+        return [strut_at(vehicle, i).row for i in self.corners]
 
     def linear(self, vehicle: Mapping[str, float]) -> tuple[float, float]:
         """Stiffness, N/m, and damping, N s/m, that are there."""
         if self.kind == "tyre":
             return vehicle[f"wheel.{axle_name(self.corners[0])}.tyre_stiffness_N_m"], 0.0
-        strut = struts(vehicle)[self.corners[0]]
+        strut = strut_at(vehicle, self.corners[0])
         return strut.stiffness_N_m, strut.damping_N_s_m
 
     def load_N(self, vehicle: Mapping[str, float]) -> float:
         """The load that is usual for one part of the place."""
-        return struts(vehicle)[self.corners[0]].usual.load_N
+        return strut_at(vehicle, self.corners[0]).usual.load_N
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,34 +64,35 @@ def places(vehicle: Mapping[str, float]) -> list[Where]:
     """Every place where a force can act, the simplest statement first."""
     if is_component(vehicle):
         return [Where("component", "strut", (0,))]
-    front, rear = CORNERS[:2], CORNERS[2:]
-    return [
-        Where("all struts", "strut", tuple(CORNERS)),
-        Where("front struts", "strut", tuple(front)),
-        Where("rear struts", "strut", tuple(rear)),
-        Where("all tyres", "tyre", tuple(CORNERS)),
-        Where("front tyres", "tyre", tuple(front)),
-        Where("rear tyres", "tyre", tuple(rear)),
-        *_alone(),
-    ]
+    every = wheels(vehicle)
+    groups = {"all": every}
+    if len(every) == len(CORNERS):
+        groups |= {"front": every[:2], "rear": every[2:]}
+    both: tuple[Kind, ...] = ("strut", "tyre")
+    together = [Where(f"{which} {kind}s", kind, groups[which]) for kind in both for which in groups]
+    if len(every) == 1:
+        return together
+    return [*together, *(_alone(corner) for corner in every)]
 
 
-def of_axle(where: Where) -> Where:
+def of_axle(where: Where, vehicle: Mapping[str, float]) -> Where:
     """The place on the same axle, or axles, whose motion a law's knots follow."""
+    if where.name == "component":
+        return where
     axles = {axle_name(corner) for corner in where.corners}
-    same = tuple(corner for corner in CORNERS if axle_name(corner) in axles)
-    return where if where.name == "component" else Where(where.name, where.kind, same)
+    same = tuple(corner for corner in wheels(vehicle) if axle_name(corner) in axles)
+    return Where(where.name, where.kind, same)
 
 
 def parts_of(where: Where) -> list[Where]:
     """Struts of which each is known by itself, to first order; else the place as it is."""
     if where.kind == "tyre" or len(where.corners) != 2:
         return [where]
-    return [place for place in _alone() if place.corners[0] in where.corners]
+    return [_alone(corner) for corner in where.corners]
 
 
-def _alone() -> list[Where]:
-    return [Where(f"{CORNER_NAMES[i]} strut", "strut", (i,)) for i in CORNERS]
+def _alone(corner: int) -> Where:
+    return Where(f"{CORNER_NAMES[corner]} strut", "strut", (corner,))
 
 
 def motion_of(workshop: Workshop, model: Model, where: Where) -> Moved | None:

@@ -59,7 +59,7 @@ def _along(found: Found, model: Model) -> Array:
     """Force (T,) of everything between the ends of the place's first part: spring, damper, laws."""
     moved, where, values = found.moved, found.where, model.values
     assert moved is not None and where is not None
-    at = _LawsAt(prescribed=(), rigid_body=False, row=where.rows(values)[0])
+    at = _LawsAt(prescribed=(), body=(), row=where.rows(values)[0])
     for effect in model.effects:
         if effect.place in ("suspension", "tyre"):
             effect.modify(model.theta(effect), values, at)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Campaign, CampaignError, Run
+from wheelhop.campaign import Campaign, CampaignError, Channel, Run
 from wheelhop.campaign.write import DEFAULT_BAND_HZ
 from wheelhop.effects import Parameter
 from wheelhop.files import did_you_mean
@@ -18,7 +18,7 @@ from wheelhop.fit.workshop import RUNS_AWAY, run_up
 from wheelhop.predict.drives import CHANNELS, Chosen, Drive
 from wheelhop.simulate import Model
 from wheelhop.simulate.motion import Motion, MotionSimulator
-from wheelhop.vehicle import System, Vehicle
+from wheelhop.vehicle import System, Vehicle, wheels
 
 Array = NDArray[np.float64]
 SAMPLE_RATE_HZ = 100.0
@@ -52,16 +52,24 @@ class Case:
     def __post_init__(self) -> None:
         setting = self._simulator(0, SAMPLE_RATE_HZ, 0.0, 0.0).setting
         for chosen in self.effects:
-            parameters = chosen.effect.parameters_for(self.vehicle.values, CHANNELS)
+            if not chosen.effect.applies_to(self.vehicle.values):
+                raise CampaignError(f"--with {chosen.effect.id}: does not apply to this vehicle")
+            parameters = chosen.effect.parameters_for(self.vehicle.values, self.channels)
             _check_known(chosen, [*parameters, *chosen.effect.per_run(setting)])
         _check_stable(self.system)
+
+    @cached_property
+    def channels(self) -> tuple[Channel, ...]:
+        """What is recorded: the points of the corners that have a wheel."""
+        there = wheels(self.vehicle.values)
+        return tuple(channel for channel in CHANNELS if channel.corner in there)
 
     @cached_property
     def nominal(self) -> Model:
         """The vehicle with its effects, as far as these are alike in all runs."""
         model = Model(values=self.vehicle.values)
         for chosen in self.effects:
-            parameters = chosen.effect.parameters_for(self.vehicle.values, CHANNELS)
+            parameters = chosen.effect.parameters_for(self.vehicle.values, self.channels)
             values = {
                 f"{chosen.effect.id}.{p.name}": _stated(chosen, p, _typical(p)) for p in parameters
             }
@@ -71,12 +79,12 @@ class Case:
     @cached_property
     def system(self) -> System:
         """The equations of motion."""
-        return self.nominal.system(CHANNELS, "road")
+        return self.nominal.system(self.channels, "road")
 
     @RUNS_AWAY
     def record(self, number: int, rate_hz: float, averaging_s: float, lead_s: float = 0.0) -> Array:
-        """Accelerations (n, 8), m/s², of a run, without noise; they begin `lead_s` early and end as
-        much late. Raises CampaignError where the simulation runs away."""
+        """Accelerations (n, channels), m/s², of a run, without noise; they begin `lead_s` early and
+        end as much late. Raises CampaignError where the simulation runs away."""
         simulator = self._simulator(number, rate_hz, averaging_s, lead_s)
         record = simulator.record(self._model(number, simulator), self.system)
         return _finite(record, self.drives[number])
@@ -116,7 +124,7 @@ class Case:
             drive.speed_kmph / 3.6,
             drive.track,
             time_s,
-            np.zeros((len(time_s), len(CHANNELS))),
+            np.zeros((len(time_s), len(self.channels))),
         )
         campaign = self._campaign((run,), rate_hz, averaging_s)
         return MotionSimulator(campaign, run, run_up({"road": self.system}))
@@ -130,7 +138,7 @@ class Case:
             DEFAULT_BAND_HZ,
             averaging_s,
             None,
-            CHANNELS,
+            self.channels,
             runs,
         )
 

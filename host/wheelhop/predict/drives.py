@@ -16,7 +16,7 @@ from wheelhop.files import Table, did_you_mean
 from wheelhop.track import make_track
 
 CHANNELS = tuple(Channel(point, point) for point in (*BODY_POINTS, *AXLE_POINTS))
-"""What is recorded, in the order of the logger's inputs."""
+"""What is recorded of a full car, in the order of the logger's inputs."""
 TABLE_5_1 = "table-5.1"
 """As a track: the eighteen tests of the thesis."""
 FORM = "form"

@@ -50,7 +50,7 @@ def recording(case: Case, number: int, noise_rms: float) -> Recording:
     return Recording(
         values + sigma * rng.normal(size=values.shape),
         SAMPLE_RATE_HZ,
-        tuple(Channel(c.name, ACCELERATION, c.point) for c in CHANNELS),
+        tuple(Channel(c.name, ACCELERATION, c.point) for c in case.channels),
         averaging_s=AVERAGING_S,
     )
 
@@ -62,7 +62,10 @@ def logged(case: Case, number: int, noise_rms: float, file: Path) -> None:
     the converter; `noise_rms`, m/s², is what of it lies in band before it is rounded to codes.
     """
     values = case.record(number, SIGNAL_RATE_HZ, 0.0, LEAD_S)
-    seen = transferred(values, SIGNAL_RATE_HZ, _low_pass)
+    # Inputs to which no sensor is connected are at rest.
+    inputs = np.zeros((len(values), len(CHANNELS)))
+    inputs[:, [CHANNELS.index(c) for c in case.channels]] = values
+    seen = transferred(inputs, SIGNAL_RATE_HZ, _low_pass)
     _log(seen, np.random.default_rng([case.seed, number, 1]), noise_rms, file)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import filecmp
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -104,10 +104,15 @@ def _fill(
 
 
 def _through_logger(case: Case, number: int, instrument: Instrument, folder: Path) -> Recording:
-    """What the logger's log of a run says in m/s²; the log stays in `folder`."""
+    """What the logger's log of a run says in m/s² of the channels that are recorded; the log stays
+    in `folder`."""
     file = folder / f"{case.drives[number].id}{LOG}"
     logged(case, number, instrument.noise_rms, file)
-    return read_recording(file, nominal=True)
+    read = read_recording(file, nominal=True)
+    there = {channel.name for channel in case.channels}
+    kept = [i for i, channel in enumerate(read.channels) if channel.name in there]
+    channels = tuple(read.channels[i] for i in kept)
+    return replace(read, values=read.values[:, kept], channels=channels)
 
 
 def _effects(case: Case) -> str:

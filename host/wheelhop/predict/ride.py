@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.predict.case import SAMPLE_RATE_HZ, Case
 from wheelhop.predict.comfort import comfort, weighted
-from wheelhop.vehicle import CORNERS, axle_name, static_tyre_load
+from wheelhop.vehicle import axle_name, motions, static_tyre_load, wheels
 
 Array = NDArray[np.float64]
 NYQUIST_HZ = SAMPLE_RATE_HZ / 2
@@ -26,7 +27,7 @@ class Ride:
     struts of an axle about the static position. `dynamic_load_…` is the dynamic load coefficient of
     an axle's tyres, r.m.s. over static load; `tyre_load_least` the least load any tyre bears over
     its static one: below 0 the wheel would have left the ground, and only a model with
-    tyre-lift-off lets it.
+    tyre-lift-off lets it. What a vehicle without rear wheels does not have is NaN.
     """
 
     comfort_wk_rms_m_s2: float
@@ -45,24 +46,32 @@ def ride(case: Case, number: int) -> Ride:
     """Simulate a run, without sensors, and look at it. Raises CampaignError if it runs away."""
     motion, values = case.motion(number), case.vehicle.values
     rate_hz = 1.0 / float(motion.time_s[1] - motion.time_s[0])
-    seat = np.array([1.0, -values.get("driver.x_m", 0.0), values.get("driver.y_m", 0.0)])
-    felt = motion.acceleration[:, :3] @ seat
-    # Outputs are the four body points, then the four axles.
-    outputs = case.system.output
-    travel = (motion.displacement @ (outputs[:4] - outputs[4:]).T)[motion.recorded]
-    static = np.array([static_tyre_load(values, corner) for corner in CORNERS])
+    shares = {
+        "heave": 1.0,
+        "pitch": -values.get("driver.x_m", 0.0),
+        "roll": values.get("driver.y_m", 0.0),
+    }
+    seat = np.array([shares[name] for name in motions(values)])
+    felt = motion.acceleration[:, : len(seat)] @ seat
+    # Outputs are the body points of all wheels, then their axles.
+    rolling, outputs = wheels(values), case.system.output
+    bodies, hubs = outputs[: len(rolling)], outputs[len(rolling) :]
+    travel = (motion.displacement @ (bodies - hubs).T)[motion.recorded]
+    static = np.array([static_tyre_load(values, corner) for corner in rolling])
     load = motion.tyre_force[motion.recorded] / static
     whole = comfort(weighted(felt, rate_hz)[motion.recorded], rate_hz)
     cut = comfort(weighted(felt, rate_hz, NYQUIST_HZ)[motion.recorded], rate_hz)
-    front, rear = ([i for i in CORNERS if axle_name(i) == end] for end in ("front", "rear"))
+    front, rear = (
+        [j for j, i in enumerate(rolling) if axle_name(i) == end] for end in ("front", "rear")
+    )
     return Ride(
         whole.rms_m_s2,
         cut.rms_m_s2,
         whole.vdv_m_s1_75,
         _rms(travel[:, front]),
-        float(np.abs(travel[:, front]).max()),
+        _peak(travel[:, front]),
         _rms(travel[:, rear]),
-        float(np.abs(travel[:, rear]).max()),
+        _peak(travel[:, rear]),
         _rms(load[:, front]),
         _rms(load[:, rear]),
         float(1.0 + load.min()),
@@ -70,4 +79,8 @@ def ride(case: Case, number: int) -> Ride:
 
 
 def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    return float(np.sqrt(np.mean(values**2))) if values.size else nan
+
+
+def _peak(values: Array) -> float:
+    return float(np.abs(values).max()) if values.size else nan

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel
 from wheelhop.effects import Effect, Parameter
-from wheelhop.vehicle import Drive, System, baseline, component
-from wheelhop.vehicle.full_car import body_inertia
+from wheelhop.vehicle import Drive, System, baseline, body_inertia, component
 
 Values = Mapping[str, float]
 ComplexArray = NDArray[np.complex128]

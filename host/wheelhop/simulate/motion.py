@@ -21,9 +21,9 @@ class Motion:
 
     `time_s` (T,) counts from the record's first sample, and `recorded` (T,) tells the steps inside
     the record. `acceleration`, `velocity` and `displacement` are (T, n), m/s², m/s and m, about the
-    static position, of the free coordinates: heave, pitch and roll of the body first (rad), then
-    the others. `height` (T, 4), m, is that of the ground under the wheels, and `tyre_force` (T, 4),
-    N, what each tyre carries beyond its static load.
+    static position, of the free coordinates: heave, pitch and roll (rad) of the body first, as far
+    as it has them, then the others. `height` (T, wheels), m, is that of the ground under the
+    wheels, and `tyre_force` (T, wheels), N, what each tyre carries beyond its static load.
     """
 
     time_s: Array
@@ -98,7 +98,7 @@ def _with_followers(system: System) -> System:
 def _tyre_force(
     system: System, step_s: float, moved: tuple[Array, Array], ground: tuple[Array, Array]
 ) -> Array:
-    """What the ground must push with, (T, 4), N, for it to move so.
+    """What the ground must push with, (T, wheels), N, for it to move so.
 
     Raising all coordinates together strains nothing, hence the ground's own stiffness is the sum of
     those that couple it: F = Σ_i B_ij (u_j − q_i) + D_ij (u̇_j − q̇_i) + Σ_p R_pj f_p.

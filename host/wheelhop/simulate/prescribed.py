@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from scipy import interpolate
 
 from wheelhop.campaign import Run
+from wheelhop.effects import RunSetting
 from wheelhop.simulate.model import Model
 from wheelhop.track import Track, Wheel, WheelPath, make_track
+from wheelhop.vehicle import CORNERS, behind_m
 
 Array = NDArray[np.float64]
 
@@ -74,6 +76,21 @@ def track_of(model: Model, run: Run, track: Track) -> Track:
     for effect in model.effects:
         spec = effect.surveyed(model.theta(effect), spec)
     return track if spec is run.track else make_track(spec)
+
+
+def ways(model: Model, run: RunSetting, time_s: Array) -> tuple[Array, Array]:
+    """Distance (T, 4), m, each corner has come along the track, and its rate, m/s."""
+    free = model.runs.get(run.run_id, {})
+    speed = free.get("speed_m_s", run.speed_m_s)
+    position = free.get("start_m", 0.0) + speed * time_s
+    x = position[:, None] - np.array([behind_m(model.values, i) for i in CORNERS])
+    rate = np.full_like(x, speed)
+    for effect in model.effects:
+        theta = model.theta(effect, run.run_id)
+        extra = effect.travel(theta, run, time_s, position, speed)
+        if extra is not None:
+            x, rate = x + extra[0], rate + extra[1]
+    return x, rate
 
 
 def span(x: Array) -> tuple[float, float]:

@@ -16,11 +16,18 @@ from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.simulate.job import Job, calibrations, heights_of, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
-from wheelhop.simulate.prescribed import span, track_of, twice_integrated, unaveraged, wheel_path
+from wheelhop.simulate.prescribed import (
+    span,
+    track_of,
+    twice_integrated,
+    unaveraged,
+    ways,
+    wheel_path,
+)
 from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
 from wheelhop.simulate.unevenness import HeightSeries
 from wheelhop.track import Wheel, make_track
-from wheelhop.vehicle import CORNERS, Drive, System, axle_name, corner_position
+from wheelhop.vehicle import Drive, System, axle_name, corner_position, motions, wheels
 
 Array = NDArray[np.float64]
 
@@ -60,9 +67,6 @@ KEPT_MOTIONS = 4
 
 MOST_WAITING = 32
 """So many jobs, each with its motion of the ground, wait for others to be integrated with."""
-
-INITIAL = ("heave", "pitch", "roll")
-"""With measured axles the motion before the record is unknown: these start anywhere."""
 
 
 @dataclass(frozen=True)
@@ -140,9 +144,9 @@ class RunSimulator:
         """Whether a rigid wheel's path has kinks on this track."""
         if self._track is None:
             return False
-        x = self._path(model, self._times(1, 1))[0]
-        wheels = (self._wheel(model, i, x[:, i]) for i in CORNERS)
-        return any(wheel.rigid().sharpest_kink > KINK for wheel in wheels)
+        x = ways(model, self.setting, self._times(1, 1))[0]
+        rolling = (self._wheel(model, i, x[:, i]) for i in wheels(model.values))
+        return any(wheel.rigid().sharpest_kink > KINK for wheel in rolling)
 
     def _times(self, stride: int, per_step: int) -> Array:
         """The instants of the integration's steps, or of their halves (per_step = 2)."""
@@ -292,7 +296,7 @@ class RunSimulator:
         """Applied forces (T, k), N."""
         if not system.force.shape[1]:
             return np.zeros((len(time_s), 0))
-        way, speed = self._path(model, time_s)
+        way, speed = ways(model, self.setting, time_s)
         histories = [
             history
             for effect in filter(self.acts, model.effects)
@@ -303,14 +307,14 @@ class RunSimulator:
         return np.stack(histories, axis=1)
 
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
-        """Prescribed motions and rates (T, 4), m and m/s; the last few are kept."""
+        """Prescribed motions and rates (T, wheels), m and m/s; the last few are kept."""
         upstream = [e for e in model.effects if e.place in MOVING_PLACES]
         own = model.runs.get(self.run.id, {})
         placed = own if self.drive == "road" else calibrations(model)
         key = tuple(
             [
                 float(stride),
-                *(model.values[k] for k in PATH_KEYS),
+                *(model.values.get(k, 0.0) for k in PATH_KEYS),
                 *(item for item in placed.items() if self.drive == "axles" or "." not in item[0]),
                 *((e, *model.theta(e, self.run.id).items()) for e in upstream),
                 heights_of(model, self.run.id),
@@ -325,24 +329,9 @@ class RunSimulator:
         self._motions[key] = motion  # the last to go
         return motion
 
-    def _path(self, model: Model, time_s: Array) -> tuple[Array, Array]:
-        """Distance (T, 4), m, each wheel has come along the track, and its rate, m/s."""
-        free = model.runs.get(self.run.id, {})
-        speed = free.get("speed_m_s", self.run.speed_m_s)
-        position = free.get("start_m", 0.0) + speed * time_s
-        behind = [0.0, 0.0, model.values["geometry.wheelbase_m"]] * 2
-        x = position[:, None] - np.array([behind[i] for i in (0, 1, 2, 5)])
-        rate = np.full_like(x, speed)
-        for effect in model.effects:
-            theta = model.theta(effect, self.run.id)
-            extra = effect.travel(theta, self.setting, time_s, position, speed)
-            if extra is not None:
-                x, rate = x + extra[0], rate + extra[1]
-        return x, rate
-
     def way(self, model: Model) -> Array:
         """Distance (n, 4), m, each wheel has come along the track at the run's samples."""
-        return self._path(model, self.run.time_s)[0]
+        return ways(model, self.setting, self.run.time_s)[0]
 
     def _wheel(self, model: Model, corner: int, way_m: Array) -> Wheel:
         assert self._track is not None
@@ -352,19 +341,21 @@ class RunSimulator:
         return Wheel(track, y, radius, *span(way_m))
 
     def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
-        x, speed = self._path(model, time_s)
+        x, speed = ways(model, self.setting, time_s)
         if not np.isfinite(x).all():  # a fit that runs away: what it leads to costs infinitely much
-            return np.full_like(x, np.nan), np.full_like(x, np.nan)
-        height, rate = np.empty_like(x), np.empty_like(x)
-        for i in CORNERS:
+            nowhere = np.full((len(x), len(wheels(model.values))), np.nan)
+            return nowhere, nowhere
+        rolling = list(wheels(model.values))
+        height, rate = np.empty((2, len(x), len(rolling)))
+        for j, i in enumerate(rolling):
             wheel = self._wheel(model, i, x[:, i])
-            height[:, i], slope = wheel_path(model, i, wheel).height_and_slope(x[:, i])
-            rate[:, i] = slope * speed[:, i]
+            height[:, j], slope = wheel_path(model, i, wheel).height_and_slope(x[:, i])
+            rate[:, j] = slope * speed[:, i]
         if self.series is not None and self.run.id in model.heights:
             # From the run's own start on: heights under the wheels stay where the start moves.
             way = x - model.runs.get(self.run.id, {}).get("start_m", 0.0)
             more, slopes = self.series.at(model.heights[self.run.id], way)
-            height, rate = height + more, rate + slopes * speed
+            height, rate = height + more[:, rolling], rate + (slopes * speed)[:, rolling]
         ramp = np.clip((time_s - time_s[0]) / FADE_S, 0.0, 1.0)[:, None]
         fade, fade_rate = ramp**2 * (3 - 2 * ramp), 6 * ramp * (1 - ramp) / FADE_S
         return height * fade, rate * fade + height * fade_rate
@@ -377,7 +368,7 @@ class RunSimulator:
         for effect in model.effects:
             measured = effect.restore(model.theta(effect, self.run.id), measured, channels, rate_hz)
         corner = {c.corner: i for i, c in enumerate(channels) if c.is_axle}
-        columns = [corner[i] for i in CORNERS]
+        columns = [corner[i] for i in wheels(model.values)]
         acceleration = unaveraged(
             self.run.time_s, measured[:, columns], self.campaign.averaging_s, self._margin
         )
@@ -388,7 +379,7 @@ class RunSimulator:
         n = len(system.mass)
         state = np.zeros(2 * n)
         free = model.runs.get(self.run.id, {})
-        for i, name in enumerate(INITIAL):
+        for i, name in enumerate(motions(model.values)):
             state[i] = free.get(f"initial_{name}", 0.0)
             state[n + i] = free.get(f"initial_{name}_rate", 0.0)
         return state

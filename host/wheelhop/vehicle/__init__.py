@@ -4,28 +4,37 @@ from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, b
 from wheelhop.vehicle.component import component, is_component
 from wheelhop.vehicle.flexible_frame import add_frame, car_on_frame, frame_values
 from wheelhop.vehicle.full_car import (
-    CORNERS,
     Drive,
     axle,
-    axle_name,
     baseline,
     body_corner,
-    corner_position,
     ground,
-    static_load,
-    static_tyre_load,
     suspension,
     tyre,
+)
+from wheelhop.vehicle.layout import (
+    CORNERS,
+    MODELS,
+    axle_name,
+    axles,
+    behind_m,
+    body_inertia,
+    corner_position,
+    motions,
+    static_load,
+    static_tyre_load,
+    wheels,
 )
 from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mounted
 from wheelhop.vehicle.nominal import read_nominal
-from wheelhop.vehicle.struts import COMPONENT, Strut, Usual, ends, pairs, struts
+from wheelhop.vehicle.struts import COMPONENT, Strut, Usual, ends, pairs, strut_at, struts
 from wheelhop.vehicle.vehicle import Vehicle, changed, read_vehicle
 
 __all__ = [
     "COMPONENT",
     "CORNERS",
+    "MODELS",
     "Assembly",
     "Body",
     "Coordinate",
@@ -39,9 +48,12 @@ __all__ = [
     "add_frame",
     "axle",
     "axle_name",
+    "axles",
     "baseline",
+    "behind_m",
     "between",
     "body_corner",
+    "body_inertia",
     "car_on_frame",
     "changed",
     "component",
@@ -50,13 +62,16 @@ __all__ = [
     "frame_values",
     "ground",
     "is_component",
+    "motions",
     "mounted",
     "pairs",
     "read_nominal",
     "read_vehicle",
     "static_load",
     "static_tyre_load",
+    "strut_at",
     "struts",
     "suspension",
     "tyre",
+    "wheels",
 ]

@@ -82,11 +82,11 @@ class System:
 
 @dataclass
 class Assembly:
-    """Collects parts, then makes the :class:`System`. With a rigid body its heave, pitch and roll
-    are the first free coordinates."""
+    """Collects parts, then makes the :class:`System`. The motions of the rigid body, of "heave",
+    "pitch" and "roll" those it has, are the first free coordinates."""
 
     prescribed: tuple[str, ...]
-    rigid_body: bool = True
+    body: tuple[str, ...] = ("heave", "pitch", "roll")
     _free: list[str] = field(default_factory=list)
     _modes: list[tuple[str, Callable[[float, float], float]]] = field(default_factory=list)
     _masses: list[tuple[Row, float]] = field(default_factory=list)
@@ -96,8 +96,7 @@ class Assembly:
     _outputs: list[Row | None] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        if self.rigid_body:
-            self._free += ["heave", "pitch", "roll"]
+        self._free += self.body
 
     def add_coordinate(self, name: str) -> Coordinate:
         """A new free coordinate (a vertical displacement, metres)."""
@@ -138,9 +137,9 @@ class Assembly:
                 vector[index[node.name]] += coefficient
                 continue
             # Pitch is positive nose down, roll positive right side down (campaign-format.md).
-            vector[0] += coefficient
-            vector[1] -= coefficient * node.x_m
-            vector[2] += coefficient * node.y_m
+            rigid = {"heave": 1.0, "pitch": -node.x_m, "roll": node.y_m}
+            for name in self.body:
+                vector[index[name]] += coefficient * rigid[name]
             for name, shape in self._modes:
                 vector[index[name]] += coefficient * shape(node.x_m, node.y_m)
         return vector
@@ -155,7 +154,7 @@ class Assembly:
         Parameters
         ----------
         body_inertia
-            Mass (kg), pitch and roll inertia (kg m²) of the sprung body, if there is one.
+            Of the sprung body's motions, in their order: mass (kg), pitch and roll inertia (kg m²).
         """
         n = len(self._free)
         masses = self._stack([row for row, _ in self._masses])

@@ -28,7 +28,7 @@ def component(values: Mapping[str, float]) -> Assembly:
     values
         Numbers of [component] under their dotted keys, SI.
     """
-    parts = Assembly(prescribed=(), rigid_body=False)
+    parts = Assembly(prescribed=(), body=())
     row = ((1.0, parts.add_coordinate(EXTENSION.name)),)
     parts.add_mass(row, values["component.mass_kg"])
     parts.add_spring(row, values["component.stiffness_N_m"], values["component.damping_N_s_m"])

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Channel
 from wheelhop.frame import CORNERS, FiniteElements, mass_properties, reduce
 from wheelhop.vehicle.assembly import Assembly, System
-from wheelhop.vehicle.full_car import Drive, baseline, body_inertia
+from wheelhop.vehicle.full_car import Drive, baseline
+from wheelhop.vehicle.layout import body_inertia
 
 Array = NDArray[np.float64]
 

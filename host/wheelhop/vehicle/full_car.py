@@ -1,7 +1,9 @@
-"""The baseline vehicle: seven degrees of freedom, linear, wheels in permanent contact.
+"""The baseline vehicle: linear, wheels in permanent contact.
 
-Heave, pitch and roll of a rigid sprung body, four unsprung masses on vertical suspensions and
-tyres (thesis section 4.1.2, "simplified Adams model"; equations of motion of this kind are 2.1).
+The full car has seven degrees of freedom: heave, pitch and roll of a rigid sprung body, four
+unsprung masses on vertical suspensions and tyres (thesis section 4.1.2, "simplified Adams model";
+equations of motion of this kind are 2.1). Half and quarter cars have those of the same parts that
+their body's motions leave (`wheelhop.vehicle.layout`).
 The same parts also make the *axle-driven* vehicle: the axles' motion is imposed, and tyre, track
 and speed no longer matter.
 """
@@ -13,27 +15,11 @@ from typing import Literal
 
 from wheelhop.campaign import Channel
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Row, between
+from wheelhop.vehicle.layout import axle_name, corner_position, motions, wheels
 
 Drive = Literal["road", "axles", "rig"]
 """What moves the model: the ground under the wheels, the measured motion of the axles, or, of a
 component, the rig."""
-
-CORNERS = (0, 1, 2, 3)
-"""Front left, front right, rear left, rear right."""
-
-
-def axle_name(corner: int) -> str:
-    """Front or rear: the key under which vehicle.toml keeps a corner's numbers."""
-    return "front" if corner < 2 else "rear"
-
-
-def corner_position(values: Mapping[str, float], corner: int) -> tuple[float, float]:
-    """(x, y), m, of a corner's attachment point, seen from the sprung body's centre of mass."""
-    x = values["geometry.cg_to_front_axle_m"]
-    if corner >= 2:
-        x -= values["geometry.wheelbase_m"]
-    half = values["geometry.track_width_m"] / 2
-    return x, half if corner % 2 == 0 else -half
 
 
 def body_corner(values: Mapping[str, float], corner: int) -> Body:
@@ -61,19 +47,6 @@ def tyre(corner: int) -> Row:
     return between(axle(corner), ground(corner))
 
 
-def static_load(values: Mapping[str, float], corner: int, gravity: float = 9.80665) -> float:
-    """Static load of the suspension spring at a corner, N, from the body's mass and its place."""
-    front = 1 - values["geometry.cg_to_front_axle_m"] / values["geometry.wheelbase_m"]
-    share = front if corner < 2 else 1 - front
-    return values["body.mass_kg"] * gravity * share / 2
-
-
-def static_tyre_load(values: Mapping[str, float], corner: int, gravity: float = 9.80665) -> float:
-    """Static load under the wheel of a corner, N."""
-    unsprung = values[f"wheel.{axle_name(corner)}.unsprung_mass_kg"]
-    return static_load(values, corner, gravity) + unsprung * gravity
-
-
 def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Drive) -> Assembly:
     """The parts of the baseline vehicle, with one output per channel.
 
@@ -87,9 +60,10 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
     drive
         Whether the ground heights or the axles' heights are prescribed.
     """
-    prescribed = [ground(i) if drive == "road" else axle(i) for i in CORNERS]
-    parts = Assembly(prescribed=tuple(node.name for node in prescribed))
-    for i in CORNERS:
+    corners = wheels(values)
+    prescribed = [ground(i) if drive == "road" else axle(i) for i in corners]
+    parts = Assembly(tuple(node.name for node in prescribed), motions(values))
+    for i in corners:
         end = axle_name(i)
         parts.add_spring(
             suspension(values, i),
@@ -107,15 +81,6 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
     for channel in channels:
         parts.add_output(_output(values, channel, drive))
     return parts
-
-
-def body_inertia(values: Mapping[str, float]) -> tuple[float, float, float]:
-    """Mass, pitch and roll inertia of the sprung body, as :meth:`Assembly.system` wants them."""
-    return (
-        values["body.mass_kg"],
-        values["body.pitch_inertia_kg_m2"],
-        values["body.roll_inertia_kg_m2"],
-    )
 
 
 def _output(values: Mapping[str, float], channel: Channel, drive: Drive) -> Row | None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, RigRun
+from wheelhop.vehicle.layout import wheels
 from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mount_values
 from wheelhop.vehicle.vehicle import Vehicle, read_vehicle
@@ -33,11 +34,21 @@ def read_nominal(campaign: Campaign) -> Vehicle:
     Raises
     ------
     CampaignError
-        vehicle.toml is wrong, or the runs cannot tell what is left free.
+        vehicle.toml is wrong, or the runs cannot tell what is left free; a channel sits at a corner
+        that the vehicle does not have.
     """
     if isinstance(campaign, ComponentCampaign):
         return _component(campaign)
-    return read_vehicle(campaign.vehicle_file)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    there = [f"{place}{i + 1}" for place in "AB" for i in wheels(vehicle.values)]
+    for channel in campaign.channels:
+        if channel.corner is not None and channel.point not in there:
+            raise CampaignError(
+                f"{campaign.folder / 'campaign.toml'}: channel {channel.name} sits at "
+                f"{channel.point}, and the vehicle of {campaign.vehicle_file.name} has only "
+                f"{', '.join(there)}: list the channels that are there under [channels]"
+            )
+    return vehicle
 
 
 def _component(campaign: ComponentCampaign) -> Vehicle:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from wheelhop.vehicle.assembly import Row
 from wheelhop.vehicle.component import EXTENSION, is_component
-from wheelhop.vehicle.full_car import CORNERS, axle_name, static_load, suspension
+from wheelhop.vehicle.full_car import suspension
+from wheelhop.vehicle.layout import axle_name, static_load, wheels
 
 COMPONENT = "strut"
 """The end of the one strut of a component."""
@@ -56,7 +57,14 @@ def struts(values: Mapping[str, float]) -> tuple[Strut, ...]:
     """The struts of a vehicle, in the order of its corners, or the one of a component."""
     if is_component(values):
         return (_component_strut(values),)
-    return tuple(_corner_strut(values, corner) for corner in CORNERS)
+    return tuple(_corner_strut(values, corner) for corner in wheels(values))
+
+
+def strut_at(values: Mapping[str, float], corner: int) -> Strut:
+    """The strut of a corner that has a wheel; corner 0 is the one of a component."""
+    if is_component(values):
+        return _component_strut(values)
+    return _corner_strut(values, corner)
 
 
 def ends(values: Mapping[str, float]) -> dict[str, Strut]:
@@ -68,9 +76,11 @@ def ends(values: Mapping[str, float]) -> dict[str, Strut]:
 
 
 def pairs(values: Mapping[str, float]) -> dict[str, tuple[Strut, Strut]]:
-    """Left and right strut of each axle; a component has no mirror image."""
+    """Left and right strut of each axle; a component has no mirror image, nor has a wheel of a car
+    that does not roll."""
     every = struts(values)
-    return {left.end: (left, right) for left, right in zip(every[0::2], every[1::2], strict=False)}
+    both = {end: [strut for strut in every if strut.end == end] for end in ends(values)}
+    return {end: (found[0], found[1]) for end, found in both.items() if len(found) == 2}
 
 
 def _corner_strut(values: Mapping[str, float], corner: int) -> Strut:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
@@ -12,6 +12,7 @@ from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table, did_you_mean, read_toml, shown
 from wheelhop.files.words import significant, unit_of
+from wheelhop.vehicle.layout import FULL_CAR, MODELS
 from wheelhop.vehicle.mount import mount_values
 
 if TYPE_CHECKING:
@@ -30,6 +31,15 @@ TABLES = {
     "driver": SEAT,
     "engine": SEAT,
 }
+"""Of the full car; the others have fewer."""
+NEEDS = {
+    "pitch": (
+        *("geometry.wheelbase_m", "geometry.cg_to_front_axle_m", "body.pitch_inertia_kg_m2"),
+        *("suspension.rear", "wheel.rear", "driver.x_m", "engine.x_m"),
+    ),
+    "roll": (*("geometry.track_width_m", "body.roll_inertia_kg_m2", "driver.y_m", "engine.y_m"),),
+}
+"""Tables and numbers that mean nothing without a motion of the body."""
 OPTIONAL = ("driver", "engine")
 MAY_BE_ZERO = ("damping_N_s_m", "tyre_damping_N_s_m")
 POSITIONS = ("x_m", "y_m")
@@ -40,6 +50,8 @@ LEAST_LENGTH_M = 0.005  # of wheelbase, track and wheel: a toy's
 @dataclass(frozen=True)
 class Vehicle:
     """The numbers of a vehicle under flat dotted keys, "suspension.front.stiffness_N_m", in SI.
+    Which of them it has says what it is, a quarter car, a half car or a full one
+    (`wheelhop.vehicle.layout`).
 
     `uncertainty` holds one standard deviation for every key of `values`, in the same unit. The
     keys of [driver] and [engine] are there only if the file has these tables, those of "mount.…"
@@ -82,6 +94,7 @@ def read_vehicle(path: Path) -> Vehicle:
     The uncertainty of a value is its KEY_uncertainty if given, else `relative_uncertainty` times
     its magnitude, and for the position of driver and engine at least 0.02 m.
 
+    `model` is one of `MODELS`, "full-car" if not given: half and quarter cars have fewer numbers.
     `mount` names a specimen's file beside it, the bushing that every strut may stand on.
 
     Raises `CampaignError` for unknown or missing keys, masses and lengths that are not positive,
@@ -89,19 +102,21 @@ def read_vehicle(path: Path) -> Vehicle:
     """
     top = read_toml(path, CampaignError)
     top.format()
-    known = ("format", "name", "relative_uncertainty", "mount")
-    top.only((*known, *(name.split(".")[0] for name in TABLES)))
+    model = top.text("model", FULL_CAR, choices=tuple(MODELS))
+    tables, absent = _tables(model), f"; a {model} has none"
+    known = ("format", "name", "model", "relative_uncertainty", "mount")
+    top.only((*known, *(name.split(".")[0] for name in tables)), absent)
     name = top.text("name")
     relative = top.number("relative_uncertainty", above=0.0)
     if relative > 1.0:
         raise top.error(f"relative_uncertainty = {relative:g} is a fraction: 0.10 for 10 %")
     values: dict[str, float] = {}
     uncertainty: dict[str, float] = {}
-    for path_in_file, keys in TABLES.items():
+    for path_in_file, keys in tables.items():
         if path_in_file in OPTIONAL and path_in_file not in top:
             continue
-        table = _descend(top, path_in_file)
-        table.only([*keys, *(f"{key}_uncertainty" for key in keys)])
+        table = _descend(top, path_in_file, tables, absent)
+        table.only([*keys, *(f"{key}_uncertainty" for key in keys)], absent)
         for key in keys:
             value = _value(table, key)
             values[f"{path_in_file}.{key}"] = value
@@ -131,13 +146,26 @@ def changed(vehicle: Vehicle, changes: Mapping[str, float], source: Path) -> Veh
     return after
 
 
-def _descend(top: Table, dotted: str) -> Table:
+def _tables(model: str) -> dict[str, tuple[str, ...]]:
+    """The tables of vehicle.toml, and their keys, for one of `MODELS`."""
+    lacks = set(NEEDS) - set(MODELS[model])
+    gone = {key for motion in lacks for key in NEEDS[motion]}
+    if lacks == set(NEEDS):
+        gone.add("geometry")
+    return {
+        name: tuple(key for key in keys if f"{name}.{key}" not in gone)
+        for name, keys in TABLES.items()
+        if name not in gone
+    }
+
+
+def _descend(top: Table, dotted: str, tables: Collection[str], absent: str) -> Table:
     """The table [dotted]; its parent may hold nothing but such tables."""
     parent, _, last = dotted.rpartition(".")
     if not parent:
         return top.table(last)
     outer = top.table(parent)
-    outer.only([name.split(".")[1] for name in TABLES if name.startswith(f"{parent}.")])
+    outer.only([name.split(".")[1] for name in tables if name.startswith(f"{parent}.")], absent)
     return outer.table(last)
 
 
@@ -165,8 +193,9 @@ def _uncertainty(table: Table, key: str, value: float, relative: float) -> float
 
 def _check_whole(top: Table, vehicle: Vehicle) -> None:
     """What no single key can show: where the centre of mass lies, and what the body contains."""
-    ahead, wheelbase = vehicle["geometry.cg_to_front_axle_m"], vehicle["geometry.wheelbase_m"]
-    if not ahead < wheelbase:
+    ahead = vehicle.values.get("geometry.cg_to_front_axle_m", 0.0)
+    wheelbase = vehicle.values.get("geometry.wheelbase_m")
+    if wheelbase is not None and not ahead < wheelbase:
         raise top.error(
             f"[geometry]: cg_to_front_axle_m = {ahead:g} must be less than wheelbase_m = "
             f"{wheelbase:g}: the centre of mass lies between the axles"

@@ -89,7 +89,7 @@ class VehicleView:
             return
         changed = dict(self._nominal)
         for name, slider in self._sliders.items():
-            for key in SLIDERS[name]:
+            for key in changed.keys() & set(SLIDERS[name]):
                 changed[key] *= 2.0**slider.value
         nominal, now = ride(self._nominal), ride(changed)
         lines = [
@@ -121,8 +121,7 @@ def read(campaign: Campaign) -> tuple[dict[str, float], str]:
 def ride(values: dict[str, float]) -> NDArray[np.float64]:
     """Transmissibility of heave: body over ground, every wheel lifted alike."""
     from wheelhop.simulate import frequency_response
-    from wheelhop.vehicle import Body, baseline
-    from wheelhop.vehicle.full_car import body_inertia
+    from wheelhop.vehicle import Body, baseline, body_inertia
 
     parts = baseline(values, (), "road")
     parts.add_output(((1.0, Body(0.0, 0.0)),))
