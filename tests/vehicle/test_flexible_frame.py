@@ -1,5 +1,8 @@
 """The full car on a frame that bends, beside the same car with all of the frame's elements."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -9,6 +12,7 @@ from tests.frame.frames import CORNERS, STEEL, TUBE, ladder
 from tests.truth import PRESETS
 from wheelhop.campaign import Channel
 from wheelhop.effects import load_effects
+from wheelhop.files import InputError
 from wheelhop.frame import (
     Material,
     PointMass,
@@ -16,10 +20,11 @@ from wheelhop.frame import (
     dofs_of,
     frame_twist,
     free_modes,
+    read_frame,
     torsional_stiffness,
 )
-from wheelhop.simulate import frequency_response
-from wheelhop.vehicle import baseline, car_on_frame, frame_values
+from wheelhop.simulate import Model, frequency_response
+from wheelhop.vehicle import baseline, car_on_frame, frame_values, read_vehicle
 from wheelhop.vehicle.layout import body_inertia
 
 BODY = [Channel(name, name) for name in ("B1", "B2", "B3", "B4")]
@@ -159,3 +164,44 @@ def test_the_effect_frame_twist_with_the_frames_parameters_twists_as_that_car():
     warp = np.array([1.0, -1.0, -1.0, 1.0])
     one, other = (frequency_response(system, FREQUENCIES) @ warp for system in (effect, car))
     assert one == pytest.approx(other, abs=1e-3 * np.abs(other).max())
+
+
+def test_vehicle_toml_names_a_frame_and_the_car_bends_as_it_does(tmp_path):
+    shutil.copy("examples/frame/baja.toml", tmp_path / "frame.toml")
+    text = Path("examples/clean/vehicle.toml").read_text(encoding="utf-8")
+    file = tmp_path / "vehicle.toml"
+    responses = []
+    for modes in (2, 10, 20):
+        named = f'\n[frame]\nfile = "frame.toml"\nmodes = {modes}\ndamping_ratio = 0.03\n'
+        file.write_text(text + named, encoding="utf-8")
+        vehicle = read_vehicle(file)
+        system = Model(vehicle.values).system(BODY, "road")
+        responses.append(frequency_response(system, FREQUENCIES))
+    elements = assemble(read_frame(tmp_path / "frame.toml"))
+    rigid = read_vehicle(Path("examples/clean/vehicle.toml")).values
+    bending = car_on_frame(rigid, elements, BODY, "road", zeta=0.03)
+    wanted = frequency_response(bending, FREQUENCIES)
+    off = [np.abs(found - wanted).max() / np.abs(wanted).max() for found in responses]
+    assert off[2] < off[1] < off[0]
+    assert off[1] < 0.02
+    assert off[2] < 0.005
+    assert all(vehicle.uncertainty[key] == 0.0 for key in vehicle.values if "frame." in key)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ('file = "frame.toml"\nmodes = 2.5', "modes = 2.5 must be a whole number"),
+        ('file = "frame.toml"\nmodes = 0', "modes = 0 must not be below 1"),
+        ('file = "frame.toml"\nzeta = 0.1', "unknown key"),
+        ('file = "other.toml"', "other.toml"),
+    ],
+)
+def test_a_mistake_in_the_frame_is_a_line(tmp_path, table, said):
+    shutil.copy("examples/frame/baja.toml", tmp_path / "frame.toml")
+    text = Path("examples/clean/vehicle.toml").read_text(encoding="utf-8")
+    (tmp_path / "vehicle.toml").write_text(f"{text}\n[frame]\n{table}\n", encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        read_vehicle(tmp_path / "vehicle.toml")
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)

@@ -114,9 +114,9 @@ def new_campaign(
     """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
 
     Sample rate, averaging and channels are those of the recording `like`; `places` says where
-    channels sit that its points do not tell. `vehicle`, the specimen's file that it names as its
-    mount, and the sensors' `constants` are copied; without `vehicle`, one that is there stays, or
-    else a sample file is written. If anything fails,
+    channels sit that its points do not tell. `vehicle`, the files of mount and
+    frame that it names, and the sensors' `constants` are copied; without `vehicle`, one that is
+    there stays, or else a sample file is written. If anything fails,
     nothing is left behind. Raises CampaignError if there is a campaign already, or a channel has no
     place.
     """
@@ -139,9 +139,11 @@ def new_campaign(
     if vehicle is not None:
         given[target] = _text(vehicle)
         top = read_toml(vehicle, CampaignError)
-        if "mount" in top:
-            specimen = file_inside(vehicle.parent, top, "mount")
-            given[folder / specimen.relative_to(vehicle.parent)] = _text(specimen)
+        named = [(top, "mount"), *([(top.table("frame"), "file")] if "frame" in top else [])]
+        for table, key in named:
+            if key in table:
+                beside = file_inside(vehicle.parent, table, key)
+                given[folder / beside.relative_to(vehicle.parent)] = _text(beside)
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
     given[file] = "\n".join(lines) + "\n"

@@ -28,6 +28,7 @@ from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
 from wheelhop.simulate.unevenness import HeightSeries
 from wheelhop.track import Wheel, make_track
 from wheelhop.vehicle import Drive, System, axle_name, corner_position, motions, wheels
+from wheelhop.vehicle.frame_modes import longest_step_s
 
 Array = NDArray[np.float64]
 
@@ -137,7 +138,10 @@ class RunSimulator:
             if self._step_s is None:
                 self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
             path_step_s = self._step_s
-        longest = min([path_step_s, *(effect.longest_step_s for effect in model.effects)])
+        frame_step_s = longest_step_s(model.values)
+        longest = min(
+            [path_step_s, frame_step_s, *(effect.longest_step_s for effect in model.effects)]
+        )
         return math.ceil(1.0 / (self.campaign.sample_rate_hz * longest) - 1e-9)
 
     def _kinked(self, model: Model) -> bool:

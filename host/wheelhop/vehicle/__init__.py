@@ -2,7 +2,7 @@
 
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, between
 from wheelhop.vehicle.component import component, is_component
-from wheelhop.vehicle.flexible_frame import add_frame, car_on_frame, frame_values
+from wheelhop.vehicle.flexible_frame import car_on_frame, frame_values
 from wheelhop.vehicle.full_car import (
     Drive,
     axle,
@@ -45,7 +45,6 @@ __all__ = [
     "System",
     "Usual",
     "Vehicle",
-    "add_frame",
     "axle",
     "axle_name",
     "axles",

@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import pi
-
-import numpy as np
-from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel
-from wheelhop.frame import CORNERS, FiniteElements, mass_properties, reduce
-from wheelhop.vehicle.assembly import Assembly, System
+from wheelhop.frame import FiniteElements, mass_properties
+from wheelhop.vehicle.assembly import System
+from wheelhop.vehicle.frame_modes import FIXED_MODES, all_modes, values_of
 from wheelhop.vehicle.full_car import Drive, baseline
 from wheelhop.vehicle.layout import body_inertia
-
-Array = NDArray[np.float64]
-
-FIXED_MODES = 20
 
 
 def frame_values(elements: FiniteElements) -> dict[str, float]:
@@ -43,7 +36,8 @@ def car_on_frame(
     zeta: float = 0.02,
     fixed_modes: int = FIXED_MODES,
 ) -> System:
-    """The baseline vehicle with a flexible frame.
+    """The baseline vehicle with all modes of the frame's Craig–Bampton reduction: together they
+    deflect under constant forces at the corners exactly as the frame does.
 
     Parameters
     ----------
@@ -59,38 +53,5 @@ def car_on_frame(
     fixed_modes
         Fixed-interface modes of the frame's reduction.
     """
-    parts = baseline(values, channels, drive)
-    add_frame(parts, values, elements, zeta, fixed_modes)
-    return parts.system(body_inertia(values))
-
-
-def add_frame(
-    parts: Assembly,
-    values: Mapping[str, float],
-    elements: FiniteElements,
-    zeta: float,
-    fixed_modes: int = FIXED_MODES,
-) -> None:
-    """Add all modes of the frame's Craig–Bampton reduction without supports, 1 kg each.
-
-    They are orthogonal to heave, pitch and roll in the frame's mass, so that the body's equations
-    stay as they are: body points move by z − xθ + yφ + Σ φᵣ(x, y) ηᵣ, η̈ᵣ + 2ζωᵣη̇ᵣ + ωᵣ²ηᵣ = fᵣ.
-    All of them together deflect under constant forces at the corners exactly as the frame does.
-    Between and beside the corners φᵣ is 1, x, y and xy through its four values there.
-    """
-    reduced = reduce(elements, fixed_modes)
-    frequency_hz, shape = reduced.free_modes()
-    x, y, _ = elements.position[elements.corners].T
-    x = x - x[:2].mean() + values["geometry.cg_to_front_axle_m"]
-    y = y - y.mean()
-    heights = shape[[reduced.interface[corner] + 2 for corner in CORNERS]]
-    through = np.linalg.solve(np.stack([np.ones(4), x, y, x * y], axis=1), heights)
-    for i, (frequency, surface) in enumerate(zip(frequency_hz.tolist(), through.T, strict=True)):
-        omega = 2 * pi * frequency
-
-        def at(x: float, y: float, surface: Array = surface) -> float:
-            return float(surface @ (1.0, x, y, x * y))
-
-        mode = parts.add_body_mode(f"frame {i + 1}", at)
-        parts.add_mass(((1.0, mode),), 1.0)
-        parts.add_spring(((1.0, mode),), omega**2, 2 * zeta * omega)
+    bending = {**values, **values_of(elements, *all_modes(elements, fixed_modes), zeta)}
+    return baseline(bending, channels, drive).system(body_inertia(bending))

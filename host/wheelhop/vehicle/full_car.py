@@ -15,6 +15,7 @@ from typing import Literal
 
 from wheelhop.campaign import Channel
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Row, between
+from wheelhop.vehicle.frame_modes import add_modes
 from wheelhop.vehicle.layout import axle_name, corner_position, motions, wheels
 
 Drive = Literal["road", "axles", "rig"]
@@ -53,8 +54,8 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
     Parameters
     ----------
     values
-        Numbers of vehicle.toml under their dotted keys, SI; for a channel on the body whose place
-        is unknown also "channel.NAME.x_m" and "channel.NAME.y_m".
+        Numbers of vehicle.toml under their dotted keys, SI, modes of a frame included; for a
+        channel on the body whose place is unknown also "channel.NAME.x_m" and "channel.NAME.y_m".
     channels
         Outputs in this order. With the drive "axles" the axles' own channels are not predicted.
     drive
@@ -78,6 +79,7 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
                 values[f"wheel.{end}.tyre_stiffness_N_m"],
                 values[f"wheel.{end}.tyre_damping_N_s_m"],
             )
+    add_modes(parts, values)
     for channel in channels:
         parts.add_output(_output(values, channel, drive))
     return parts

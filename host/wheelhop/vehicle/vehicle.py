@@ -12,6 +12,8 @@ from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table, did_you_mean, read_toml, shown
 from wheelhop.files.words import significant, unit_of
+from wheelhop.frame import assemble, read_frame
+from wheelhop.vehicle.frame_modes import mode_values
 from wheelhop.vehicle.layout import FULL_CAR, MODELS
 from wheelhop.vehicle.mount import mount_values
 
@@ -44,6 +46,7 @@ OPTIONAL = ("driver", "engine")
 MAY_BE_ZERO = ("damping_N_s_m", "tyre_damping_N_s_m")
 POSITIONS = ("x_m", "y_m")
 LEAST_POSITION_UNCERTAINTY_M = 0.02
+FRAME_MODES, MOST_FRAME_MODES, FRAME_DAMPING = 10, 40, 0.02
 LEAST_LENGTH_M = 0.005  # of wheelbase, track and wheel: a toy's
 
 
@@ -55,7 +58,7 @@ class Vehicle:
 
     `uncertainty` holds one standard deviation for every key of `values`, in the same unit. The
     keys of [driver] and [engine] are there only if the file has these tables, those of "mount.…"
-    if it names a specimen: these are certain.
+    and "frame.…" if it names a specimen, or a frame: these are certain.
     """
 
     name: str
@@ -95,16 +98,20 @@ def read_vehicle(path: Path) -> Vehicle:
     its magnitude, and for the position of driver and engine at least 0.02 m.
 
     `model` is one of `MODELS`, "full-car" if not given: half and quarter cars have fewer numbers.
-    `mount` names a specimen's file beside it, the bushing that every strut may stand on.
+    `mount` names a specimen's file beside it, the bushing that every strut may stand on; [frame]
+    that of a frame whose modes the body of a full car has besides its rigid motions.
 
     Raises `CampaignError` for unknown or missing keys, masses and lengths that are not positive,
-    a centre of mass that is not between the axles, and a value without uncertainty.
+    a centre of mass that is not between the axles, and a value without uncertainty; `FrameError`
+    for a frame's file that is wrong.
     """
     top = read_toml(path, CampaignError)
     top.format()
     model = top.text("model", FULL_CAR, choices=tuple(MODELS))
     tables, absent = _tables(model), f"; a {model} has none"
-    known = ("format", "name", "model", "relative_uncertainty", "mount")
+    known = ["format", "name", "model", "relative_uncertainty", "mount"]
+    if model == FULL_CAR:
+        known.append("frame")
     top.only((*known, *(name.split(".")[0] for name in tables)), absent)
     name = top.text("name")
     relative = top.number("relative_uncertainty", above=0.0)
@@ -125,6 +132,10 @@ def read_vehicle(path: Path) -> Vehicle:
         mount = mount_values(file_inside(path.parent, top, "mount"))
         values |= mount
         uncertainty |= dict.fromkeys(mount, 0.0)
+    if "frame" in top:
+        modes = _frame(top.table("frame"), path.parent)
+        values |= modes
+        uncertainty |= dict.fromkeys(modes, 0.0)
     vehicle = Vehicle(name, values, uncertainty)
     _check_whole(top, vehicle)
     return vehicle
@@ -144,6 +155,17 @@ def changed(vehicle: Vehicle, changes: Mapping[str, float], source: Path) -> Veh
     after = vehicle.with_values(changes)
     _check_whole(Table({}, source, kind=CampaignError), after)
     return after
+
+
+def _frame(table: Table, folder: Path) -> dict[str, float]:
+    """The modes of the frame whose file [frame] names."""
+    table.only(("file", "modes", "damping_ratio"))
+    count = table.number("modes", FRAME_MODES, at_least=1.0)
+    damping_ratio = table.number("damping_ratio", FRAME_DAMPING, above=0.0)
+    if count != int(count) or count > MOST_FRAME_MODES:
+        raise table.error(f"modes = {count:g} must be a whole number up to {MOST_FRAME_MODES}")
+    elements = assemble(read_frame(file_inside(folder, table, "file")))
+    return mode_values(elements, int(count), damping_ratio)
 
 
 def _tables(model: str) -> dict[str, tuple[str, ...]]:
