@@ -66,6 +66,9 @@ def add_simulate(commands: Any) -> None:
         "--jobs", metavar="N", type=int, help="processes of a sweep (default: one a processor)"
     )
     simulate.add_argument(
+        "--cluster", metavar="ADDRESS", help="compute a sweep on a Dask cluster: tcp://HOST:PORT"
+    )
+    simulate.add_argument(
         "--out",
         metavar="PATH",
         type=Path,

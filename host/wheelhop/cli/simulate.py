@@ -28,7 +28,7 @@ from wheelhop.predict.instrument import NOISE_RMS_M_S2
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.ride import Ride, ride
 from wheelhop.predict.sweep import Axis, Sweep
-from wheelhop.predict.workers import workers
+from wheelhop.predict.workers import cluster, workers
 from wheelhop.vehicle import read_vehicle
 
 SHORTEST_S, LONGEST_S = 2.0, 600.0
@@ -47,6 +47,8 @@ def run(arguments: Namespace) -> int:
     """Simulate, write what was asked for, and print it; raises CampaignError."""
     if arguments.sweep:
         return _sweep(arguments)
+    if arguments.cluster is not None:
+        raise CampaignError("--cluster: only a sweep is computed on a cluster: give --sweep")
     case = _case(arguments)
     noise = NOISE_RMS_M_S2 if arguments.noise is None else arguments.noise
     if not 0.0 <= noise < 100.0:
@@ -105,6 +107,8 @@ def _sweep(arguments: Namespace) -> int:
             raise CampaignError(f"--{option}: a sweep has no sensors; leave it out")
     if arguments.out is None or arguments.out.suffix.lower() != ".parquet":
         raise CampaignError("--sweep: say where to with --out TABLE.parquet")
+    if arguments.jobs is not None and arguments.cluster is not None:
+        raise CampaignError("--jobs: a cluster has its own workers; leave one of the two out")
     if arguments.jobs is not None and arguments.jobs < 1:
         raise CampaignError(f"--jobs {arguments.jobs}: must be 1 or more")
     sweep = Sweep(
@@ -118,7 +122,8 @@ def _sweep(arguments: Namespace) -> int:
         arguments.library,
     )
     sweep.check()
-    with stages() as progress, workers(arguments.jobs) as executor:
+    at = arguments.cluster
+    with stages() as progress, cluster(at) if at else workers(arguments.jobs) as executor:
         computed, rows = run_sweep(sweep, arguments.out, executor, progress)
     console = open_console()
     known = len(sweep) - computed
