@@ -2,7 +2,7 @@
 
 import filecmp
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -138,12 +138,8 @@ def new_campaign(
     given = {} if constants is None else {folder / CONSTANTS_FILE: _text(constants)}
     if vehicle is not None:
         given[target] = _text(vehicle)
-        top = read_toml(vehicle, CampaignError)
-        named = [(top, "mount"), *([(top.table("frame"), "file")] if "frame" in top else [])]
-        for table, key in named:
-            if key in table:
-                beside = file_inside(vehicle.parent, table, key)
-                given[folder / beside.relative_to(vehicle.parent)] = _text(beside)
+        for beside in _named_by(vehicle):
+            given[folder / beside.relative_to(vehicle.parent)] = _text(beside)
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
     given[file] = "\n".join(lines) + "\n"
@@ -204,6 +200,19 @@ def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
                 remove(made)
             raise
     return file
+
+
+def _named_by(vehicle: Path) -> Iterator[Path]:
+    """The files that vehicle.toml stands on: mount, frame, and what that is made from."""
+    top = read_toml(vehicle, CampaignError)
+    if "mount" in top:
+        yield file_inside(vehicle.parent, top, "mount")
+    if "frame" in top:
+        frame = file_inside(vehicle.parent, top.table("frame"), "file")
+        yield frame
+        inner = read_toml(frame, CampaignError)
+        if "bdf" in inner:
+            yield file_inside(frame.parent, inner, "bdf")
 
 
 def _check(folder: Path, text: str, run: NewRun) -> None:

@@ -8,6 +8,7 @@ from math import dist, hypot
 from pathlib import Path
 
 from wheelhop.files import Table, did_you_mean, read_toml
+from wheelhop.frame.bdf import UNITS, Bulk, read_bdf
 from wheelhop.frame.error import FrameError
 from wheelhop.frame.model import CORNERS, ELEMENT_M, Frame, Point, PointMass, Tube
 from wheelhop.frame.section import Material, Section, round_tube
@@ -42,18 +43,40 @@ def read_frame(path: Path) -> Frame:
     """
     top = read_toml(path, FrameError)
     top.format()
+    found = _bulk(top, path) if "bdf" in top else _written(top)
+    _check_one_piece(top, found.nodes, found.tubes)
+    tables = top.tables("mass", "node") if "mass" in top else ()
+    masses = (*found.masses, *(_mass(table, found.nodes) for table in tables))
+    interface = _interface(top.table("interface"), found.nodes)
+    element_m = _element_m(top, found.nodes, found.tubes)
+    return Frame(
+        top.text("name"),
+        found.material,
+        found.sections,
+        found.nodes,
+        found.tubes,
+        masses,
+        interface,
+        element_m,
+    )
+
+
+def _written(top: Table) -> Bulk:
+    """Material, sections, nodes and tubes as the file itself has them."""
     top.only(TABLES)
     material = _material(top)
     sections = {name: _section(table, material) for name, table in _named(top, "section")}
     nodes = _nodes(top.table("node"))
-    tubes = tuple(_tubes(top, nodes, sections))
-    _check_one_piece(top, nodes, tubes)
-    masses = tuple(
-        _mass(table, nodes) for table in (top.tables("mass", "node") if "mass" in top else ())
-    )
-    interface = _interface(top.table("interface"), nodes)
-    element_m = _element_m(top, nodes, tubes)
-    return Frame(top.text("name"), material, sections, nodes, tubes, masses, interface, element_m)
+    return Bulk(material, sections, nodes, tuple(_tubes(top, nodes, sections)), ())
+
+
+def _bulk(top: Table, path: Path) -> Bulk:
+    """The same from the file of Nastran's bulk data that `bdf` names."""
+    top.only(("format", "name", "element_mm", "bdf", "bdf_units", "mass", "interface"))
+    file = path.parent / top.text("bdf")
+    if not file.is_file():
+        raise top.error(f"bdf: there is no file {file}")
+    return read_bdf(file, top.text("bdf_units", choices=tuple(UNITS)))
 
 
 def _element_m(top: Table, nodes: Mapping[str, Point], tubes: Sequence[Tube]) -> float:
