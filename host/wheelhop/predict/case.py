@@ -50,10 +50,11 @@ class Case:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        setting = self._simulator(0, SAMPLE_RATE_HZ, 0.0, 0.0).setting
         for chosen in self.effects:
             if not chosen.effect.applies_to(self.vehicle.values):
                 raise CampaignError(f"--with {chosen.effect.id}: does not apply to this vehicle")
+        setting = self._simulator(0, SAMPLE_RATE_HZ, 0.0, 0.0).setting
+        for chosen in self.effects:
             parameters = chosen.effect.parameters_for(self.vehicle.values, self.channels)
             _check_known(chosen, [*parameters, *chosen.effect.per_run(setting)])
         _check_stable(self.system)
