@@ -40,7 +40,7 @@ from wheelhop.identify import (
 )
 from wheelhop.identify.figure import draw_matrix, physical_matrix
 from wheelhop.identify.identify import WASTED
-from wheelhop.vehicle import Vehicle, read_vehicle
+from wheelhop.vehicle import CORNERS, Vehicle, read_vehicle, wheels
 
 
 def run(arguments: Namespace) -> int:
@@ -53,6 +53,10 @@ def run(arguments: Namespace) -> int:
             f"{campaign.folder}: is a component on a rig; a transfer matrix needs axles and a body"
         )
     vehicle = read_vehicle(campaign.vehicle_file)
+    if wheels(vehicle.values) != CORNERS:
+        raise CampaignError(
+            f"{campaign.vehicle_file}: has no four wheels; a transfer matrix is that of a full car"
+        )
     measured = measure(campaign)
     if arguments.frf:
         return run_frf(arguments, campaign, measured, open_console())
