@@ -73,12 +73,14 @@ y_m = 0.0                      # sample
 """
 
 
-SAMPLE = re.compile(r"(?P<key>\w+)\s*=.*#\s*sample\b")
+SAMPLE = "sample"
+MARKED = re.compile(r"(?P<key>\w+)\s*=.*#\s*(?P<mark>\w+)")
 TABLE = re.compile(r"\[(?P<name>[\w.]+)\]")
 
 
-def sample_numbers(vehicle: Path) -> list[str]:
-    """The numbers of a vehicle.toml, by their dotted names, that are still marked as the sample's.
+def marked_numbers(vehicle: Path, mark: str) -> list[str]:
+    """The numbers of a vehicle.toml, by their dotted names, whose comment begins with this word:
+    "sample" for those of our sample, "estimated" for guesses.
 
     Raises CampaignError for a file that cannot be read.
     """
@@ -86,7 +88,7 @@ def sample_numbers(vehicle: Path) -> list[str]:
     for line in _text(vehicle).splitlines():
         if heading := TABLE.match(line.strip()):
             table = f"{heading['name']}."
-        elif number := SAMPLE.match(line.strip()):
+        elif (number := MARKED.match(line.strip())) and number["mark"] == mark:
             found.append(table + number["key"])
     return found
 

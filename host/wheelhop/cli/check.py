@@ -18,13 +18,14 @@ from wheelhop.campaign import (
     find_duplicates,
     read_campaign,
 )
-from wheelhop.campaign.write import sample_numbers
+from wheelhop.campaign.write import SAMPLE, marked_numbers
 from wheelhop.cli.console import open_console
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
 from wheelhop.files.words import significant
 from wheelhop.gate import gate
 from wheelhop.vehicle import Vehicle, read_nominal
+from wheelhop.vehicle.estimate import ESTIMATED
 
 
 def run(arguments: Namespace) -> int:
@@ -40,8 +41,7 @@ def run(arguments: Namespace) -> int:
     print_sensors(campaign, console)
     findings = gate(campaign, nominal).findings
     print_findings(findings, console)
-    if not any(finding.kind == "template" for finding in findings):
-        _print_samples(campaign, console)
+    _print_marked(campaign, console, any(finding.kind == "template" for finding in findings))
     if isinstance(campaign, ComponentCampaign):
         console.print(_rig_runs(campaign))
     else:
@@ -54,15 +54,16 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def _print_samples(campaign: Campaign, console: Console) -> None:
-    """Which numbers of the vehicle nobody has replaced yet, or whose mark was left."""
-    marked = (
-        [] if isinstance(campaign, ComponentCampaign) else sample_numbers(campaign.vehicle_file)
-    )
-    if marked:
-        names = ", ".join(marked)
-        text = f"! {campaign.vehicle_file.name}: still marked as the sample's: {names}"
-        console.print(Text(text, style="yellow"))
+def _print_marked(campaign: Campaign, console: Console, said: bool) -> None:
+    """Which numbers of the vehicle nobody has replaced or measured yet, or whose mark was left;
+    `said`: that they are the sample's stands there already."""
+    if isinstance(campaign, ComponentCampaign):
+        return
+    file = campaign.vehicle_file
+    for mark, words in ((SAMPLE, "still marked as the sample's"), (ESTIMATED, "only estimated")):
+        marked = marked_numbers(file, mark)
+        if marked and not (said and mark == SAMPLE):
+            console.print(Text(f"! {file.name}: {words}: {', '.join(marked)}", style="yellow"))
 
 
 def _place(channel: Channel) -> str:

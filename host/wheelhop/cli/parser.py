@@ -6,6 +6,7 @@ from typing import NoReturn
 
 from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
+from wheelhop.cli.parser_new import add_new
 from wheelhop.cli.parser_plan import add_plan
 from wheelhop.cli.parser_rates import add_rates
 from wheelhop.cli.parser_simulate import add_road, add_simulate
@@ -69,6 +70,7 @@ def make_parser() -> argparse.ArgumentParser:
     _make_bushing(commands.add_parser("bushing", help="find the complex modulus of bushings"))
     add_frame(commands)
     add_rates(commands)
+    add_new(commands)
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
     commands.add_parser("version", help="print the version")
     return parser
