@@ -279,3 +279,21 @@ def test_damaged_files_are_read_or_refused_in_one_line(valid, name, edits, lines
             read_vehicle(read_campaign(folder).vehicle_file)
         except InputError as error:
             assert str(error).isprintable() and len(str(error)) < 1000
+
+
+def test_all_that_is_missing_is_said_at_once(folder):
+    edit(folder / "campaign.toml", "speed_kmph", "# speed_kmph")
+    with pytest.raises(CampaignError, match="'speed_kmph' is missing: give a number in kilom"):
+        read_campaign(folder)
+    edit(folder / "campaign.toml", "title", "# title")
+    edit(folder / "campaign.toml", "band_hz", "# band_hz")
+    with pytest.raises(CampaignError, match=r"3 keys are missing: title; band_hz; \[\[run\]\] \"."):
+        read_campaign(folder)
+    file = folder / "vehicle.toml"
+    edit(file, "pitch_inertia_kg_m2 =", "# pitch_inertia_kg_m2 =")
+    with pytest.raises(CampaignError, match="pitch_inertia_kg_m2' is missing: give a number"):
+        read_vehicle(file)
+    text = file.read_text()
+    file.write_text(text[: text.index("[wheel.front]")] + "[wheel]\n")
+    with pytest.raises(CampaignError, match=r"3 things .* \[body\] pitch.*\[wheel.front\], \[wh"):
+        read_vehicle(file)

@@ -175,6 +175,13 @@ def test_a_file_that_is_not_there_or_not_known(name, tmp_path):
     assert not list(Path(tmp_path).iterdir())
 
 
+@pytest.mark.parametrize("name", ["drive.xlsx", "drive.XLS", "drive.ods"])
+def test_a_spreadsheet_has_a_sentence_of_its_own(name, tmp_path):
+    (tmp_path / name).write_bytes(b"PK")
+    with pytest.raises(ExchangeError, match=r"spreadsheet: save the sheet as CSV .* --draft"):
+        read(tmp_path / name)
+
+
 def test_formats_that_are_only_read(tmp_path):
     with pytest.raises(ExchangeError, match=r"is read, not written: choose \.csv, \.parquet"):
         write(recording(), tmp_path / "run.tdms")

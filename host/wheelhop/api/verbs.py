@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
+from wheelhop.campaign.thin import thinned
 from wheelhop.diagnose import Progress, Step, axle_driven, fit_baseline
 from wheelhop.diagnose.added import fit_with, steps_with
 from wheelhop.diagnose.ladder import diagnose_from
@@ -195,7 +196,7 @@ def add(
         As for `compare`; then model.toml is as it was.
     """
     library = _library(effects)
-    campaign = _campaign(campaign)
+    campaign = thinned(_campaign(campaign))
     vehicle = vehicle or read_nominal(campaign)
     chosen = pick(names, {**library, **beliefs(campaign, vehicle)})
     with threadpool_limits(ONE_EACH):

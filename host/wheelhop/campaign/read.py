@@ -39,6 +39,7 @@ TOP_KEYS = (
 CONSTANTS_FILE = "calibration.toml"
 LARGEST_M_S2 = 1e6  # a hundred thousand g: a broken file, and powers of it overflow
 LONGEST_AVERAGING = 3.0  # sample periods
+MOST_SHOWN = 20  # keys that are missing
 NOT_RECORDED = "if it was not recorded, list under [channels] in campaign.toml those that were"
 
 
@@ -73,6 +74,7 @@ def _read(top: Table, folder: Path, only: str | None = None) -> Campaign:
     if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
         return read_component(top, folder)
     top.only(TOP_KEYS)
+    _refuse_gaps(top)
     rate = top.number("sample_rate_hz", above=0.0)
     empty = Campaign(
         folder=folder,
@@ -88,6 +90,18 @@ def _read(top: Table, folder: Path, only: str | None = None) -> Campaign:
     drives = [_drive(run, folder) for run in top.tables("run", "id")]
     check_entries(top, drives)
     return _with_recordings(empty, [drive for drive in drives if only in (None, drive.id)])
+
+
+def _refuse_gaps(top: Table) -> None:
+    """Raise for all keys that are missing, of all runs, if there are several."""
+    missing = top.needs(("title", "sample_rate_hz", "band_hz", "run"))
+    if "run" in top:
+        for run in top.tables("run", "id"):
+            missing += run.needs(RUN_KEYS)
+    if len(missing) > 1:
+        shown = "; ".join(missing[:MOST_SHOWN])
+        more = f" and {len(missing) - MOST_SHOWN} more" if len(missing) > MOST_SHOWN else ""
+        raise top.error(f"{len(missing)} keys are missing: {shown}{more}")
 
 
 @dataclass(frozen=True)

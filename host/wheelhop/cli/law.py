@@ -8,6 +8,7 @@ from typing import Any
 from rich.console import Console
 
 from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.campaign.thin import thinned
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.progress import stages
@@ -26,7 +27,7 @@ def run(arguments: Namespace) -> int:
     accepted = pick(arguments.accepted, library)
     if arguments.save and arguments.save.suffix != ".py":
         raise CampaignError(f"{arguments.save}: an effect is a Python file; end its name in .py")
-    campaign = read_campaign(arguments.campaign)
+    campaign = thinned(read_campaign(arguments.campaign))
     vehicle = read_nominal(campaign)
     with stages() as progress:
         found = find_law(campaign, vehicle, accepted, list(library.values()), progress)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,9 +13,11 @@ from wheelhop.exchange.error import ExchangeError, guarded
 from wheelhop.exchange.formats import load
 from wheelhop.exchange.labels import is_unit, name_and_unit
 from wheelhop.exchange.mapping import SEPARATORS
+from wheelhop.exchange.places import likely_points
 from wheelhop.exchange.table import POINTS
 from wheelhop.exchange.units import SECONDS, to_si
 from wheelhop.files import quoted
+from wheelhop.logger.recording import ACCELERATION
 
 LOOK = 200  # lines that are looked at
 STYLES = (
@@ -65,13 +67,13 @@ def draft_mapping(path: Path) -> str:
         lines.append("rate_hz = 100.0  # no column looks like time: say how many rows are a second")
     else:
         lines += [f"time = {_key(layout.labels, clock)}", f"time_unit = {quoted(unit)}"]
-    columns = []
+    columns: list[tuple[str, str, str]] = []
     for k, label in enumerate(layout.labels):
         if k == clock or not cells.is_number(layout.rows[0][k], layout.decimal):
             continue
         name, inside = name_and_unit(label)
         key = _key(layout.labels, k)
-        columns.append(_entry(key, name, layout.units[k] if layout.units else inside))
+        columns.append((key, name, layout.units[k] if layout.units else inside))
     return _text(path, lines, columns)
 
 
@@ -149,7 +151,8 @@ def _time(layout: Layout) -> tuple[int | None, str]:
 
 
 def _of_tables(path: Path) -> str:
-    lines, columns = [], []
+    lines: list[str] = []
+    columns: list[tuple[str, str, str]] = []
     tables = load(path)
     table = tables[0] if tables else None
     if table is None:
@@ -162,7 +165,7 @@ def _of_tables(path: Path) -> str:
     labels = [channel.name for channel in table.channels]
     for k, channel in enumerate(table.channels):
         key = quoted(channel.name) if labels.count(channel.name) == 1 else str(table.columns[k])
-        columns.append(_entry(key, channel.name, channel.unit))
+        columns.append((key, channel.name, channel.unit))
     return _text(path, lines, columns)
 
 
@@ -172,23 +175,25 @@ def _key(labels: Sequence[str], k: int) -> str:
     return str(k + 1) if unnamed else quoted(labels[k])
 
 
-def _entry(key: str, name: str, unit: str) -> list[str]:
-    si, factor = to_si(unit)
-    remark = (
-        f"  # × {factor:g} = {si}" if factor != 1.0 else "" if unit else "  # not said: g, m/s²?"
-    )
-    point = name if name in POINTS else ""
-    return [
-        "",
-        "[[channel]]",
-        f"column = {key}",
-        f"name = {quoted(name)}",
-        f"unit = {quoted(unit)}{remark}",
-        f"point = {quoted(point)}",
-    ]
+def _entries(columns: Sequence[tuple[str, str, str]]) -> Iterator[str]:
+    """The lines of every channel: how a mapping names it, its own name, and its unit."""
+    felt = [name for _, name, unit in columns if to_si(unit)[0] in ("", ACCELERATION)]
+    guessed = dict(zip(felt, likely_points(felt), strict=True))
+    for key, name, unit in columns:
+        si, factor = to_si(unit)
+        scaled = f"  # × {factor:g} = {si}" if factor != 1.0 else ""
+        point = name if name in POINTS else guessed.get(name, "")
+        yield from (
+            "",
+            "[[channel]]",
+            f"column = {key}",
+            f"name = {quoted(name)}",
+            f"unit = {quoted(unit)}{scaled if unit else '  # not said: g, m/s²?'}",
+            f"point = {quoted(point)}{'' if point in ('', name) else '  # by its name: is it so?'}",
+        )
 
 
-def _text(path: Path, lines: Sequence[str], columns: Sequence[Sequence[str]]) -> str:
+def _text(path: Path, lines: Sequence[str], columns: Sequence[tuple[str, str, str]]) -> str:
     head = [
         f"# How to read {path.name}, guessed from its look: correct it, then",
         f"#     wheelhop import --map THIS.toml {path.name}",
@@ -196,4 +201,4 @@ def _text(path: Path, lines: Sequence[str], columns: Sequence[Sequence[str]]) ->
         "# A channel is column × scale + offset, in unit: add scale = … and offset = … as needed.",
         "format = 1",
     ]
-    return "\n".join([*head, *lines, *(line for entry in columns for line in entry)]) + "\n"
+    return "\n".join([*head, *lines, *_entries(columns)]) + "\n"

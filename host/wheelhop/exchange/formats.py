@@ -57,6 +57,9 @@ FORMATS = {
 }
 
 
+SHEETS = (".xlsx", ".xls", ".xlsm", ".ods")
+
+
 def load(path: Path, mapping: Map | None = None) -> list[Table]:
     """What is in a file, a table for each group of channels that were sampled together.
 
@@ -122,6 +125,11 @@ def _format(path: Path) -> Format:
     suffix = path.suffix.lower()
     if suffix in FORMATS:
         return FORMATS[suffix]
+    if suffix in SHEETS:
+        raise ExchangeError(
+            f"{path}: is a spreadsheet: save the sheet as CSV (UTF-8) in the program it comes from,"
+            " and import that; wheelhop import FILE.csv --draft begins a mapping"
+        )
     raise ExchangeError(f"{path}: '{suffix}' is no format known here: {', '.join(FORMATS)}")
 
 

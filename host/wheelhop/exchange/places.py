@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Sequence
 from itertools import pairwise
 
 CORNERS = (
@@ -16,9 +18,26 @@ AXLE = ("axle", "wheel", "hub", "upright", "unsprung", "knuckle", "rad", "achse"
 BODY = ("body", "chassis", "frame", "sprung", "strut", "tower", "aufbau", "rahmen", "top", "bdy")
 
 
+def likely_points(names: Sequence[str]) -> list[str]:
+    """The points that the names of a recording's accelerometers seem to mean, each "" if unknown.
+
+    Corners alone (FL, FR, RL, RR) are the axles where the others are on the body, else the body:
+    most people begin there. A point that two names seem to mean is given to neither.
+    """
+    found = [likely_point(name) for name in names]
+    bare = "A" if {point[:1] for point in found} - {""} == {"B"} else "B"
+    for i, name in enumerate(names):
+        words = _words(name)
+        corner = _corner(words)
+        if not found[i] and corner is not None and not {*words} & {*AXLE, *BODY}:
+            found[i] = f"{bare}{corner + 1}"
+    count = Counter(found)
+    return [point if count[point] == 1 else "" for point in found]
+
+
 def likely_point(name: str) -> str:
     """The point, A1 … A4 or B1 … B4, that a name seems to mean; "" if it does not say."""
-    words = re.findall(r"[a-z]+|\d+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
+    words = _words(name)
     for word, digit in pairwise(words):
         if word in ("a", "b") and digit in ("1", "2", "3", "4"):
             return f"{word.upper()}{digit}"
@@ -27,6 +46,10 @@ def likely_point(name: str) -> str:
     if corner is None or axle == body:
         return ""
     return f"{'A' if axle else 'B'}{corner + 1}"
+
+
+def _words(name: str) -> list[str]:
+    return re.findall(r"[a-z]+|\d+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
 
 
 def _corner(words: list[str]) -> int | None:

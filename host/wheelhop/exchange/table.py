@@ -14,6 +14,7 @@ from wheelhop.exchange.error import ExchangeError
 from wheelhop.exchange.grid import Grid, fit_grid
 from wheelhop.exchange.header import Header
 from wheelhop.exchange.mapping import Map, Pick
+from wheelhop.exchange.places import likely_points
 from wheelhop.exchange.units import to_si
 from wheelhop.logger.recording import ACCELERATION, Channel, Recording
 
@@ -85,6 +86,9 @@ def to_recording(table: Table, mapping: Map | None) -> Recording:
     channels, values, steps = _converted(
         table, picks or tuple(Pick(number) for number in table.columns)
     )
+    if mapping is None:
+        channels, guesses = _placed(channels)
+        steps += guesses
     grid = _grid(table, mapping)
     if table.header is not None:
         bare = table.header.bare
@@ -130,6 +134,16 @@ def _converted(
         values[incomplete] = np.nan
         steps.append(f"rows without a value in every channel: {incomplete.sum()}; left empty")
     return tuple(channels), values, steps
+
+
+def _placed(channels: tuple[Channel, ...]) -> tuple[tuple[Channel, ...], list[str]]:
+    """The channels with the places that the accelerometers' names mean, and what was guessed."""
+    felt = [c for c in channels if c.unit == ACCELERATION and not c.point]
+    taken = {c.point for c in channels}
+    found = {c.name: p for c, p in zip(felt, likely_points([c.name for c in felt]), strict=True)}
+    guessed = {name: point for name, point in found.items() if point and point not in taken}
+    placed = tuple(replace(c, point=guessed.get(c.name, c.point)) for c in channels)
+    return placed, [f"{name}: taken for {point}, by its name" for name, point in guessed.items()]
 
 
 def plain_channel(name: str, unit: str | None = None) -> Channel:

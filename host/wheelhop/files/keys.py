@@ -85,6 +85,11 @@ class Table:
             if key not in known:
                 raise self.error(self._unknown(key, value, known, hint))
 
+    def needs(self, keys: Collection[str]) -> list[str]:
+        """Those of these keys that are missing, as the user would write them: "[body] mass_kg"."""
+        missing = [f"{self.prefix}{key}" for key in keys if key not in self.values]
+        return [f"{self.heading} {key}".lstrip() for key in missing]
+
     def number(
         self,
         key: str,

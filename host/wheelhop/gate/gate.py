@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wheelhop.campaign import Campaign, ComponentCampaign
+from wheelhop.campaign.thin import thinned
 from wheelhop.gate.drive import Nominal, drive_of
 from wheelhop.gate.finding import Finding
 from wheelhop.gate.numbers import number_findings
@@ -25,7 +26,8 @@ from wheelhop.vehicle import Vehicle
 
 @dataclass(frozen=True, eq=False)
 class Gated:
-    """What was found, and the campaign without what gives no signal."""
+    """What was found, and the campaign without what gives no signal, and no faster than its band
+    needs."""
 
     findings: tuple[Finding, ...]
     campaign: Campaign
@@ -54,7 +56,23 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
         findings += noise_findings(sound, spectra)
     if not _of(findings, "polarity", "swapped", "exchanged", "misplaced"):
         findings += rigid_findings(sound, spectra)
-    return Gated(tuple(_once(findings)), sound)
+    light = thinned(sound)
+    if light is not sound:
+        findings.append(_thinned(sound, light))
+    return Gated(tuple(_once(findings)), light)
+
+
+def _thinned(full: Campaign, light: Campaign) -> Finding:
+    many = round(full.sample_rate_hz / light.sample_rate_hz)
+    return Finding(
+        "before",
+        "thinned",
+        "sample_rate_hz",
+        f"{full.sample_rate_hz:g} Hz is more than {full.band_hz[0]:g} to {full.band_hz[1]:g} Hz"
+        f" need: what is fitted are means of {many} samples, at {light.sample_rate_hz:g} Hz.",
+        "Widen band_hz if there is more to see.",
+        "certain",
+    )
 
 
 def _driven(

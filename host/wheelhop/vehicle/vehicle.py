@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
@@ -113,6 +113,7 @@ def read_vehicle(path: Path) -> Vehicle:
     if model == FULL_CAR:
         known.append("frame")
     top.only((*known, *(name.split(".")[0] for name in tables)), absent)
+    _refuse_gaps(top, tables)
     name = top.text("name")
     relative = top.number("relative_uncertainty", above=0.0)
     if relative > 1.0:
@@ -179,6 +180,23 @@ def _tables(model: str) -> dict[str, tuple[str, ...]]:
         for name, keys in TABLES.items()
         if name not in gone
     }
+
+
+def _refuse_gaps(top: Table, tables: Mapping[str, tuple[str, ...]]) -> None:
+    """Raise for all numbers that are missing, if there are several: one at a time is tedious."""
+    missing = top.needs(("name", "relative_uncertainty"))
+    for dotted, keys in tables.items():
+        outer: Any = top.values
+        for part in dotted.split("."):
+            outer = outer.get(part, {}) if isinstance(outer, dict) else None
+        if outer is None or (dotted in OPTIONAL and dotted not in top.values):
+            continue  # what is no table at all is said in its own words
+        missing += Table(outer, top.file, f"[{dotted}]").needs(keys) if outer else [f"[{dotted}]"]
+    if len(missing) > 1:
+        raise top.error(
+            f"{len(missing)} things are missing: {', '.join(missing)}; docs/vehicle-file.md says"
+            " what they are, and wheelhop new estimates them"
+        )
 
 
 def _descend(top: Table, dotted: str, tables: Collection[str], absent: str) -> Table:
