@@ -9,6 +9,7 @@ if the command ends in a result or in one line and exit code 2.
 import argparse
 import contextlib
 import io
+import re
 import shutil
 import sys
 import tempfile
@@ -93,7 +94,8 @@ def try_case(
         except Exception as error:
             place = traceback.extract_tb(error.__traceback__)[-1]
             return names, 1, f"{type(error).__name__}: {error!s:.80} ({place.name}:{place.lineno})"
-    lines = err.getvalue().splitlines()
+    said = err.getvalue().splitlines()
+    lines = [line for line in said if not re.match(r"wheelhop: \d+:\d\d |compiling ", line)]
     if code not in (0, 2):
         return names, code, f"exit code {code}"
     if code == 2 and (len(lines) != 1 or len(lines[0]) > 4096):

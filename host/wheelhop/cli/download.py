@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import Namespace
 from pathlib import Path
 
@@ -10,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, Progress, TimeRemainingColumn
 from rich.progress import TransferSpeedColumn as SpeedColumn
 
+from wheelhop.cli.progress import lines
 from wheelhop.logger import read_log
 from wheelhop.logger.download import Downloaded, Downloader
 from wheelhop.logger.error import LoggerError
@@ -68,12 +68,17 @@ def goes_on(path: Path) -> str:
 def _fetch(downloader: Downloader, name: str, size: int, folder: Path) -> Downloaded:
     columns = (BarColumn(), DownloadColumn(), SpeedColumn(), TimeRemainingColumn())
     console = Console(stderr=True)
+    say = lines()
     with Progress("{task.description}", *columns, console=console, transient=True) as progress:
-        progress.disable = not sys.stderr.isatty()
+        progress.disable = not console.is_terminal
         task = progress.add_task(name, total=size)
-        file = downloader.download(
-            name, size, folder, lambda done, _: progress.update(task, completed=done)
-        )
+
+        def show(done: int, _: int) -> None:
+            progress.update(task, completed=done)
+            if progress.disable:
+                say(f"{name}: {done} of {size} bytes")
+
+        file = downloader.download(name, size, folder, show)
     damaged = f", {file.damaged} blocks damaged on the card" if file.damaged else ""
     here = "" if file.fresh else " was here already"
     print(f"{file.path}{here}: {file.size} bytes{damaged}", flush=True)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -36,15 +38,71 @@ def announce_compilation() -> None:
             return
 
 
+QUIET_S = 10.0
+"""Between two lines where stderr is not a terminal; what takes less says nothing."""
+COUNTED = re.compile(r"(\d+) of (\d+)")
+
+
+class TimeLeft:
+    """How long it still takes, from texts that count: "12 of 200 points"."""
+
+    def __init__(self) -> None:
+        self._total = self._first = 0
+        self._since_s = 0.0
+
+    def words(self, text: str, now_s: float) -> str:
+        """ ", about 0:40 left", or nothing where the text does not count or has just begun to."""
+        found = COUNTED.search(text)
+        if found is None:
+            return ""
+        done, total = int(found[1]), int(found[2])
+        if total != self._total or done < self._first:
+            self._total, self._first, self._since_s = total, done, now_s
+        if done == self._first or done >= total:
+            return ""
+        left_s = (total - done) * (now_s - self._since_s) / (done - self._first)
+        return f", about {_clock(left_s)} left"
+
+
 @contextmanager
 def stages() -> Iterator[Callable[[str], None]]:
-    """A function that shows at what stage the work is, on one line that vanishes at the end;
-    where stderr is not a terminal it stays silent."""
+    """A function that shows at what stage the work is, and how long a stage that counts will take:
+    on one line that vanishes at the end, or where stderr is not a terminal, on a line of its own
+    every ten seconds."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda text: None
+        yield lines()
         return
+    left = TimeLeft()
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("reading the campaign", total=None)
-        yield lambda text: progress.update(task, description=escape(text))
+
+        def show(text: str) -> None:
+            words = text + left.words(text, time.monotonic())
+            progress.update(task, description=escape(words))
+
+        yield show
+
+
+def lines() -> Callable[[str], None]:
+    """A function that prints what it is told on stderr, after ten seconds and then every ten."""
+    left = TimeLeft()
+    begun_s = said_s = time.monotonic()
+
+    def show(text: str) -> None:
+        nonlocal said_s
+        now_s = time.monotonic()
+        words = left.words(text, now_s)
+        if now_s >= said_s + QUIET_S:
+            said_s = now_s
+            print(f"wheelhop: {_clock(now_s - begun_s)} {text}{words}", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return (
+        f"{minutes // 60}:{minutes % 60:02}:{rest:02}" if minutes >= 60 else f"{minutes}:{rest:02}"
+    )
