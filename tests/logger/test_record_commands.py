@@ -53,6 +53,24 @@ def test_download_says_what_is_here(tmp_path, out, capsys):
     assert "was here already" in lines[3]
 
 
+def test_download_makes_no_second_copy_of_what_was_recorded(tmp_path, out, capsys):
+    card = tmp_path / "card"
+    with SerialDouble(card=card, factor=20) as double:
+        fetching = Namespace(port=double.url, baud=BAUD, out=out, names=[], all=True)
+        record.run(recording(double, out, seconds=2.0))
+        assert download.run(fetching) == 0
+        assert [file.name for file in out.iterdir()] == ["HOP00001.HOP"]
+        assert "HOP00001.HOP was here already" in capsys.readouterr().out
+        # Who names the file wants the card's; and a recording cut short will not do.
+        assert download.run(Namespace(**{**vars(fetching), "names": ["HOP00001.HOP"]})) == 0
+        assert (out / "HOP00001-2.HOP").read_bytes() == (card / "HOP00001.HOP").read_bytes()
+        (out / "HOP00001-2.HOP").unlink()
+        here = out / "HOP00001.HOP"
+        here.write_bytes(here.read_bytes()[: 512 * 4])
+        assert download.run(fetching) == 0
+    assert sorted(file.name for file in out.iterdir()) == ["HOP00001-2.HOP", "HOP00001.HOP"]
+
+
 def test_download_fetches_what_the_last_file_goes_on_with(tmp_path, out, capsys, monkeypatch):
     """A recording in three files is fetched whole, the one before it is not."""
     monkeypatch.setattr("wheelhop.hil_sim.double.session.MEBIBYTE", 40 * 512 // 128)

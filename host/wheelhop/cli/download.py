@@ -32,11 +32,12 @@ def run(arguments: Namespace) -> int:
     try:
         sizes = downloader.link.files()
         names = choose(arguments.names, arguments.all, sizes, downloader.link.port.name)
-        files = [_fetch(downloader, name, sizes[name], folder) for name in names]
+        any_copy = not arguments.names  # who names a file wants the card's
+        files = [_fetch(downloader, name, sizes[name], folder, any_copy) for name in names]
         if not arguments.names:
             while (before := goes_on(files[-1].path)) in sizes and before not in names:
                 print(f"{files[-1].path} goes on with {before}")
-                files.append(_fetch(downloader, before, sizes[before], folder))
+                files.append(_fetch(downloader, before, sizes[before], folder, any_copy))
                 names.append(before)
     finally:
         downloader.close()
@@ -65,7 +66,9 @@ def goes_on(path: Path) -> str:
         return ""  # damaged: `wheelhop info` says where
 
 
-def _fetch(downloader: Downloader, name: str, size: int, folder: Path) -> Downloaded:
+def _fetch(
+    downloader: Downloader, name: str, size: int, folder: Path, any_copy: bool
+) -> Downloaded:
     columns = (BarColumn(), DownloadColumn(), SpeedColumn(), TimeRemainingColumn())
     console = Console(stderr=True)
     say = lines()
@@ -78,7 +81,7 @@ def _fetch(downloader: Downloader, name: str, size: int, folder: Path) -> Downlo
             if progress.disable:
                 say(f"{name}: {done} of {size} bytes")
 
-        file = downloader.download(name, size, folder, show)
+        file = downloader.download(name, size, folder, show, any_copy)
     damaged = f", {file.damaged} blocks damaged on the card" if file.damaged else ""
     here = "" if file.fresh else " was here already"
     print(f"{file.path}{here}: {file.size} bytes{damaged}", flush=True)

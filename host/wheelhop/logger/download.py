@@ -11,11 +11,20 @@ from pathlib import Path
 from typing import BinaryIO
 
 from wheelhop.files import check_target, sync_folder
-from wheelhop.logger.block import BLOCK_BYTES, CRC_AT, MAGIC, crc
+from wheelhop.logger.block import (
+    BLOCK_BYTES,
+    CRC_AT,
+    MAGIC,
+    PAYLOAD_AT,
+    SUMMARY,
+    crc,
+    parse_text,
+)
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.link import Link, Silent
 from wheelhop.logger.link_find import reconnect
 from wheelhop.logger.port import BAUD, PortLost
+from wheelhop.logger.read import read_log
 
 CHUNK = 64  # blocks asked for at a time: 0.8 s of the line
 ROUNDS = 20  # in which something must come
@@ -44,10 +53,16 @@ class Downloader:
         self._baud, self._patience_s = baud, patience_s
 
     def download(
-        self, name: str, size: int, folder: Path, progress: Progress = lambda done, all_: None
+        self,
+        name: str,
+        size: int,
+        folder: Path,
+        progress: Progress = lambda done, all_: None,
+        recorded_will_do: bool = False,
     ) -> Downloaded:
         """Fetch a file of `size` bytes into `folder`, under its name; under NAME-2 if there is
-        another file of that name, under none if the same is there already.
+        another file of that name, under none if the same is there already, or, if
+        `recorded_will_do`, all its scans are, as they were recorded over the line.
 
         Raises LoggerError where the logger refuses, does not come back, or the disk takes no more;
         what has come is kept for the next time.
@@ -57,7 +72,8 @@ class Downloader:
         session = _session(first)
         path, number = folder / name, 1
         while path.exists():
-            if self._is_here(path, name, size):
+            recorded = recorded_will_do and self._is_recorded(path, name, blocks, session)
+            if recorded or self._is_here(path, name, size):
                 return Downloaded(path, path.stat().st_size, _damaged(path, session), fresh=False)
             number += 1
             path = folder / f"{Path(name).stem}-{number}{Path(name).suffix}"
@@ -112,6 +128,21 @@ class Downloader:
                 session = _session(told) if block == 0 else session
         behind = self._blocks(name, count, 1) if here < size else b""
         return not is_good(behind, session, count)
+
+    def _is_recorded(self, path: Path, name: str, blocks: int, session: int | None) -> bool:
+        """Whether a file holds every scan that was due in the card's, a closed session."""
+        if session is None:
+            return False
+        last = self._blocks(name, blocks - 1, 1)
+        if not is_good(last, session, blocks - 1) or last[4:5] != SUMMARY:
+            return False
+        try:
+            here = read_log(path)
+            due = int(parse_text(last[PAYLOAD_AT:CRC_AT])["due"])
+        except (LoggerError, KeyError, ValueError):
+            return False
+        whole = not here.missing and not here.damage
+        return whole and here.session == session and here.due >= due
 
     def _blocks(self, name: str, block: int, count: int) -> bytes:
         """Whole blocks. One that is not good is asked for twice: so it is on the card."""
