@@ -3,6 +3,7 @@
 import sys
 from argparse import Namespace
 
+from wheelhop.logger.emulated import emulated_ports
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.link import Link
 from wheelhop.logger.link_find import connect
@@ -18,7 +19,8 @@ def run(arguments: Namespace) -> int:
     """Do what is said, on one line or several of output; raises LoggerError."""
     settings = [_setting(text) for text in arguments.set]
     if arguments.action == "ports":
-        print("\n".join(find_ports()) or "no serial port over USB")
+        ports = [*find_ports(), *emulated_ports()]
+        print("\n".join(ports) or "no serial port over USB")
         return 0
     with connect(arguments.port, baud=arguments.baud) as link:
         for key, value in settings:

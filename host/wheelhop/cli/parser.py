@@ -58,6 +58,13 @@ def make_parser() -> argparse.ArgumentParser:
         "--old-bootloader", action="store_true", help="for Nanos of before 2018 (57600 baud)"
     )
     _make_recording(commands)
+    emulate = commands.add_parser("emulate", help="a logger that is none, to try things out with")
+    emulate.add_argument(
+        "--card", metavar="FOLDER", type=Path, help="what is its card (default: gone at the end)"
+    )
+    emulate.add_argument(
+        "--factor", metavar="X", type=_positive, default=10.0, help="times faster (default 10)"
+    )
     _make_logs(commands)
     _make_checks(commands)
     convert = commands.add_parser("convert", help="write a recording in another format")

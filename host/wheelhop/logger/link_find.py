@@ -2,6 +2,7 @@
 
 import time
 
+from wheelhop.logger.emulated import emulated_ports
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.link import Link
 from wheelhop.logger.port import BAUD, SerialPort, find_ports
@@ -13,15 +14,19 @@ BACK_TRIES = 2
 
 
 def connect(url: str | None = None, *, baud: int = BAUD, tries: int = WAKE_TRIES) -> Link:
-    """Open a port, or the one port over USB that a logger answers on, and wait for the logger.
+    """Open a port, or the one port over USB (or of `wheelhop emulate`) that a logger answers on,
+    and wait for the logger.
 
     Raises LoggerError where there is no port, it cannot be opened, or no logger answers.
     """
     if url is not None:
         return _open(url, baud, tries)
-    ports = find_ports()
+    ports = [*find_ports(), *emulated_ports()]
     if not ports:
-        raise LoggerError("no serial port over USB found: plug the logger in, or give --port PORT")
+        raise LoggerError(
+            "no serial port over USB found: plug the logger in, or give --port PORT; to try without"
+            " one, wheelhop emulate"
+        )
     if len(ports) == 1:
         return _open(ports[0], baud, tries)
     links: list[Link] = []

@@ -118,6 +118,8 @@ class _Run:
             with interrupt_as_wish() as interrupted:
                 self._interrupted = interrupted
                 self._greet()
+                if not self._options.start:
+                    self._live.say(f"{self._live.port}: listening; the logger's button starts it")
                 while not self._done():
                     self._step()
                 self._leave()

@@ -109,6 +109,8 @@ def _mounts(
             continue
         for c in group:
             rest = np.max(power[:, [i for i in group if i != c]], axis=1)
+            if not (rest.any() and power[:, c].any()):  # at rest to the last code
+                continue
             ratio = power[:, c] / np.maximum(rest, 1e-12 * rest.max())
             usual = float(np.median(ratio[high]))
             peak = int(np.flatnonzero(high)[np.argmax((ratio * power[:, c])[high])])

@@ -1,6 +1,7 @@
 """The logger without its line: bytes in, bytes out, in time of its own."""
 
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -24,12 +25,20 @@ SUPPLY_EVERY = 32  # scans
 class Device:
     """Firmware, converter and card. `time_s` is its own clock, `run` lets it go on.
 
+    `acts`, if any, are what the sensors put out in the first session, the second and so on, each
+    from its beginning; the last one also in all that follow.
     `card` None: there is none in the socket. The same arguments and bytes give the same bytes.
     `session` is the running or the last session since the logger has started.
     """
 
-    def __init__(self, signals: Signals, card: Card | None, faults: DoubleFaults) -> None:
-        self.signals, self.card, self.faults = signals, card, faults
+    def __init__(
+        self,
+        signals: Signals,
+        card: Card | None,
+        faults: DoubleFaults,
+        acts: Sequence[Signals] = (),
+    ) -> None:
+        self.signals, self.card, self.faults, self.acts = signals, card, faults, acts
         self.random = np.random.default_rng([faults.seed, 2])
         self.time_s = 0.0
         self.settings = Settings()
@@ -98,7 +107,10 @@ class Device:
         """Begin anew at scan 0, or stop, as session and settings want it."""
         self._source, self.due = None, 0
         if self.running or self.settings.stream:
-            self._source = ScanSource(self.signals, self.settings.conversions, self.time_s)
+            signals, start_s = self.signals, self.time_s
+            if self.running and self.acts:
+                signals, start_s = self.acts[min(self.session_number, len(self.acts)) - 1], 0.0
+            self._source = ScanSource(signals, self.settings.conversions, start_s)
             self._sampled_from_s = self.time_s
 
     def stop_sampling(self) -> None:

@@ -1,6 +1,7 @@
 """The double as one object: a device, its clock, and the line to it."""
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from threading import Event, Lock, Thread
 from types import TracebackType
@@ -18,7 +19,8 @@ POLL_S = 2e-3  # of the computer's time
 class SerialDouble:
     """A logger in Python, to be used in a `with` statement; a program opens its `url`.
 
-    `signals` are the sensors (sines of 1 to 8 Hz if not given), `card` a folder for log files,
+    `signals` are the sensors (sines of 1 to 8 Hz if not given), `acts` those of the first session,
+    the second and so on where they differ, `card` a folder for log files,
     None: no card. Its time is real time, or `factor` times faster; `clock_ppm` is the error of its
     clock: positive, its seconds are too long. It is on a pseudo-terminal, under the name `link` if
     given, or on TCP if `port` is given (0: any that is free).
@@ -34,11 +36,12 @@ class SerialDouble:
         clock_ppm: float = 0.0,
         port: int | None = None,
         link: Path | None = None,
+        acts: Sequence[Signals] = (),
     ) -> None:
         self._faults = faults or DoubleFaults()
         one_to_eight = sines(range(1, 9), seconds=1.0, rate_hz=3200.0)
         folder = None if card is None else Card(Path(card))
-        self._device = Device(signals or _repeated(one_to_eight), folder, self._faults)
+        self._device = Device(signals or _repeated(one_to_eight), folder, self._faults, acts)
         self._door: Door = PtyDoor(link) if port is None else TcpDoor(port)
         self._speed = factor / (1 + clock_ppm * 1e-6)
         self._to_host, self._from_host = Wire(self._faults, 0), Wire(self._faults, 1)
