@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         read_recording,
         read_vehicle,
     )
+    from wheelhop.api.fleet import diagnose_fleet
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
     from wheelhop.effects import Effect, Parameter, load_effects
@@ -71,6 +72,7 @@ __all__ = [
     "add_run",
     "compare",
     "diagnose",
+    "diagnose_fleet",
     "load_effects",
     "new_campaign",
     "plan",
@@ -84,6 +86,7 @@ __all__ = [
 
 _ROOM_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
+    "diagnose_fleet": "api.fleet",
     **dict.fromkeys(("read", "read_log", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),

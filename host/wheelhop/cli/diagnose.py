@@ -8,6 +8,7 @@ from rich.console import Console
 
 from wheelhop.api import diagnose
 from wheelhop.cli.console import open_console
+from wheelhop.cli.diagnose_fleet import run_fleet
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import (
@@ -23,7 +24,12 @@ from wheelhop.report.words import next_run_words
 
 
 def run(arguments: Namespace) -> int:
-    """Diagnose, print, write JSON and report; raises CampaignError."""
+    """Diagnose, print, write JSON and report; raises CampaignError.
+
+    Of several campaigns the exit status is 1 if one has no verdict.
+    """
+    if arguments.more or arguments.out is not None:
+        return run_fleet(arguments)
     with stages() as progress:
         result = diagnose(
             arguments.campaign,

@@ -101,6 +101,10 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
 
     diagnose = commands.add_parser("diagnose", help="find out which effects are missing")
     _campaign(diagnose)
+    diagnose.add_argument("more", metavar="MORE", nargs="*", type=Path, help="more campaigns")
+    diagnose.add_argument(
+        "--out", metavar="TABLE.parquet", type=Path, help="table of several; goes on where it was"
+    )
     diagnose.add_argument(
         "--max-effects", metavar="N", type=_count, default=4, help="longest ladder (default 4)"
     )

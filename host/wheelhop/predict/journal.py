@@ -12,21 +12,37 @@ import os
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wheelhop.campaign import CampaignError
 from wheelhop.files import check_target, claimed, replacing
-from wheelhop.predict.sweep import Row, Sweep
+from wheelhop.predict.sweep import Row
 
 SWEEP = b"wheelhop.sweep"
 """Under which key the table's metadata hold the sweep's fingerprint."""
 
 
+class Points(Protocol):
+    """What can be computed a point at a time: the `fingerprint` differs where its results may, and
+    `things` are what a user calls the points. It is sent to the workers."""
+
+    things: str
+
+    @property
+    def fingerprint(self) -> str:
+        """As above."""
+
+    def __len__(self) -> int: ...
+
+    def rows(self, number: int) -> list[Row]:
+        """What is found at a point: rows of texts, numbers and None, the same texts in all."""
+
+
 def run_sweep(
-    sweep: Sweep,
+    sweep: Points,
     table: Path,
     executor: Executor,
     progress: Callable[[str], None] = lambda text: None,
@@ -53,7 +69,7 @@ def run_sweep(
                     number = futures[future]
                     done[number] = future.result()
                     _append(file, {"point": number, "rows": done[number]})
-                    progress(f"{len(done)} of {len(sweep)} points")
+                    progress(f"{len(done)} of {len(sweep)} {sweep.things}")
             except BrokenExecutor:
                 raise CampaignError(
                     f"{journal}: a process that was computing has ended, for want of memory"
@@ -99,16 +115,16 @@ def _read_journal(journal: Path, mark: str) -> dict[int, list[Row]]:
 
 
 def _write_table(table: Path, rows: list[Row], mark: str) -> None:
-    columns = {
-        name: pa.array(
-            [row[name] for row in rows],
-            pa.string() if name in ("run", "problem") else pa.float64(),
-        )
-        for name in rows[0]
-    }
+    names = dict.fromkeys(name for row in rows for name in row)
+    columns = {name: _column([row.get(name) for row in rows]) for name in names}
     made = pa.table(columns).replace_schema_metadata({SWEEP: mark})
     with replacing(table, CampaignError) as draft:
         pq.write_table(made, draft)
+
+
+def _column(values: list[str | float | None]) -> pa.Array:
+    texts = any(isinstance(value, str) for value in values)
+    return pa.array(values, pa.string() if texts else pa.float64())
 
 
 def _read_table(table: Path, mark: str) -> list[Row]:

@@ -69,6 +69,7 @@ class Sweep:
     seconds: float
     seed: int
     library: Path | None = None
+    things = "points"
 
     def __len__(self) -> int:
         return math.prod(len(axis.values) for axis in self.axes)

@@ -1,0 +1,146 @@
+"""Many campaigns diagnosed, each a row of one table."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from contextlib import nullcontext
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from wheelhop.api.verbs import diagnose
+from wheelhop.campaign import CampaignError
+from wheelhop.diagnose import Progress
+from wheelhop.files import InputError
+from wheelhop.fit.workshop import processors
+from wheelhop.predict.journal import run_sweep
+from wheelhop.predict.sweep import Row
+from wheelhop.predict.workers import workers
+
+TOGETHER = " + "
+"""Between the effects of a verdict."""
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """Which campaigns are diagnosed and how, as plain data that any worker anywhere can begin with.
+
+    `library` is a file with effects of one's own, `threads` how many work on one campaign.
+    """
+
+    folders: tuple[Path, ...]
+    max_effects: int = 4
+    library: Path | None = None
+    threads: int = 1
+    things = "campaigns"
+
+    def __len__(self) -> int:
+        return len(self.folders)
+
+    def rows(self, number: int) -> list[Row]:
+        """The row of one campaign. Whatever is wrong with it stands there as `problem`: the others
+        go on."""
+        folder, began_s = self.folders[number], time.monotonic()
+        row: Row = {"campaign": str(folder), "verdict": "", "confidence": None}
+        row |= dict.fromkeys(("error_baseline", "error", "floor", "seconds"))
+        row |= {"title": "", "findings": "", "problem": ""}
+        try:
+            row |= self._diagnosed(folder)
+        except InputError as error:
+            row["problem"] = str(error)
+        except Exception as error:
+            row["problem"] = f"{folder}: {type(error).__name__}: {error}"
+        return [row | {"seconds": time.monotonic() - began_s}]
+
+    def _diagnosed(self, folder: Path) -> Row:
+        found = diagnose(
+            folder, effects=self.library, max_effects=self.max_effects, jobs=self.threads
+        )
+        row: Row = {
+            "title": found.campaign.title,
+            "verdict": TOGETHER.join(found.verdict),
+            "confidence": found.confidence,
+            "error_baseline": found.steps[0].rung.error,
+            "error": found.error,
+            "floor": found.floor,
+            "findings": " ".join(f.text for f in found.findings if f.when == "before"),
+        }
+        for name, (value, deviation) in found.last.parameters.items():
+            row |= {name: value, f"{name}_uncertainty": deviation}
+        return row
+
+    @property
+    def fingerprint(self) -> str:
+        """Differs where anything differs that the results depend on, files included."""
+        known = {
+            "wheelhop": version("wheelhop"),
+            "max_effects": self.max_effects,
+            "library": "" if self.library is None else _digest(self.library),
+            "campaigns": [[str(folder), _digests(folder)] for folder in self.folders],
+        }
+        return hashlib.sha256(json.dumps(known).encode()).hexdigest()
+
+
+def diagnose_fleet(
+    folders: Sequence[str | Path],
+    table: str | Path,
+    *,
+    effects: str | Path | None = None,
+    max_effects: int = 4,
+    jobs: int | None = None,
+    executor: Executor | None = None,
+    progress: Progress = lambda text: None,
+) -> list[Row]:
+    """Diagnose campaigns, each on a processor of its own, and write a Parquet table with a row for
+    each: verdict, confidence, errors, fitted numbers, and `problem`, what kept it from a verdict.
+
+    Parameters
+    ----------
+    folders
+        The campaigns' folders.
+    table
+        The table, .parquet. What is finished stands in a journal beside it meanwhile: whatever ends
+        the program, the same call goes on from there.
+    effects
+        A Python file with effects of one's own.
+    max_effects, progress
+        As for `diagnose`.
+    jobs
+        Processes; one a processor by default.
+    executor
+        What does the work instead, any `concurrent.futures.Executor`: that of a cluster, say, where
+        the folders have the same names.
+
+    Raises
+    ------
+    CampaignError
+        The table is there already, and of other campaigns or of these as they were before.
+    """
+    given = tuple(map(Path, folders))
+    if len(set(given)) < len(given) or not given:
+        raise CampaignError("name one campaign or more, each once")
+    many = jobs or processors()
+    fleet = Fleet(
+        given,
+        max_effects,
+        None if effects is None else Path(effects),
+        1 if executor else max(1, many // len(given)),
+    )
+    with workers(min(many, len(given))) if executor is None else nullcontext(executor) as working:
+        return run_sweep(fleet, Path(table), working, progress)[1]
+
+
+def _digests(folder: Path) -> list[str]:
+    """Of the files a campaign is made of; what wheelhop writes into the folder does not count."""
+    files = [folder / name for name in ("campaign.toml", "vehicle.toml", "calibration.toml")]
+    files += sorted(path for path in (folder / "runs").rglob("*"))
+    return [f"{path.name} {_digest(path)}" for path in files if path.is_file()]
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
