@@ -19,3 +19,10 @@ def pattern(tmp_path_factory):
 def test_a_broken_campaign_ends_well(pattern, tmp_path, case):
     changes, code, complaint = try_case(pattern, tmp_path / "case", case)
     assert code in (0, 2) and not complaint, changes
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", [109])
+def test_a_broken_campaign_is_diagnosed_to_a_good_end(pattern, tmp_path, case):
+    changes, code, complaint = try_case(pattern, tmp_path / "case", case, "diagnose")
+    assert code in (0, 2) and not complaint, changes

@@ -297,3 +297,13 @@ def test_all_that_is_missing_is_said_at_once(folder):
     file.write_text(text[: text.index("[wheel.front]")] + "[wheel]\n")
     with pytest.raises(CampaignError, match=r"3 things .* \[body\] pitch.*\[wheel.front\], \[wh"):
         read_vehicle(file)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [('id = "slow"', 'id = "{}"'), ("title = ", 'title = "{}" # ')]
+)
+def test_a_text_nobody_reads_is_refused_and_not_echoed(folder, old, new):
+    edit(folder / "campaign.toml", old, new.format("k" * 2_000_000))
+    with pytest.raises(CampaignError, match="has 2000000 characters: give at most") as caught:
+        read_campaign(folder)
+    assert len(str(caught.value)) < 500

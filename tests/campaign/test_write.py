@@ -168,3 +168,24 @@ def test_cutting_keeps_samples_at_their_instants(low, high):
     assert np.array_equal(piece.values, recording.values[wanted])
     assert np.allclose(piece.time_s, recording.time_s[wanted], rtol=0, atol=1e-9)
     assert piece.history[-1].startswith("cut to")
+
+
+@pytest.mark.parametrize("by_hand", [False, True])
+def test_a_run_is_added_once_whoever_wrote_the_others(folder, by_hand):
+    for name in ("one", "two"):
+        add_run(folder, recording_of(), run_of(name))
+    toml = folder / "campaign.toml"
+    if by_hand:  # another order, other quotes
+        text = toml.read_text().replace(
+            'id = "one"\nfile = "runs/one.csv"', "file = 'runs/one.csv'"
+        )
+        toml.write_text(text.replace('role = "fit"', 'role = "fit"\nid = "one"', 1))
+    before = toml.read_text()
+    for name in ("one", "two"):
+        with pytest.raises(CampaignError, match=f"there is a run '{name}'"):
+            add_run(folder, recording_of(), run_of(name))
+    assert toml.read_text() == before
+    toml.write_text(before.replace("runs/two.csv", "runs/three.csv"))
+    (folder / "runs/two.csv").rename(folder / "runs/three.csv")
+    with pytest.raises(CampaignError, match="there is a run 'three'"):
+        add_run(folder, recording_of(), run_of("three"))

@@ -146,7 +146,7 @@ def test_a_quarter_car_has_no_more_numbers_than_it_needs(tmp_path):
         ("[body]", "[body]\nroll_inertia_kg_m2 = 20.0", "a quarter-car has none"),
         ("[body]", "[geometry]\ncg_height_m = 0.5\n[body]", "a quarter-car has none"),
         ("[wheel.front]", "[wheel.rear]\nradius_m = 0.3\n[wheel.front]", "a quarter-car has none"),
-        ('"quarter-car"', '"half-car"', "'geometry' is missing"),
+        ('"quarter-car"', '"half-car"', "missing: [geometry]"),
     ],
 )
 def test_a_key_the_model_does_not_have_is_a_line(tmp_path, old, new, said):

@@ -4,6 +4,7 @@ import filecmp
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
 from wheelhop.files import (
     locked,
     make_folder,
+    parse_toml,
     quoted,
     read_text,
     read_toml,
@@ -21,6 +23,7 @@ from wheelhop.files import (
     replacing,
     write_text,
 )
+from wheelhop.files.keys import LONGEST_TEXT
 from wheelhop.logger.recording import ACCELERATION, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
@@ -122,7 +125,7 @@ def new_campaign(
     nothing is left behind. Raises CampaignError if there is a campaign already, or a channel has no
     place.
     """
-    if not title.strip() or not title.isprintable():
+    if not title.strip() or not title.isprintable() or len(title) > LONGEST_TEXT:
         raise CampaignError(f"title {title[:40]!r}: give a line of text with --title")
     file, target = folder / "campaign.toml", folder / "vehicle.toml"
     rate = like.rate_hz
@@ -180,10 +183,10 @@ def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
         raise CampaignError(f"{toml}: no such file; begin with campaign new")
     file = folder / "runs" / f"{run.id}.csv"
     with locked(folder, CampaignError):
-        runs = read_toml(toml, CampaignError).values.get("run", [])
-        if any(isinstance(item, dict) and item.get("id") == run.id for item in runs):
+        before, added = _text(toml), _run_lines(recording, run)
+        if {run.id, f"runs/{run.id}.csv"} & _taken(before, toml):
             raise CampaignError(f"{toml}: there is a run {run.id!r}: choose another --id")
-        after = _text(toml).rstrip("\n") + "\n\n" + _run_lines(recording, run)
+        after = before.rstrip("\n") + "\n\n" + added
         made = []
         try:
             if not file.exists():
@@ -195,7 +198,7 @@ def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
                     raise CampaignError(
                         f"{file}: there is another recording of this name: choose another --id"
                     )
-            _check(folder, after, run)
+            _check(folder, _excerpt(before, added), run)
             write_text(toml, after, CampaignError)
         except BaseException:
             if _text(toml) != after:
@@ -215,6 +218,33 @@ def _named_by(vehicle: Path) -> Iterator[Path]:
         inner = read_toml(frame, CampaignError)
         if "bdf" in inner:
             yield file_inside(frame.parent, inner, "bdf")
+
+
+OWN_RUN = re.compile(r'id = "([\w.-]+)"\nfile = "([^"\\\n]+)"\nrole = "(fit|validate)"\n')
+"""How a run begins that this module has written, behind [[run]]."""
+
+
+def _taken(text: str, toml: Path) -> set[str]:
+    """Ids and files of the runs in campaign.toml, which is parsed only if others have written in
+    it."""
+    own = [OWN_RUN.match(piece) for piece in text.split("[[run]]\n")[1:]]
+    if all(own):
+        return {found[k] for found in own if found for k in (1, 2)}
+    runs = parse_toml(text, toml, CampaignError).values.get("run", [])
+    return {str(item.get(key)) for item in runs if isinstance(item, dict) for key in ("id", "file")}
+
+
+def _excerpt(before: str, added: str) -> str:
+    """A campaign.toml that is right if the whole is: of many runs of our own writing the first one
+    to be fitted stands for all, as those were checked when they were added."""
+    head, *pieces = before.split("[[run]]\n")
+    own = [OWN_RUN.match(piece) for piece in pieces]
+    if all(own):
+        fitted = (
+            piece for piece, found in zip(pieces, own, strict=True) if found and found[3] == "fit"
+        )
+        before = "[[run]]\n".join([head, *islice(fitted, 1)])
+    return before.rstrip("\n") + "\n\n" + added
 
 
 def _check(folder: Path, text: str, run: NewRun) -> None:

@@ -37,7 +37,10 @@ def _left_out(fit: Fit, run: RunFit) -> RunFit:
     rest = fit.precision - given
     unit = np.sqrt(np.maximum(np.diag(fit.precision), 1e-300))
     # What no other run nor belief says anything of stays where it is.
-    value, vector = np.linalg.eigh(rest / np.outer(unit, unit))
+    share = rest / np.outer(unit, unit)
+    if not np.isfinite(share).all():  # too large for a number: nothing can be taken back
+        return run
+    value, vector = np.linalg.eigh(share)
     known = value > 1e-9
     along = vector[:, known].T @ (pull / unit)
     moved = -(vector[:, known] @ (along / value[known])) / unit

@@ -12,6 +12,7 @@ from wheelhop.files.error import InputError
 from wheelhop.files.units import UNITS, beyond, split_unit
 
 LONGEST_WORD = 200  # that may be a misspelt one
+LONGEST_TEXT = 4000  # that somebody means to read
 
 
 def read_text(path: Path, kind: type[InputError] = InputError) -> str:
@@ -122,6 +123,11 @@ class Table:
             raise self.error(f'{self.prefix}{key} must be a text in quotes: {key} = "{value}"')
         if not (value.strip() or default == "") or not value.isprintable():
             raise self.error(f"{self.prefix}{key} must be a non-empty line of text")
+        if len(value) > LONGEST_TEXT:
+            raise self.error(
+                f"{self.prefix}{key} = {shown(value)} has {len(value)} characters: give at most "
+                f"{LONGEST_TEXT}"
+            )
         if choices and value not in choices:
             raise self.error(
                 f"{self.prefix}{key} = {shown(value)} is not known"
@@ -182,7 +188,8 @@ class Table:
         found = []
         for number, item in enumerate(value, start=1):
             name = item.get(name_key)
-            label = f'"{name}"' if isinstance(name, str) and name.isprintable() else f"no. {number}"
+            told = isinstance(name, str) and name.isprintable() and len(name) <= LONGEST_WORD
+            label = f'"{name}"' if told else f"no. {number}"
             found.append(Table(item, self.file, f"[[{key}]] {label}", kind=self.kind))
         return found
 
