@@ -20,6 +20,8 @@ TCP = 0 if sys.platform == "win32" else None  # any free port, where there are n
 
 def run(arguments: Namespace) -> int:
     """Serve until Ctrl-C; Enter presses the logger's button. Raises LoggerError."""
+    if not 0.01 <= arguments.factor <= 1000.0:
+        raise LoggerError(f"--factor {arguments.factor:g}: must be from 0.01 to 1000")
     acts = rehearsal(read_day())
     with ExitStack() as stack:
         card = arguments.card

@@ -6,6 +6,7 @@ from typing import NoReturn
 
 from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
+from wheelhop.cli.parser_more import add_completion, add_emulate
 from wheelhop.cli.parser_new import add_new
 from wheelhop.cli.parser_plan import add_plan
 from wheelhop.cli.parser_rates import add_rates
@@ -58,13 +59,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--old-bootloader", action="store_true", help="for Nanos of before 2018 (57600 baud)"
     )
     _make_recording(commands)
-    emulate = commands.add_parser("emulate", help="a logger that is none, to try things out with")
-    emulate.add_argument(
-        "--card", metavar="FOLDER", type=Path, help="what is its card (default: gone at the end)"
-    )
-    emulate.add_argument(
-        "--factor", metavar="X", type=_positive, default=10.0, help="times faster (default 10)"
-    )
+    add_emulate(commands)
     _make_logs(commands)
     _make_checks(commands)
     convert = commands.add_parser("convert", help="write a recording in another format")
@@ -79,6 +74,7 @@ def make_parser() -> argparse.ArgumentParser:
     add_rates(commands)
     add_new(commands)
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
+    add_completion(commands)
     commands.add_parser("version", help="print the version")
     return parser
 

@@ -45,7 +45,7 @@ def _key_numbers(judged: Rows, failed: Rows) -> list[tuple[str, str]]:
     return [
         ("campaigns", str(len(judged) + len(failed))),
         ("with a verdict", str(len(judged))),
-        ("warned of beforehand", str(warned)),
+        ("with warnings", str(warned)),
         ("processor time", f"{hours:.1f} h" if hours >= 1 else f"{60 * hours:.0f} min"),
     ]
 
