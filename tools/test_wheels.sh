@@ -21,7 +21,7 @@ for python in "${pythons[@]}"; do
   for package in "$place"/dist/*.whl "$place"/dist/*.tar.gz; do
     env="$place/env"
     "$python" -m venv --clear "$env"
-    "$env/bin/pip" install --quiet --disable-pip-version-check "$package"
+    "$env/bin/pip" install -qq --disable-pip-version-check "$package"
     (
       cd "$place"
       "$env/bin/wheelhop" --help >/dev/null
