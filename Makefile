@@ -1,9 +1,10 @@
 # `make demo` shows what wheelhop does, `make test` checks that it does it; `make check` asks only what
-# is quick, `make test-all` also what takes minutes. All set up .venv the first time.
+# is quick, `make test-all` also what takes minutes. All set up .venv the first time. `make wheels` tries
+# wheel and sdist in clean environments, on every Python from 3.11 on that is there.
 
 bin := .venv/bin
 
-.PHONY: demo check test test-all docs lint firmware firmware-budget clean
+.PHONY: demo check test test-all docs lint wheels firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
@@ -27,6 +28,9 @@ lint: .venv/installed-test
 	$(bin)/ruff check
 	$(bin)/ruff format --check
 	$(bin)/mypy
+
+wheels: .venv/installed-test
+	tools/test_wheels.sh
 
 firmware:
 	tools/build_firmware.sh nano mega
