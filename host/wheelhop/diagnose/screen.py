@@ -132,7 +132,7 @@ def with_variant(model: Model, variant: Variant, amplitudes: Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class _Prepared:
+class Prepared:
     """A variant with the models that show each amplitude's signature."""
 
     variant: Variant
@@ -152,7 +152,7 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
     tables = tabulated(workshop, base, chosen)
     found: dict[str, list[Screened]] = {}
     for i, variant in enumerate(chosen):
-        result = _solve(base, variant, [table[i] for table in tables])
+        result = solve(base, variant, [table[i] for table in tables])
         found.setdefault(variant.effect.id, []).append(result)
     best = {effect_id: _best_of(results) for effect_id, results in found.items()}
     for effect in effects:
@@ -163,7 +163,7 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
 
 def tabulated(workshop: Workshop, base: Fit, chosen: Sequence[Variant]) -> list[list[Table]]:
     """The tables of these variants, run by run of `base`."""
-    prepared = [_prepare(workshop, base.model, variant) for variant in chosen]
+    prepared = [prepare(workshop, base.model, variant) for variant in chosen]
     systems = workshop.systems(base.model)
     return workshop.each(lambda run: _run_tables(run, base, systems, prepared), base.runs)
 
@@ -198,14 +198,15 @@ def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened
     )
 
 
-def _prepare(workshop: Workshop, model: Model, variant: Variant) -> _Prepared:
+def prepare(workshop: Workshop, model: Model, variant: Variant) -> Prepared:
+    """The models in which each amplitude is switched on by itself, clearly visible."""
     steps, models = [], []
     for p in variant.amplitudes:
         step = p.scale if p.switch else STRENGTH * p.scale
         steps.append(step)
         models.append(with_variant(model, variant, {p.name: p.absent + step}))
     absent = with_variant(model, variant, {})
-    return _Prepared(
+    return Prepared(
         variant,
         tuple(steps),
         tuple(models),
@@ -216,16 +217,16 @@ def _prepare(workshop: Workshop, model: Model, variant: Variant) -> _Prepared:
 
 
 def _run_tables(
-    run: RunFit, base: Fit, systems: dict[Drive, System], prepared: Sequence[_Prepared]
+    run: RunFit, base: Fit, systems: dict[Drive, System], prepared: Sequence[Prepared]
 ) -> list[Table]:
     """Tables of all variants for one run; products of the baseline's columns are formed once."""
     known = Known.of(run)
-    columns = _columns(run, base.model, systems, prepared)
+    columns = signatures(run, base.model, systems, prepared)
     return [run_table(run, base, c, known.with_columns(run, c)) for c in columns]
 
 
-def _columns(
-    run: RunFit, model: Model, systems: dict[Drive, System], prepared: Sequence[_Prepared]
+def signatures(
+    run: RunFit, model: Model, systems: dict[Drive, System], prepared: Sequence[Prepared]
 ) -> list[Columns]:
     """The signatures of all variants in one run, simulated together."""
     bench, size = run.bench, len(run.residual)
@@ -278,7 +279,8 @@ def _stacked(columns: Sequence[Array], size: int) -> Array:
     return np.where(np.abs(together).max(axis=0, initial=0.0) < RAN_AWAY, together, np.nan)
 
 
-def _solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
+def solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
+    """The amplitudes that explain most of all runs, within their bounds, and what they leave."""
     g = len(base.shared)
     weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
     matrix = np.sum([t.matrix for t in tables], axis=0)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.screen import Screened, Variant, _columns, _prepare, _solve, variants
+from wheelhop.diagnose.screen import Screened, Variant, prepare, signatures, solve, variants
 from wheelhop.diagnose.screen_table import Columns, Known, run_table
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
@@ -22,11 +22,11 @@ class Terms:
         self._workshop, self._base = workshop, base
         of_terms = [(t, v) for t in terms for v in variants(workshop, base, t)]
         self._names = [(term, p.name) for term, variant in of_terms for p in variant.amplitudes]
-        prepared = [_prepare(workshop, base.model, variant) for _, variant in of_terms]
+        prepared = [prepare(workshop, base.model, variant) for _, variant in of_terms]
         systems = workshop.systems(base.model)
 
         def simulated(run: RunFit) -> tuple[Columns, Array]:
-            found = _columns(run, base.model, systems, prepared)
+            found = signatures(run, base.model, systems, prepared)
             together = Columns(np.hstack([c.amplitudes for c in found]), found[0].own[:, :0])
             return together, Known.of(run).with_columns(run, together)
 
@@ -54,4 +54,4 @@ class Terms:
             together = matrix.T @ products[:, kept][:, :, kept] @ matrix
             part = Columns(columns.amplitudes[:, some] @ sums, columns.own)
             tables.append(run_table(run, base, part, together))
-        return _solve(base, Variant(total, "", {}, parameters), tables)
+        return solve(base, Variant(total, "", {}, parameters), tables)
