@@ -2,11 +2,15 @@
 
 from dataclasses import replace
 from math import inf
+from types import SimpleNamespace
 
+import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.diagnose.test_judge import noise, rung
 from wheelhop.diagnose.confidence import CEILING, confidence
+from wheelhop.diagnose.confidence import grounds as grounds_of
 from wheelhop.diagnose.diagnosis import Grounds
 
 VERDICTS = (
@@ -80,3 +84,20 @@ def test_plain_cases():
     assert confidence(("none",), replace(CLEAR, p_value=1.0)) == CEILING
     assert confidence(("none",), replace(CLEAR, p_value=0.0)) == CEILING / 2.0
     assert confidence(("none",), replace(CLEAR, p_value=1.0, by_chance=0.0)) == 0.0
+
+
+def test_a_rival_that_is_worse_than_nothing_is_no_measure():
+    """An effect that explains five runs and a rival that spoils one of them by far: what speaks for
+    the effect is what it does for all runs, not that the rival fails in one."""
+    rng = np.random.default_rng(1)
+    final, base = rung(noise(rng)), rung(noise(rng, 4.0))
+    spoilt = rung([s * (100.0 if i == 0 else 1.0) for i, s in enumerate(noise(rng, 4.0))])
+    final, base, spoilt = (replace(r, fit=r.validation) for r in (final, base, spoilt))
+    floor = SimpleNamespace(is_stated=True, tolerance=0.05)
+    last = SimpleNamespace(
+        rung=final, over_floor=1.5, allowed=0.0, comparison=SimpleNamespace(floor=floor)
+    )
+    tried = [SimpleNamespace(id=name, rung=r, p=1e-9) for name, r in (("a", final), ("b", spoilt))]
+    look = SimpleNamespace(rung=base, candidates=tried, screened=())
+    steps = [SimpleNamespace(over_floor=4.0), last]
+    assert grounds_of(("a", "unknown"), steps, look, look, {}, 1.0).stability > 0.8
