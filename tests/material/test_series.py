@@ -19,7 +19,7 @@ MASS_KG = 80.0
 
 def on_strut(share_of_spring):
     """A mass on a strut on a prescribed axle: port 0 takes all but a share of the spring."""
-    parts = Assembly(prescribed=("axle",), rigid_body=False)
+    parts = Assembly(prescribed=("axle",), body=())
     body = parts.add_coordinate("body")
     strut = between(body, Coordinate("axle"))
     parts.add_mass(((1.0, body),), MASS_KG)
