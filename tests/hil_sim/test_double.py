@@ -130,7 +130,8 @@ def test_a_full_file_rolls_over_to_the_next(tmp_path, monkeypatch):
 def test_without_a_card_it_says_so():
     one = device()
     one.receive(b"start\n")
-    (answer,) = frames_of(one.run(one.time_s + 1.0))
+    heard, answer = frames_of(one.run(one.time_s + 1.0))
+    assert heard.kind == "L" and heard.text == "wait"
     assert answer.kind == "E" and answer.text.startswith("no card")
 
 
