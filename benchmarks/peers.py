@@ -253,7 +253,7 @@ def quarter_cars(count: int = 10_000, seconds: float = 60.0) -> None:
     from concurrent.futures import ThreadPoolExecutor
 
     from wheelhop.campaign import Channel
-    from wheelhop.fit.workshop import processors
+    from wheelhop.fit.bench import processors
 
     rng, step_s = np.random.default_rng(1), 0.0025
     kept = ("front", "body.mass_kg")

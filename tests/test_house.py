@@ -13,13 +13,13 @@ ROOT = Path(__file__).parents[1]
 PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_sim")]
 # A room may import itself and the rooms before it.
 ROOMS = (
-    *("files", "logger", "exchange", "calibration", "campaign", "track"),
+    *("files", "logger", "formats", "calibration", "campaign", "track"),
     *("material", "frame", "vehicle", "effects", "simulate", "gate", "compare", "fit", "identify"),
     *("diagnose", "law", "hil_sim", "predict", "report", "api", "workbench", "cli"),
 )
 DOOR = ROOT / "host/wheelhop/__init__.py"  # opens rooms when they are asked for
 # A method of a room that a guest calls may hand over to a room downstream, when it is called.
-HANDS_OVER = {("logger/recording.py", "exchange")}
+HANDS_OVER = {("logger/recording.py", "formats")}
 LONGEST_FILE = 400  # lines
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}
 FOLDERS = ("host", "calibration", "hil_sim", "firmware", "tests", "benchmarks", "docs", "tools")

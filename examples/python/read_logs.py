@@ -17,7 +17,7 @@ def record(folder: Path) -> Path:
     from wheelhop.hil_sim.signals import sines
     from wheelhop.hil_sim.stand_in import stand_in
     from wheelhop.logger.download import Downloader
-    from wheelhop.logger.link_find import connect
+    from wheelhop.logger.link import connect
 
     (folder / "card").mkdir()
     with stand_in(sines(range(2, 10)), folder / "card") as logger:

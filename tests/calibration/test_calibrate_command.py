@@ -10,7 +10,7 @@ import pytest
 from wheelhop.calibration import CalibrationError, read_constants
 from wheelhop.calibration.session import read_session
 from wheelhop.cli.calibrate import run
-from wheelhop.exchange import write
+from wheelhop.formats import write
 from wheelhop.hil_sim.rig import STEPPED, Rig, Sensor, Shaking
 from wheelhop.hil_sim.rig_flip import flip_log
 from wheelhop.logger.recording import Channel

@@ -10,7 +10,7 @@ import pytest
 from tests.calibration.test_sync_planted import random_session, recorded
 from wheelhop.calibration.health.examine import examine, examine_relations
 from wheelhop.calibration.health.relations import POINTS
-from wheelhop.exchange import read
+from wheelhop.formats import read
 from wheelhop.logger.recording import ACCELERATION
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

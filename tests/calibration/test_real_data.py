@@ -8,7 +8,7 @@ import pytest
 
 from wheelhop.calibration.conditions import Conditions
 from wheelhop.calibration.shaker.comparison import compare_with_reference
-from wheelhop.exchange import read
+from wheelhop.formats import read
 from wheelhop.logger.recording import Channel, Recording
 
 FOLDER = Path(__file__).parents[3] / "shared/realdata/accelerometer-calibration"

@@ -12,8 +12,8 @@ import pytest
 from tests.calibration.test_beam import GOOD
 from tests.calibration.test_sync_planted import ruler
 from wheelhop.cli import health, sync_check
-from wheelhop.exchange import read, write
 from wheelhop.files import InputError
+from wheelhop.formats import read, write
 from wheelhop.hil_sim.beam_rig import BeamRig
 
 PAIR = ruler((0.152, 0.6096), (15.0, 34.0))

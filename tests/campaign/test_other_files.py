@@ -8,7 +8,7 @@ from tests.logger.session import NAMES, session
 from wheelhop.calibration import nominal_constants, write_constants
 from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2
 from wheelhop.campaign import CampaignError, read_campaign
-from wheelhop.exchange import write
+from wheelhop.formats import write
 from wheelhop.logger.recording import Channel, Recording
 
 CODES_PER_G = 57e-3 / 3.0 * 1024

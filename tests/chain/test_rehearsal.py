@@ -16,7 +16,7 @@ from wheelhop.hil_sim.day import read_day
 from wheelhop.hil_sim.rehearsal import rehearsal
 from wheelhop.logger import LoggerError, read_log
 from wheelhop.logger.emulated import announced, emulated_ports
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import connect
 
 FIELD = (Path(__file__).parents[2] / "docs/field.md").read_text(encoding="utf-8")
 LINES = re.findall(r"^ {4}wheelhop (.*)$", FIELD, re.M)

@@ -9,7 +9,7 @@ import pytest
 from wheelhop.campaign import read_campaign
 from wheelhop.campaign.write import VEHICLE
 from wheelhop.cli.main import main
-from wheelhop.exchange import write
+from wheelhop.formats import write
 from wheelhop.logger.recording import Channel, Recording
 
 POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")

@@ -8,9 +8,9 @@ import pytest
 from tests.campaign.build import write_campaign
 from wheelhop.calibration import nominal_constants, write_constants
 from wheelhop.campaign import read_campaign
+from wheelhop.compare.breakdown import breakdown
 from wheelhop.compare.floor import noise_floor
 from wheelhop.compare.records import in_band
-from wheelhop.compare.where import breakdown
 from wheelhop.simulate import Response
 
 

@@ -42,7 +42,7 @@ class Scenario:
 
 
 def recording_in(folder: Path, suffix: str = ".csv", seed: int = 1) -> Path:
-    from wheelhop.exchange import write
+    from wheelhop.formats import write
 
     values = np.random.default_rng(seed).normal(0, 3, (600, 8)).round(3)
     file = folder / f"source{suffix}"
@@ -98,7 +98,7 @@ def calibrated(folder: Path) -> None:
     from matplotlib.figure import Figure
 
     from tests.calibration.test_calibrate_command import SENSORS
-    from wheelhop.exchange import write
+    from wheelhop.formats import write
     from wheelhop.hil_sim.rig_flip import flip_log
 
     write(flip_log(SENSORS, np.random.default_rng(1), rest_s=20.0), folder / "flip.csv")

@@ -11,8 +11,8 @@ import pytest
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
 from wheelhop.cli.main import main
-from wheelhop.exchange import write
 from wheelhop.files import InputError, locked, replacing, write_text
+from wheelhop.formats import write
 from wheelhop.logger.recording import Channel, Recording
 
 POINTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")

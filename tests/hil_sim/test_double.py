@@ -17,7 +17,7 @@ from wheelhop.hil_sim.double.wire import Wire
 from wheelhop.logger import LoggerError
 from wheelhop.logger import read_log as wheelhop_log
 from wheelhop.logger.frames import FrameReader, acknowledgement, pack_command, streamed_scan
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import connect
 from wheelhop.logger.port import PortLost
 
 CAMPAIGN = "examples/clean"

@@ -18,12 +18,11 @@ from wheelhop.hil_sim.double import SerialDouble
 from wheelhop.logger.block import BLOCK_BYTES, unpack_scans
 from wheelhop.logger.download import Downloader
 from wheelhop.logger.frames import acknowledgement, pack_command, streamed_scan
-from wheelhop.logger.link import Link, Refused
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import Link, Refused, connect
 from wheelhop.logger.port import SerialPort
 from wheelhop.logger.record import RecordOptions
 from wheelhop.logger.record import record as record_to_disk
-from wheelhop.logger.record_stream import HEADER_KEYS, SUMMARY_KEYS
+from wheelhop.logger.record_file import HEADER_KEYS, SUMMARY_KEYS
 
 CODES = np.array([100.0, 200, 300, 400, 600, 700, 800, 1000])
 FACTOR = 8.0

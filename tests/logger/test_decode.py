@@ -13,7 +13,7 @@ from tests.firmware.promises import reader
 from tests.logger.session import NAMES, SESSION, blocks_of, header, random_sums, session
 from wheelhop.calibration import nominal_constants, write_constants
 from wheelhop.cli import decode
-from wheelhop.exchange import read
+from wheelhop.formats import read
 from wheelhop.logger import LoggerError, correct_sensor, correct_window, read_log, survey
 from wheelhop.logger.block import pack_block, pack_scans, pack_text
 from wheelhop.logger.survey import Verdict

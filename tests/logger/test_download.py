@@ -12,7 +12,7 @@ from wheelhop.hil_sim.double import DoubleFaults, SerialDouble
 from wheelhop.logger import LoggerError
 from wheelhop.logger.block import BLOCK_BYTES, DATA, HEADER, SUMMARY, pack_block
 from wheelhop.logger.download import Downloader
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import connect
 
 FACTOR = 20.0
 NAME = "HOP00001.HOP"
@@ -165,7 +165,7 @@ import resource, sys
 from pathlib import Path
 from wheelhop.logger import LoggerError
 from wheelhop.logger.download import Downloader
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import connect
 resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
 try:
     Downloader(connect(sys.argv[1])).download("HOP00001.HOP", 150 * 512, Path(sys.argv[2]))

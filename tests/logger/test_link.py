@@ -8,10 +8,10 @@ import time
 import pytest
 
 from wheelhop.hil_sim.double import DoubleFaults, SerialDouble
-from wheelhop.logger import LoggerError, link_find
+from wheelhop.logger import LoggerError
+from wheelhop.logger import link as link_module
 from wheelhop.logger.frames import pack_frame
-from wheelhop.logger.link import Link, Refused, Silent
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import Link, Refused, Silent, connect
 from wheelhop.logger.port import PortLost, SerialPort
 
 
@@ -214,13 +214,13 @@ def test_a_port_of_somebody_elses_is_told_with_the_remedy(monkeypatch):
 
 def test_the_logger_is_found_among_several_ports(monkeypatch):
     with SerialDouble(factor=20) as double:
-        monkeypatch.setattr(link_find, "find_ports", lambda: ["/dev/ttyNONE7", double.url])
+        monkeypatch.setattr(link_module, "find_ports", lambda: ["/dev/ttyNONE7", double.url])
         with connect() as link:
             assert link.port.name == double.url
-        monkeypatch.setattr(link_find, "find_ports", lambda: ["/dev/ttyNONE7", "/dev/ttyNONE8"])
+        monkeypatch.setattr(link_module, "find_ports", lambda: ["/dev/ttyNONE7", "/dev/ttyNONE8"])
         with pytest.raises(LoggerError, match="no logger answers: /dev/ttyNONE7: there is no"):
             connect()
-        monkeypatch.setattr(link_find, "find_ports", lambda: [])
+        monkeypatch.setattr(link_module, "find_ports", lambda: [])
         with pytest.raises(LoggerError, match="plug the logger in"):
             connect()
 

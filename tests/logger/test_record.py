@@ -21,11 +21,10 @@ from wheelhop.hil_sim.double.wire import Wire
 from wheelhop.logger import LoggerError
 from wheelhop.logger.block import pack_scans, scan_bytes
 from wheelhop.logger.frames import Frame, FrameReader, pack_command, pack_scan_frame
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import connect
 from wheelhop.logger.live import Live
 from wheelhop.logger.record import RecordOptions, free_path, record
-from wheelhop.logger.record_file import LogWriter
-from wheelhop.logger.record_stream import StreamRecorder
+from wheelhop.logger.record_file import LogWriter, StreamRecorder
 
 FACTOR = 20.0
 CARD_TOTALS = ("due", "written", "lost")

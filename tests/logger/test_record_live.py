@@ -15,8 +15,7 @@ from wheelhop.logger import LoggerError
 from wheelhop.logger.block import pack_scans
 from wheelhop.logger.clock import ClockEstimate
 from wheelhop.logger.frames import Acknowledgement
-from wheelhop.logger.live import Live
-from wheelhop.logger.live_plot import LivePlot
+from wheelhop.logger.live import Live, LivePlot
 
 HEADER = {"rate_hz": "100", "conversions": "8", "channels": "B1 - - - - - - A4"}
 

@@ -110,7 +110,7 @@ def test_a_skeleton_takes_the_recordings_by_its_own_commands(
     import shlex
 
     from wheelhop.campaign import read_campaign
-    from wheelhop.exchange import write
+    from wheelhop.formats import write
     from wheelhop.predict.instrument import recording
     from wheelhop.predict.plan_files import write_skeleton
 

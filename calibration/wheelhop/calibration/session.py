@@ -9,8 +9,8 @@ import numpy as np
 
 from wheelhop.calibration.conditions import Conditions
 from wheelhop.calibration.error import CalibrationError
-from wheelhop.exchange import read, read_mapping
 from wheelhop.files import Table, read_toml
+from wheelhop.formats import read, read_mapping
 from wheelhop.logger import read_log
 from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 

@@ -16,7 +16,7 @@ from wheelhop.api.verbs import diagnose
 from wheelhop.campaign import CampaignError
 from wheelhop.diagnose import Progress
 from wheelhop.files import InputError
-from wheelhop.fit.workshop import processors
+from wheelhop.fit.bench import processors
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.sweep import Row
 from wheelhop.predict.workers import workers

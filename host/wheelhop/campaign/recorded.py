@@ -8,7 +8,7 @@ import numpy as np
 from wheelhop.calibration import Constants, nominal_constants, read_constants
 from wheelhop.calibration.constants import NOMINAL_CORNER_HZ, NOMINAL_CORNER_LIMITS
 from wheelhop.campaign.types import Channel
-from wheelhop.exchange import read
+from wheelhop.formats import read
 from wheelhop.logger import correct_clock, correct_sensor
 from wheelhop.logger.recording import CODE, Recording
 

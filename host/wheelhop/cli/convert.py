@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from wheelhop.cli.progress import stages
-from wheelhop.exchange import ExchangeError, losses, read, write
+from wheelhop.formats import ExchangeError, losses, read, write
 from wheelhop.logger.recording import Recording
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from wheelhop.calibration import Constants, read_constants
 from wheelhop.cli.progress import stages
-from wheelhop.exchange import write
+from wheelhop.formats import write
 from wheelhop.logger import (
     Log,
     LoggerError,

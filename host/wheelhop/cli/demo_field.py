@@ -22,7 +22,7 @@ from wheelhop.hil_sim.signals import Signals
 from wheelhop.hil_sim.stand_in import stand_in
 from wheelhop.logger.download import Downloader
 from wheelhop.logger.error import LoggerError
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import connect
 
 TURNED, DRIVEN, CARD = "turned.hop", "driven.hop", "card"
 MARGIN_S = 1.0  # of logger time, for its start

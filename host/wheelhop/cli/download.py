@@ -13,7 +13,7 @@ from wheelhop.cli.progress import lines
 from wheelhop.logger import read_log
 from wheelhop.logger.download import Downloaded, Downloader
 from wheelhop.logger.error import LoggerError
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import connect
 from wheelhop.logger.record import log_name
 
 DAMAGED = 1

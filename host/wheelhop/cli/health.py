@@ -11,7 +11,7 @@ from wheelhop.calibration.health.checklist import PASS, check_commissioning
 from wheelhop.calibration.health.examine import Health, examine, examine_relations
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
-from wheelhop.exchange import read
+from wheelhop.formats import read
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.recording import Recording
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from wheelhop.cli.convert import check_target, in_words
 from wheelhop.cli.progress import stages
-from wheelhop.exchange import Map, draft_mapping, losses, read, read_mapping, write
 from wheelhop.files import made_folder
+from wheelhop.formats import Map, draft_mapping, losses, read, read_mapping, write
 
 
 def run(arguments: Namespace) -> int:

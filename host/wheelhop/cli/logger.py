@@ -5,8 +5,7 @@ from argparse import Namespace
 
 from wheelhop.logger.emulated import emulated_ports
 from wheelhop.logger.error import LoggerError
-from wheelhop.logger.link import Link
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import Link, connect
 from wheelhop.logger.port import find_ports
 
 SETTINGS = (

@@ -30,7 +30,7 @@ def run(arguments: Namespace) -> int:
     with ExitStack() as stack:
         view = stack.enter_context(View())
         if arguments.plot:
-            from wheelhop.logger.live_plot import LivePlot
+            from wheelhop.logger.live import LivePlot
 
             plot = stack.enter_context(LivePlot(live, arguments.plot_port))
             view.say(f"plot: {plot.url}")

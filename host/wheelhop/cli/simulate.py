@@ -14,7 +14,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects
-from wheelhop.exchange import FORMATS
+from wheelhop.formats import FORMATS
 from wheelhop.predict import (
     Case,
     Instrument,

@@ -13,7 +13,7 @@ from wheelhop.calibration.sync.delay import align
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.health import check_figure
-from wheelhop.exchange import read, write
+from wheelhop.formats import read, write
 from wheelhop.logger.error import LoggerError
 
 NOT_IN_STEP = 1

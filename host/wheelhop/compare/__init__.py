@@ -1,9 +1,9 @@
 """Compare measured and modelled runs: error figures, and where the model fails."""
 
 from wheelhop.compare.band import InBand
+from wheelhop.compare.breakdown import Breakdown, Grid, Slice, breakdown
 from wheelhop.compare.comparison import Comparison, compare, to_json, where_to_json
 from wheelhop.compare.describe import describe, explains_nothing
-from wheelhop.compare.figures import ChannelFigures, Peak
 from wheelhop.compare.floor import (
     Floor,
     estimate_noise,
@@ -11,11 +11,10 @@ from wheelhop.compare.floor import (
     noise_floor,
 )
 from wheelhop.compare.locking import Line, Locking
+from wheelhop.compare.metrics import ChannelFigures, Peak
 from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
-from wheelhop.compare.slices import Grid, Slice
 from wheelhop.compare.terminal import print_comparison
-from wheelhop.compare.where import Breakdown, breakdown
 
 __all__ = [
     "Breakdown",

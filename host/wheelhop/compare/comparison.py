@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from wheelhop.campaign import Campaign
+from wheelhop.compare.breakdown import Breakdown, Slice, breakdown
 from wheelhop.compare.describe import describe
-from wheelhop.compare.figures import ChannelFigures, channel_figures
 from wheelhop.compare.floor import Floor, noise_floor
+from wheelhop.compare.metrics import ChannelFigures, channel_figures
 from wheelhop.compare.records import Record, in_band, relative_error
-from wheelhop.compare.slices import Slice
-from wheelhop.compare.where import Breakdown, breakdown
 from wheelhop.files import shown
 from wheelhop.files.words import ending_of, percent
 

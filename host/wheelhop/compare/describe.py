@@ -7,9 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.compare.slices import Grid, Slice
+from wheelhop.compare.breakdown import Breakdown, Grid, Slice
 from wheelhop.compare.thirds import third_octaves
-from wheelhop.compare.where import Breakdown
 from wheelhop.files.words import percent
 
 Array = NDArray[np.float64]

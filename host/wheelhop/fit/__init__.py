@@ -1,10 +1,11 @@
 """Fit: the vehicle's numbers, and what every run leaves free, from the records."""
 
+from wheelhop.fit.bench import Bench, Trial, Workshop
 from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_density
+from wheelhop.fit.derivatives import Move, moves
 from wheelhop.fit.fit import fit, follow, foreseen, update
-from wheelhop.fit.ground import Ground
+from wheelhop.fit.height_response import Ground
 from wheelhop.fit.heights import Heights
-from wheelhop.fit.moves import Move, moves
 from wheelhop.fit.parameters import (
     Free,
     effect_parameters,
@@ -13,10 +14,9 @@ from wheelhop.fit.parameters import (
     run_parameters,
     vehicle_parameters,
 )
+from wheelhop.fit.placement import find_start, seek_again
 from wheelhop.fit.result import Fit, RunFit
 from wheelhop.fit.rig_start import begin_component
-from wheelhop.fit.start import find_start, seek_again
-from wheelhop.fit.workshop import Bench, Trial, Workshop
 
 __all__ = [
     "Bench",

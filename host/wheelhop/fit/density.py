@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.effects import Effect, Parameter
-from wheelhop.fit.ground import Ground
+from wheelhop.fit.height_response import Ground
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

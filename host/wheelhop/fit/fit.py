@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.fit.belief import Belief
+from wheelhop.fit.bench import RUNS_AWAY, Bench, Trial, Workshop
 from wheelhop.fit.density import Noise, Spectrum, find_density
-from wheelhop.fit.ground import Ground
+from wheelhop.fit.derivatives import moves
+from wheelhop.fit.height_response import Ground
 from wheelhop.fit.heights import Heights
-from wheelhop.fit.moves import moves
 from wheelhop.fit.parameters import Free, run_parameters
 from wheelhop.fit.result import Derivatives, Fit, RunFit
-from wheelhop.fit.workshop import RUNS_AWAY, Bench, Trial, Workshop
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]

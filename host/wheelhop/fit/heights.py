@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from wheelhop.effects import Effect
-from wheelhop.fit.ground import Ground
+from wheelhop.fit.height_response import Ground
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.fit.belief import Belief
+from wheelhop.fit.bench import Bench
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import Free
-from wheelhop.fit.workshop import Bench
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]

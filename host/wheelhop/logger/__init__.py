@@ -4,8 +4,7 @@ from wheelhop.logger.correct import correct_clock, correct_sensor, correct_windo
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.flash import Upload, plan_upload, upload
 from wheelhop.logger.info import describe
-from wheelhop.logger.link import Link
-from wheelhop.logger.link_find import connect
+from wheelhop.logger.link import Link, connect
 from wheelhop.logger.log import Damage, Gap, Log
 from wheelhop.logger.read import read_log
 from wheelhop.logger.recording import Channel, Recording

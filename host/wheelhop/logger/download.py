@@ -21,8 +21,7 @@ from wheelhop.logger.block import (
     parse_text,
 )
 from wheelhop.logger.error import LoggerError
-from wheelhop.logger.link import Link, Silent
-from wheelhop.logger.link_find import reconnect
+from wheelhop.logger.link import Link, Silent, reconnect
 from wheelhop.logger.port import BAUD, PortLost
 from wheelhop.logger.read import read_log
 

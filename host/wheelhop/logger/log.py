@@ -15,7 +15,6 @@ from wheelhop.logger.block import (
     scans_per_block,
     unpack_scans,
 )
-from wheelhop.logger.chain import ROUND
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.recording import CODE, Channel, Recording
 from wheelhop.logger.settings import (
@@ -24,7 +23,7 @@ from wheelhop.logger.settings import (
     number,
     parse_settings,
 )
-from wheelhop.logger.survey import Progress, Verdict, open_source, pieces
+from wheelhop.logger.survey import ROUND, Progress, Verdict, open_source, pieces
 
 POINTS = frozenset(f"{end}{corner}" for end in "AB" for corner in range(1, 5))
 MOST_INVENTED_BYTES = 1 << 30  # of rows without a sample, beyond which a gap is not believed

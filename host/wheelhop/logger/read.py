@@ -16,10 +16,18 @@ from wheelhop.logger.block import (
     SUPPLY,
     parse_text,
 )
-from wheelhop.logger.chain import agreeing, unrolled
 from wheelhop.logger.log import Damage, Log, Supply
 from wheelhop.logger.settings import block_capacity, find_settings, number
-from wheelhop.logger.survey import Progress, Verdict, open_source, pieces, read_bytes, survey
+from wheelhop.logger.survey import (
+    Progress,
+    Verdict,
+    agreeing,
+    open_source,
+    pieces,
+    read_bytes,
+    survey,
+    unrolled,
+)
 
 SETTINGS_KEYS = ("device", "calibration", "rate_hz", "conversions", "channels")
 

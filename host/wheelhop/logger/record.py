@@ -10,11 +10,10 @@ from pathlib import Path
 from wheelhop.logger.clock import ClockError
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.interrupt import interrupt_as_wish
-from wheelhop.logger.link import Refused, Silent
-from wheelhop.logger.link_find import connect, reconnect
+from wheelhop.logger.link import Refused, Silent, connect, reconnect
 from wheelhop.logger.live import Live
 from wheelhop.logger.port import BAUD, PortLost
-from wheelhop.logger.record_stream import NO_ANSWER, Recorded, StreamRecorder
+from wheelhop.logger.record_file import NO_ANSWER, Recorded, StreamRecorder
 
 TICK_S = 0.05
 SILENCE_S = 3.0  # without a frame while the logger should stream: ask whether it is there

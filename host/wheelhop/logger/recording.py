@@ -96,7 +96,7 @@ class Recording:
         ExchangeError
             A column without a unit or with something else than numbers, times that are not uniform.
         """
-        from wheelhop.exchange.frame import from_dataframe
+        from wheelhop.formats.frame import from_dataframe
 
         return replace(from_dataframe(table, rate_hz, unit), averaging_s=averaging_s)
 

@@ -29,12 +29,11 @@ from wheelhop.logger.block import (
     parse_text,
 )
 from wheelhop.logger.card import Find, find_sessions
-from wheelhop.logger.chain import agreeing
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.log import Log
 from wheelhop.logger.read import borrowed_header, read_log
 from wheelhop.logger.settings import block_capacity, number
-from wheelhop.logger.survey import Progress
+from wheelhop.logger.survey import Progress, agreeing
 
 PAYLOAD = slice(PAYLOAD_AT, PAYLOAD_AT + PAYLOAD_BYTES)
 

@@ -14,7 +14,7 @@ from wheelhop.campaign import Campaign, CampaignError, Channel, Run
 from wheelhop.campaign.write import DEFAULT_BAND_HZ
 from wheelhop.effects import Parameter
 from wheelhop.files import did_you_mean
-from wheelhop.fit.workshop import RUNS_AWAY, run_up
+from wheelhop.fit.bench import RUNS_AWAY, run_up
 from wheelhop.predict.drives import CHANNELS, Chosen, Drive
 from wheelhop.simulate import Model
 from wheelhop.simulate.motion import Motion, MotionSimulator

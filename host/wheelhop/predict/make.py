@@ -14,8 +14,8 @@ from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
-from wheelhop.exchange import write
 from wheelhop.files import new_folder
+from wheelhop.formats import write
 from wheelhop.logger.recording import Recording
 from wheelhop.predict.case import Case
 from wheelhop.predict.drives import Drive

@@ -13,7 +13,7 @@ from threading import Thread
 from typing import Any
 
 from wheelhop.campaign import CampaignError
-from wheelhop.fit.workshop import processors
+from wheelhop.fit.bench import processors
 
 ANSWERS_S = 10.0
 """So long a cluster has to answer."""

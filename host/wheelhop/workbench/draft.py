@@ -14,9 +14,9 @@ from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.tracks import KINDS
 from wheelhop.campaign.write import VEHICLE, NewRun, add_run, cut, new_campaign
-from wheelhop.exchange import Map, Pick, draft_mapping, read, read_mapping
-from wheelhop.exchange.places import likely_point
 from wheelhop.files import parse_toml, quoted, remove
+from wheelhop.formats import Map, Pick, draft_mapping, read, read_mapping
+from wheelhop.formats.places import likely_point
 from wheelhop.logger.recording import Recording
 from wheelhop.vehicle.vehicle import read_vehicle
 

@@ -1,0 +1,164 @@
+"""What unknown heights of the ground do to a run's record, to first order.
+
+The records' in-band coefficients are taken as complex numbers, one per frequency and channel, real
+and imaginary part each with the noise σ. A height under a side's front wheel comes back under its
+rear wheel a wheelbase later; to eight channels that leaves two unknowns per frequency.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from wheelhop.effects import Effect
+from wheelhop.fit.bench import Bench
+from wheelhop.simulate import HeightSeries, Model, frequency_response
+from wheelhop.vehicle import System, wheels
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+class Ground:
+    """A run's record as a linear function of heights, about a model.
+
+    Parameters
+    ----------
+    bench
+        The run; its simulator has a `HeightSeries`.
+    model, system
+        The model and its equations of motion for this run's drive.
+    coherent
+        Whether rear wheels meet what the front wheels met; else each wheel has heights of its own,
+        which no ground has: a control.
+    """
+
+    def __init__(self, bench: Bench, model: Model, system: System, coherent: bool = True) -> None:
+        assert bench.simulator.series is not None
+        self.bench = bench
+        self.series: HeightSeries = bench.simulator.series
+        way = bench.simulator.way(model)
+        way = way - model.runs.get(bench.run.id, {}).get("start_m", 0.0)
+        time = bench.run.time_s
+        self._front = way[:, :2]
+        self._behind_m = float(np.mean(way[:, :2] - way[:, 2:]))
+        self._coherent = coherent
+        self.speed_m_s = float((way[-1] - way[0]).mean() / (time[-1] - time[0]))
+        self._model, self._system = model, system
+
+    def anew(self) -> Ground:
+        """The same, what it has worked out forgotten."""
+        return Ground(self.bench, self._model, self._system, self._coherent)
+
+    def response(self, wave_number_rad_m: Array) -> ComplexArray:
+        """Record per height of the left and the right path (k, c, 2), or of every wheel
+        (k, c, wheels), 1/s², at the mean speed; phases are those under the front wheel."""
+        frequency = wave_number_rad_m * self.speed_m_s / (2 * np.pi)
+        campaign = self.bench.simulator.campaign
+        wheel = frequency_response(self._system, frequency)[:, self.bench.predicted]
+        wheel = wheel * np.sinc(frequency * campaign.averaging_s)[:, None, None]
+        if not self._coherent:
+            return self._sensed(wheel, frequency)
+        later = np.exp(-1j * wave_number_rad_m * self._behind_m)[:, None]
+        path = np.zeros((*wheel.shape[:2], 2), dtype=np.complex128)
+        for j, i in enumerate(wheels(self._model.values)):
+            path[:, :, i % 2] += wheel[:, :, j] * (later if i >= 2 else 1.0)
+        return self._sensed(path, frequency)
+
+    @property
+    def coefficient_variance(self) -> float:
+        """Variance of an in-band coefficient of the height per its spectral density, 1/m."""
+        return float(np.pi * self.bench.band.rate_hz / self.speed_m_s)
+
+    def _sensed(self, response: ComplexArray, frequency_hz: Array) -> ComplexArray:
+        """The response as sensors with faults give it: what they make of an impulse tells."""
+        faults: list[Effect] = [e for e in self._model.effects if e.place == "sensor"]
+        if not faults:
+            return response
+        campaign, run_id = self.bench.simulator.campaign, self.bench.run.id
+        n, rate = len(self.bench.run.time_s), campaign.sample_rate_hz
+        channels = len(campaign.channels)
+        sensed = np.empty((len(frequency_hz), channels, channels), dtype=np.complex128)
+        turn = np.exp(-2j * np.pi * np.outer(frequency_hz, (np.arange(n) - n // 2) / rate))
+        for i in range(channels):
+            signal = np.zeros((n, channels))
+            signal[n // 2, i] = IMPULSE_M_S2
+            for effect in faults:
+                theta = self._model.theta(effect, run_id)
+                signal = effect.sense(theta, signal, campaign.channels, rate)
+            sensed[:, :, i] = turn @ signal / IMPULSE_M_S2
+        return np.asarray(sensed[:, self.bench.predicted][:, :, self.bench.predicted] @ response)
+
+    @cached_property
+    def _response(self) -> ComplexArray:
+        return self.response(self.series.wave_number_rad_m)
+
+    @cached_property
+    def _waves(self) -> list[ComplexArray]:
+        """In-band coefficients (f, k) of exp(iκu)/2 along each side's way; one if both go alike."""
+        sides = self._front.T
+        if np.allclose(sides[0], sides[1], rtol=0.0, atol=1e-9):
+            sides = sides[:1]
+        return [self._coefficients(np.exp(1j * np.outer(way, self._wave_number))) for way in sides]
+
+    @property
+    def _wave_number(self) -> Array:
+        return self.series.wave_number_rad_m
+
+    def _coefficients(self, signal: ComplexArray) -> ComplexArray:
+        """In-band coefficients (f, k) of half of complex signals (n, k)."""
+        band = self.bench.band
+        half = band.count // 2
+        first = round(float(band.frequency_hz[0] * band.n / band.rate_hz))
+        spectrum = fft.fft(signal, axis=0)[first : first + half]
+        return np.asarray(spectrum * (0.5 * np.sqrt(2.0 / band.n)))
+
+    def complex_of(self, coefficients: Array) -> ComplexArray:
+        """Real coefficients (size, m) as complex ones (f, c, m)."""
+        half = self.bench.band.count // 2
+        parts = coefficients.reshape(2, half, -1, coefficients.shape[1])
+        return np.asarray(parts[0] + 1j * parts[1])
+
+    def project(self, columns: Array) -> ComplexArray:
+        """Gᴴ of coefficients (size, m), for the heights of left and then right paths: (2k, m)."""
+        signal = self.complex_of(columns)
+        f, c, m = signal.shape
+        parts = []
+        for side in (0, 1):
+            waves = self._waves[side % len(self._waves)]
+            along = (waves.conj().T @ signal.reshape(f, c * m)).reshape(-1, c, m)
+            parts.append(np.einsum("kc,kcm->km", self._response[:, :, side].conj(), along))
+        return np.concatenate(parts)
+
+    def apply(self, heights: ComplexArray) -> Array:
+        """G of heights (2k, m): coefficients (size, m)."""
+        k, m = self.series.count, heights.shape[1]
+        total: ComplexArray | float = 0.0
+        for side in (0, 1):
+            waves = self._waves[side % len(self._waves)]
+            part = heights[side * k : (side + 1) * k]
+            moved = np.einsum("kc,km->kcm", self._response[:, :, side], part)
+            total = total + waves @ moved.reshape(k, -1)
+        signal = np.asarray(total).reshape(-1, m)
+        return np.concatenate([signal.real, signal.imag])
+
+    @cached_property
+    def square(self) -> ComplexArray:
+        """GᴴG (2k, 2k)."""
+        waves, response = self._waves, self._response
+        blocks = [
+            [
+                (waves[i % len(waves)].conj().T @ waves[j % len(waves)])
+                * (response[:, :, i].conj() @ response[:, :, j].T)
+                for j in (0, 1)
+            ]
+            for i in (0, 1)
+        ]
+        return np.block(blocks)
+
+
+IMPULSE_M_S2 = 0.01
+"""Far too small for a sensor to clip it."""

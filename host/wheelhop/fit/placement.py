@@ -1,0 +1,188 @@
+"""Where a run began and how fast it went: start values by matching harmonics of the track."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from wheelhop.campaign import Campaign, Run
+from wheelhop.compare.band import InBand
+from wheelhop.fit.bench import Bench
+from wheelhop.simulate import Model, frequency_response, linear_response
+from wheelhop.track import Track, make_track, wheel_envelope
+from wheelhop.vehicle import Drive, System, axle_name, behind_m, corner_position, wheels
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+REACH = 0.12
+"""Speeds are sought within this fraction of the nominal one."""
+
+FEW_SPEEDS = 24
+
+
+def find_start(
+    campaign: Campaign,
+    run: Run,
+    model: Model,
+    system: System,
+    channels: Collection[int] | None = None,
+) -> dict[str, float]:
+    """Speed (m/s) and start (m) at which the linear model agrees best with a run, or with some of
+    its channels.
+
+    On a periodic track the start is found modulo the period.
+    """
+    if run.speed_m_s <= 0:
+        return {}
+    predicted = np.asarray(~np.isnan(system.output).any(axis=1))
+    if channels is not None:
+        predicted = predicted & np.isin(np.arange(len(predicted)), list(channels))
+    track = make_track(run.track)
+    period = _wavelength(run, track.period_m)
+    if period is not None:
+        return _match_harmonics(campaign, run, model, system, predicted, track, period)
+    return _match_shape(campaign, run, model, system, predicted, track)
+
+
+def seek_again(
+    campaign: Campaign, bench: Bench, model: Model, systems: dict[Drive, System]
+) -> dict[str, float]:
+    """A better speed and start for a run that the baseline could not place, but an effect found
+    since can; empty if there is none.
+
+    Two ways: as at first, in the record as it is without the faults of the sensors found; and by
+    simulating the whole model on a grid, because a slow drive over long waves is all friction.
+    """
+    own, run = model.runs[bench.run.id], bench.run
+    if "start_m" not in own:
+        return {}
+    record = run.record
+    for effect in model.effects:
+        record = effect.restore(
+            model.theta(effect, run.id), record, campaign.channels, campaign.sample_rate_hz
+        )
+    restored = replace(run, record=record)
+    trials = [find_start(campaign, restored, model, systems[bench.drive])]
+    period = _wavelength(run, bench.simulator.period_m)
+    if period is not None:
+        speeds = _speeds(run, period)
+        if len(speeds) > FEW_SPEEDS:  # many waves: the speed at least is known well
+            speeds = np.array([own["speed_m_s"]])
+        for speed in speeds:
+            for phase in np.arange(12) / 12:
+                start = own["start_m"] + phase * period
+                trials.append({"speed_m_s": float(speed), "start_m": start})
+    models = [(model.with_run(run.id, trial), systems) for trial in ({}, *trials)]
+    measured = bench.measured[:, bench.predicted].ravel()
+    residuals = [measured - bench.coefficients(record) for record in bench.records(models)]
+    misfits = [float(residual @ residual) for residual in residuals]
+    best = int(np.argmin(misfits))
+    return trials[best - 1] if best > 0 else {}
+
+
+def _wavelength(run: Run, period_m: float | None) -> float | None:
+    """The track's period if the run is several of them long; else its shape is what counts."""
+    distance = run.speed_m_s * (run.time_s[-1] - run.time_s[0])
+    return period_m if period_m is not None and 2 * period_m < distance else None
+
+
+def _speeds(run: Run, wavelength_m: float) -> Array:
+    """Speeds so close that the phase at `wavelength_m` slips by less than 1/6 over the run."""
+    duration = run.time_s[-1] - run.time_s[0]
+    count = int(np.ceil(2 * REACH * run.speed_m_s * duration * 6 / wavelength_m)) + 1
+    return run.speed_m_s * np.linspace(1 - REACH, 1 + REACH, count)
+
+
+def _behind(model: Model) -> Array:
+    """How far each wheel follows the front axle, (wheels,) m."""
+    return np.array([behind_m(model.values, i) for i in wheels(model.values)])
+
+
+def _envelopes(model: Model, track: Track, x: Array) -> Array:
+    """Envelope heights (len(x), wheels) at the same x under each wheel."""
+    rolling = wheels(model.values)
+    heights = np.empty((len(x), len(rolling)))
+    for j, i in enumerate(rolling):
+        radius = model.values[f"wheel.{axle_name(i)}.radius_m"]
+        y = corner_position(model.values, i)[1]
+        heights[:, j] = wheel_envelope(track, y, radius, x.min(), x.max()).height(x)
+    return heights
+
+
+def _match_harmonics(
+    campaign: Campaign,
+    run: Run,
+    model: Model,
+    system: System,
+    predicted: NDArray[np.bool_],
+    track: Track,
+    period: float,
+) -> dict[str, float]:
+    speeds = _speeds(run, period)
+    samples = 128
+    shape = fft.rfft(_envelopes(model, track, np.arange(samples) * period / samples), axis=0)
+    phases = np.arange(64) / 64
+    match = np.zeros((len(speeds), len(phases)))
+    taper = np.hanning(len(run.time_s))[:, None]
+    measured = taper * (run.record - run.record.mean(axis=0)) * 2 / taper.sum()
+    for k in (1, 2, 3):
+        frequency = k * speeds / period
+        inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
+        if not inside.any():
+            continue
+        kernel = np.exp(-2j * np.pi * frequency[inside, None] * run.time_s)
+        line = kernel @ measured[:, predicted]
+        wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
+        response = frequency_response(system, frequency[inside])[:, predicted] @ wheel
+        response *= np.sinc(frequency[inside] * campaign.averaging_s)[:, None]
+        # Sum of |measured − model|² over channels, less the part that neither changes.
+        cross = np.einsum("fc,fc->f", response, line.conj())
+        turn = np.exp(2j * np.pi * k * phases)
+        power = np.einsum("fc,fc->f", response, response.conj()).real
+        match[inside] += 2 * (cross[:, None] * turn).real - power[:, None]
+    i, j = np.unravel_index(np.argmax(match), match.shape)
+    return {"speed_m_s": float(speeds[i]), "start_m": float(phases[j] * period)}
+
+
+def _match_shape(
+    campaign: Campaign,
+    run: Run,
+    model: Model,
+    system: System,
+    predicted: NDArray[np.bool_],
+    track: Track,
+) -> dict[str, float]:
+    """Cross-correlation of the record with the response to the whole track, for every speed."""
+    duration = run.time_s[-1] - run.time_s[0]
+    travelled = run.speed_m_s * duration * (1 + REACH)
+    low = max(track.start_m, -2 * travelled) - travelled - 1.0
+    high = min(track.end_m, 2 * travelled) + _behind(model).max() + 1.0
+    x = np.linspace(low, high, int((high - low) / 0.01) + 1)
+    profile = _envelopes(model, track, x)
+    step = 1.0 / campaign.sample_rate_hz
+    band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
+    measured = band.signal(run.record[:, predicted])
+    best = (-np.inf, run.speed_m_s, 0.0)
+    for speed in _speeds(run, run.speed_m_s / 8.0):
+        n = fft.next_fast_len(int((high - low) / speed / step) + len(measured))
+        position = low + speed * step * np.arange(n)
+        height = np.empty((n, profile.shape[1]))
+        for i, behind in enumerate(_behind(model)):
+            height[:, i] = np.interp(position - behind, x, profile[:, i])
+        response = linear_response(system, height, step)[:, predicted]
+        spectrum = fft.rfft(response, axis=0)
+        lagged = fft.irfft((spectrum * fft.rfft(measured, n, axis=0).conj()).sum(axis=1), n)
+        power = np.cumsum(np.pad((response**2).sum(axis=1), (0, len(measured)), mode="wrap"))
+        energy = power[len(measured) : len(measured) + n] - power[:n]
+        match = 2 * lagged - energy
+        # The last len(measured) lags wrap around.
+        lag = int(np.argmax(match[: n - len(measured)]))
+        if match[lag] > best[0]:
+            start = low + speed * (lag * step - run.time_s[0])
+            best = (float(match[lag]), float(speed), float(start))
+    return {"speed_m_s": best[1], "start_m": best[2]}

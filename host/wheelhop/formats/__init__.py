@@ -1,0 +1,18 @@
+"""Recordings from and to the formats of others; optional libraries load when they are needed."""
+
+from wheelhop.formats.draft import draft_mapping
+from wheelhop.formats.error import ExchangeError
+from wheelhop.formats.mapping import Map, Pick, read_mapping
+from wheelhop.formats.registry import FORMATS, losses, read, write
+
+__all__ = [
+    "FORMATS",
+    "ExchangeError",
+    "Map",
+    "Pick",
+    "draft_mapping",
+    "losses",
+    "read",
+    "read_mapping",
+    "write",
+]

@@ -1,0 +1,204 @@
+"""A first mapping for a file, made from what it looks like; the user corrects it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from wheelhop.files import quoted
+from wheelhop.formats import cells
+from wheelhop.formats.error import ExchangeError, guarded
+from wheelhop.formats.labels import is_unit, name_and_unit
+from wheelhop.formats.mapping import SEPARATORS
+from wheelhop.formats.places import likely_points
+from wheelhop.formats.registry import load
+from wheelhop.formats.table import POINTS
+from wheelhop.formats.units import SECONDS, to_si
+from wheelhop.logger.recording import ACCELERATION
+
+LOOK = 200  # lines that are looked at
+STYLES = (
+    (";", ","),
+    ("\t", ","),
+    (";", "."),
+    ("\t", "."),
+    (",", "."),
+    ("|", "."),
+    (None, "."),
+    (None, ","),
+)
+"""Separator and decimal point, the ones that are hard to mistake first."""
+TIMES = ("time", "time_s", "t", "timestamp", "zeit", "temps", "tiempo", "x_value", "date", "datum")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text file is laid out; lines count from 1, 0: there is none."""
+
+    separator: str | None
+    decimal: str
+    header_row: int
+    units_row: int
+    first_row: int
+    labels: tuple[str, ...]
+    units: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def draft_mapping(path: Path) -> str:
+    """The text of a mapping file for `path`. Raises `ExchangeError` if no numbers are found."""
+    if path.suffix.lower() not in (".csv", ".txt", ".tsv", ".dat", ".asc"):
+        return _of_tables(path)
+    with guarded(path, "be understood"):
+        layout = _layout(path)
+    clock, unit = _time(layout)
+    mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
+    lines = [
+        f"separator = {quoted(mark[layout.separator])}",
+        f"decimal = {quoted(layout.decimal)}",
+        f"header_row = {layout.header_row}  # the line that names the columns, 0: none",
+        f"units_row = {layout.units_row}  # the line with their units, 0: none",
+        f"first_row = {layout.first_row}  # the line of the first numbers",
+    ]
+    if clock is None:
+        lines.append("rate_hz = 100.0  # no column looks like time: say how many rows are a second")
+    else:
+        lines += [f"time = {_key(layout.labels, clock)}", f"time_unit = {quoted(unit)}"]
+    columns: list[tuple[str, str, str]] = []
+    for k, label in enumerate(layout.labels):
+        if k == clock or not cells.is_number(layout.rows[0][k], layout.decimal):
+            continue
+        name, inside = name_and_unit(label)
+        key = _key(layout.labels, k)
+        columns.append((key, name, layout.units[k] if layout.units else inside))
+    return _text(path, lines, columns)
+
+
+def _layout(path: Path) -> Layout:
+    lines = cells.read_lines(path)[:LOOK]
+    best: tuple[int, Layout] | None = None
+    for separator, decimal in STYLES:
+        if separator is None and best is not None:
+            continue  # nearly every line has blanks in it
+        rows = [cells.split_head(line, separator) for line in lines]
+        numeric = [sum(_is_value(cell, decimal) for cell in row) for row in rows]
+        first = next(
+            (
+                k
+                for k, n in enumerate(numeric)
+                if n >= max(1, *numeric[k:]) and n > len(rows[k]) // 2 and len(rows[k]) > 1
+            ),
+            None,
+        )
+        if first is None:
+            continue
+        width = len(rows[first])
+        body = [row for row in rows[first:] if len(row) == width]
+        score = numeric[first] * len(body)
+        if best is None or score > best[0]:
+            layout = _labels(
+                rows, first, width, Layout(separator, decimal, 0, 0, first + 1, (), (), ())
+            )
+            best = (score, replace(layout, rows=tuple(map(tuple, body))))
+    if best is None:
+        raise ExchangeError(f"{path}: no columns of numbers are found in its first {LOOK} lines")
+    return best[1]
+
+
+def _is_value(cell: str, decimal: str) -> bool:
+    if cells.is_number(cell, decimal):
+        return True
+    try:
+        cells.instant(cell.strip())
+    except ValueError:
+        return False
+    return True
+
+
+def _labels(rows: Sequence[Sequence[str]], first: int, width: int, layout: Layout) -> Layout:
+    """Find names and units above the numbers: a row of units, if there is one, stands last."""
+    above = [k for k in range(first) if len(rows[k]) == width and any(rows[k])][-2:]
+    stripped = {k: tuple(cell.strip() for cell in rows[k])[:width] for k in above}
+    if above and any(is_unit(cell.strip("[]()")) for cell in stripped[above[-1]]):
+        row = above.pop()
+        units = tuple(cell.strip("[]()") for cell in stripped[row])
+        layout = replace(layout, units_row=row + 1, units=units + ("",) * (width - len(units)))
+    labels = stripped[above[-1]] if above else ()
+    labels += ("",) * (width - len(labels))
+    named = tuple(label or f"column {k}" for k, label in enumerate(labels, start=1))
+    return replace(layout, header_row=above[-1] + 1 if above else 0, labels=named)
+
+
+def _time(layout: Layout) -> tuple[int | None, str]:
+    """Which column is time and in what unit: by its name, or the first that rises evenly."""
+    for k, label in enumerate(layout.labels):
+        name, unit = name_and_unit(label)
+        unit = layout.units[k] if layout.units else unit
+        if name.lower().split("_")[0] in TIMES or name.lower() in TIMES:
+            if not cells.is_number(layout.rows[0][k], layout.decimal):
+                return k, "clock"
+            return k, unit if unit in SECONDS else "s"
+    for k in range(len(layout.labels)):
+        column = [row[k].replace(layout.decimal, ".") for row in layout.rows]
+        if all(map(cells.is_number, column)) and len(column) > 2:
+            steps = np.diff([float(cell) for cell in column])
+            if steps.min() > 0 and steps.max() < 1.01 * steps.min():
+                return k, layout.units[k] if layout.units and layout.units[k] in SECONDS else "s"
+    return None, "s"
+
+
+def _of_tables(path: Path) -> str:
+    lines: list[str] = []
+    columns: list[tuple[str, str, str]] = []
+    tables = load(path)
+    table = tables[0] if tables else None
+    if table is None:
+        raise ExchangeError(f"{path}: holds no channels of numbers")
+    if len(tables) > 1:
+        names = ", ".join(quoted(table.group) for table in tables)
+        lines.append(f"group = {quoted(table.group)}  # one of {names}")
+    if table.time_s is None and table.rate_hz is None:
+        lines.append("rate_hz = 100.0  # the file has no time: say how many samples are a second")
+    labels = [channel.name for channel in table.channels]
+    for k, channel in enumerate(table.channels):
+        key = quoted(channel.name) if labels.count(channel.name) == 1 else str(table.columns[k])
+        columns.append((key, channel.name, channel.unit))
+    return _text(path, lines, columns)
+
+
+def _key(labels: Sequence[str], k: int) -> str:
+    """How a mapping names a column: by its label, or by number where the label will not do."""
+    unnamed = labels[k] == f"column {k + 1}" or labels.count(labels[k]) > 1
+    return str(k + 1) if unnamed else quoted(labels[k])
+
+
+def _entries(columns: Sequence[tuple[str, str, str]]) -> Iterator[str]:
+    """The lines of every channel: how a mapping names it, its own name, and its unit."""
+    felt = [name for _, name, unit in columns if to_si(unit)[0] in ("", ACCELERATION)]
+    guessed = dict(zip(felt, likely_points(felt), strict=True))
+    for key, name, unit in columns:
+        si, factor = to_si(unit)
+        scaled = f"  # × {factor:g} = {si}" if factor != 1.0 else ""
+        point = name if name in POINTS else guessed.get(name, "")
+        yield from (
+            "",
+            "[[channel]]",
+            f"column = {key}",
+            f"name = {quoted(name)}",
+            f"unit = {quoted(unit)}{scaled if unit else '  # not said: g, m/s²?'}",
+            f"point = {quoted(point)}{'' if point in ('', name) else '  # by its name: is it so?'}",
+        )
+
+
+def _text(path: Path, lines: Sequence[str], columns: Sequence[tuple[str, str, str]]) -> str:
+    head = [
+        f"# How to read {path.name}, guessed from its look: correct it, then",
+        f"#     wheelhop import --map THIS.toml {path.name}",
+        "# Delete the channels that are not wanted. point is A1 … A4 (axles), B1 … B4 or body.",
+        "# A channel is column × scale + offset, in unit: add scale = … and offset = … as needed.",
+        "format = 1",
+    ]
+    return "\n".join([*head, *lines, *_entries(columns)]) + "\n"

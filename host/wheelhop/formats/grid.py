@@ -1,0 +1,150 @@
+"""Time stamps as a uniform grid: which sample is which, what is missing, and what does not fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.formats.error import ExchangeError
+
+STRAY = 0.25
+"""How far a step may be off a whole number of periods, in periods: stamps rounded to milliseconds
+at 400 Hz are off by 0.2."""
+SILENT = 1e-3
+"""Up to here, in periods, stamps are as good as equally spaced."""
+FEWEST = 0.1
+"""The least share of samples that must be there, beyond `FREE_GAPS`: a clock that was set anew
+must not become a billion missing samples."""
+FREE_GAPS = 100_000
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Sample i lies at row `index[i]` of `rows`, and row k at `start_s` + k / `rate_hz`.
+
+    `jitter_s` is how far the stamps were off at most.
+    """
+
+    start_s: float
+    rate_hz: float
+    index: NDArray[np.int64]
+    jitter_s: float = 0.0
+
+    @property
+    def rows(self) -> int:
+        """Rows of the grid, those without a sample included."""
+        return int(self.index[-1]) + 1 if len(self.index) else 0
+
+    def spread(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(rows, c) samples at their places and NaN where there are none, from (n, c)."""
+        if len(values) == self.rows:
+            return values
+        spread = np.full((self.rows, values.shape[1]), np.nan)
+        spread[self.index] = values
+        return spread
+
+    def remarks(self) -> tuple[str, ...]:
+        """What is worth a line in the recording's history."""
+        found = []
+        if self.jitter_s > SILENT / self.rate_hz:
+            found.append(
+                f"time stamps are up to {self.jitter_s * 1e3:.3g} ms off equal steps of "
+                f"{1e3 / self.rate_hz:.6g} ms: taken as equal"
+            )
+        missing = self.rows - len(self.index)
+        if missing:
+            gaps = int((np.diff(self.index) > 1).sum())
+            found.append(
+                f"samples missing in the time stamps: {missing}, in gaps: {gaps}; left empty"
+            )
+        return tuple(found)
+
+
+@np.errstate(all="ignore")  # absurd stamps are reported, not warned about
+def fit_grid(
+    time_s: NDArray[np.float64],
+    where: Callable[[int], str],
+    rate_hz: float | None = None,
+    start_s: float | None = None,
+) -> Grid:
+    """Find the grid that the stamps (n,) lie on, of a known rate and start if these are given.
+
+    `where(i)` tells a user where stamp i is. Raises `ExchangeError` for stamps that are not finite,
+    do not rise, or lie on no grid.
+    """
+    if len(time_s) < 2 and rate_hz is None:
+        raise ExchangeError(f"{where(0)}: a single time stamp has no rate: give rate_hz")
+    bad = ~(np.abs(time_s) < 1e15)
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise ExchangeError(f"{where(row)}: {time_s[row]} is no time")
+    steps = np.diff(time_s)
+    if (steps <= 0).any():
+        row = int(np.argmax(steps <= 0)) + 1
+        raise ExchangeError(
+            f"{where(row)}: time does not rise, from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s"
+        )
+    period = 1.0 / rate_hz if rate_hz else _typical(steps)
+    counts = np.round(steps / period)
+    off = np.abs(steps / period - counts)
+    if (counts < 1).any() or (off > STRAY).any():
+        row = int(np.argmax((counts < 1) | (off > STRAY))) + 1
+        raise ExchangeError(
+            f"{where(row)}: time jumps from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s, "
+            f"{steps[row - 1] / period:.3g} steps of {period:.6g} s: cut the file there"
+        )
+    if counts.sum() + 1 > max(len(time_s) / FEWEST, len(time_s) + FREE_GAPS):
+        row = int(np.argmax(counts)) + 1
+        raise ExchangeError(
+            f"{where(row)}: {counts.sum() - len(steps):.6g} samples are missing, most of them "
+            f"here ({time_s[row - 1]:.9g} to {time_s[row]:.9g} s): cut the file there"
+        )
+    index = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    if rate_hz is None:
+        rate_hz = _rate(time_s, index)
+    places = index / rate_hz
+    if start_s is None:
+        start_s = float(time_s[0])
+        if np.abs(time_s - start_s - places).max(initial=0.0) > SILENT / rate_hz:
+            start_s = float((time_s - places).mean())
+    else:
+        index = index + round((float(time_s[0]) - start_s) * rate_hz) if len(index) else index
+        places = index / rate_hz
+    jitter = np.abs(time_s - start_s - places)
+    if jitter.max(initial=0.0) > 2 * STRAY / rate_hz:
+        raise ExchangeError(
+            f"{where(int(np.argmax(jitter)))}: time is {jitter.max():.3g} s off equal steps at "
+            f"{rate_hz:.6g} Hz; on the whole the stamps go at {_rate(time_s, index):.6g} Hz"
+        )
+    return Grid(start_s, rate_hz, index, float(jitter.max(initial=0.0)))
+
+
+def _typical(steps: NDArray[np.float64]) -> float:
+    """The period: the mean of the steps that are no gaps, for rounded stamps alternate."""
+    period = float(np.median(steps))
+    for least, most in ((0.5, 1.6), (1 - STRAY, 1 + STRAY)):
+        near = steps[(steps > least * period) & (steps < most * period)]
+        period = float(near.mean()) if len(near) else period
+    return period
+
+
+def _rate(time_s: NDArray[np.float64], index: NDArray[np.int64]) -> float:
+    """The rate by least squares, or the roundest number that fits the stamps as well."""
+    slope, start = np.polyfit(index - index.mean(), time_s - time_s[0], 1)
+    del start
+    exact = 1.0 / float(slope)
+    allowed = 1.05 * _spread(time_s, index, exact) + 1e-6 / exact
+    for digits in range(1, 16):
+        rounder = float(f"{exact:.{digits}g}")
+        if _spread(time_s, index, rounder) <= allowed:
+            return rounder
+    return exact
+
+
+def _spread(time_s: NDArray[np.float64], index: NDArray[np.int64], rate_hz: float) -> float:
+    """How far the stamps are off a grid of this rate, seconds, wherever it starts."""
+    off = time_s - time_s[0] - index / rate_hz
+    return float(np.ptp(off)) / 2

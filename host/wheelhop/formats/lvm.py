@@ -1,0 +1,214 @@
+"""LabVIEW measurement files (.lvm), read by "Specification for the LabVIEW Measurement File", NI.
+
+A file header, then segments: each a header of its own and rows of numbers. X is in one column, in
+one column per channel, or not written at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from datetime import datetime
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.formats import cells
+from wheelhop.formats.error import ExchangeError
+from wheelhop.formats.grid import STRAY
+from wheelhop.formats.mapping import Map
+from wheelhop.formats.table import Table, plain_channel
+
+MAGIC = "LabVIEW Measurement"
+END = "***End_of_Header***"
+SPECIAL = ("***Start_Special***", "***End_Special***")
+SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": " "}
+X = "X_Value"
+
+
+@dataclass(frozen=True)
+class _Style:
+    """What the file header says of how the rest is written."""
+
+    separator: str
+    decimal: str
+    tags: Mapping[str, list[str]]
+
+
+def load(path: Path, mapping: Map | None) -> list[Table]:
+    """Read the segments, as one recording if they follow each other in time."""
+    lines = cells.read_lines(path, mapping.encoding if mapping else "")
+    style, at = _file_header(lines, path)
+    tables = []
+    for number, (start, stop) in enumerate(_segments(lines, at, style), start=1):
+        tables.append(_segment(lines, start, stop, style, str(number), path))
+    if mapping is not None and mapping.group:
+        return tables
+    return _joined(tables)
+
+
+def _file_header(lines: list[str], path: Path) -> tuple[_Style, int]:
+    if not lines[0].startswith(MAGIC):
+        raise ExchangeError(f"{path}: line 1 must begin with {MAGIC}: this is no .lvm file")
+    separator = "\t"
+    for line in lines[:30]:
+        if line.lower().startswith("separator") and len(line) > len("separator"):
+            mark = line[len("separator")]
+            named = SEPARATORS.get(line[len("separator") + 1 :].strip(" \t,;").lower())
+            separator = named or mark
+            break
+    tags, at = _tags(lines, 0, separator, path)
+    decimal = tags.get("Decimal_Separator", ["."])[0] or "."
+    return _Style(separator, decimal, tags), at
+
+
+def _tags(
+    lines: list[str], at: int, separator: str, path: Path
+) -> tuple[dict[str, list[str]], int]:
+    """The tags of a header that begins at line index `at`, and where it has ended."""
+    tags: dict[str, list[str]] = {}
+    inside = True
+    for index in range(at, len(lines)):
+        tag, *values = (cell.strip() for cell in lines[index].split(separator))
+        if tag == END:
+            return tags, index + 1
+        if tag in SPECIAL:
+            inside = tag != SPECIAL[0]
+        elif inside and tag:
+            tags[tag] = values
+    raise ExchangeError(f"{path}: line {at + 1}: the header that begins here has no {END}")
+
+
+def _segments(lines: list[str], at: int, style: _Style) -> Iterator[tuple[int, int]]:
+    """First and last line index (exclusive) of each segment; blank lines lie between them."""
+    ends = [k for k in range(at, len(lines)) if lines[k].split(style.separator)[0].strip() == END]
+    starts = []
+    for end in ends:
+        start = end
+        while start > at and lines[start - 1].strip():
+            start -= 1
+        starts.append(start)
+    return zip(starts, [*starts[1:], len(lines)][: len(starts)], strict=True)
+
+
+def _segment(
+    lines: list[str], start: int, stop: int, style: _Style, group: str, path: Path
+) -> Table:
+    tags, at = _tags(lines, start, style.separator, path)
+    if at >= stop:
+        raise ExchangeError(f"{path}: line {at}: no columns are named behind this header")
+    names = [name.strip() for name in lines[at].split(style.separator)]
+    while names and names[-1] in ("", "Comment"):
+        names.pop()
+    first = at + 1
+    while stop > first and not lines[stop - 1].strip():
+        stop -= 1
+    body = [line.split(style.separator) for line in lines[first:stop]]
+
+    def where(row: int) -> str:
+        return f"{path}: line {first + row + 1}"
+
+    for row, found in enumerate(body):
+        if len(found) < len(names):
+            raise ExchangeError(f"{where(row)} has {len(found)} values, not {len(names)}")
+
+    def column(k: int) -> NDArray[np.float64]:
+        return cells.parse(
+            [row[k] for row in body], style.decimal, where, names[k] or f"column {k}"
+        )
+
+    def tag(key: str, k: int) -> str:
+        """The entry of channel column k; segment headers have one cell per column behind X."""
+        values = tags.get(key, [])
+        return values[k - 1] if k - 1 < len(values) else ""
+
+    x_kind = style.tags.get("X_Columns", ["One"])[0].lower()
+    wanted = [k for k in range(1, len(names)) if names[k] != X]
+    samples = {k: column(k) for k in wanted}
+    wanted = [k for k in wanted if not np.isnan(samples[k]).all()]
+    if not wanted:
+        raise ExchangeError(
+            f"{path}: line {start + 1}: the segment that begins here has no samples"
+        )
+    stamps = None
+    if x_kind != "no":
+        own = {max(j for j in range(k) if names[j] == X or j == 0) for k in wanted}
+        stamps, *others = (column(k) for k in sorted(own))
+        if any(not np.array_equal(stamps, other) for other in others):
+            raise ExchangeError(
+                f"{path}: line {start + 1}: the channels of this segment were not sampled together"
+            )
+    step = _number(tag("Delta_X", wanted[0]), style)
+    x0 = _number(tag("X0", wanted[0]), style)
+    exact = step > 0.0 and (
+        stamps is None
+        or bool((np.abs(stamps - x0 - step * np.arange(len(body))) <= STRAY * step).all())
+    )
+    return Table(
+        file=path,
+        kind="LabVIEW measurement",
+        channels=tuple(plain_channel(names[k], tag("Y_Unit_Label", k) or None) for k in wanted),
+        values=np.column_stack([samples[k] for k in wanted]),
+        # X is often printed with six decimals; Delta_X is exact.
+        time_s=None if exact else stamps,
+        rate_hz=1.0 / step if exact else None,
+        start_s=x0,
+        notes=_notes(style.tags, tags),
+        group=group,
+        line=first + 1,
+    )
+
+
+def _number(text: str, style: _Style) -> float:
+    """A number of a header, 0 if there is none."""
+    text = text.replace(style.decimal, ".")
+    value = float(text) if cells.is_number(text) else 0.0
+    return value if abs(value) < 1e15 else 0.0
+
+
+def _notes(*headers: Mapping[str, list[str]]) -> dict[str, str]:
+    """What the headers say of the whole; a date without a time zone is no instant, but worth it."""
+    tags = {key: value for header in headers for key, value in header.items()}
+    kept = ("Operator", "Project", "Description", "Date", "Time")
+    return {key.lower(): tags[key][0] for key in kept if key in tags and tags[key] and tags[key][0]}
+
+
+def _joined(tables: list[Table]) -> list[Table]:
+    """One table of segments with the same channels that follow each other in time, or all as is.
+
+    X goes on from segment to segment, or begins anew and the headers' times tell the distance.
+    """
+    if len({table.channels for table in tables}) != 1 or len({t.rate_hz for t in tables}) != 1:
+        return tables
+    stamps = [_stamps(table) for table in tables]
+    if len(stamps) > 1 and stamps[1][0] <= stamps[0][-1]:
+        clocks = [_clock(table) for table in tables]
+        if None in clocks:
+            return tables
+        since = [(clock - clocks[0]).total_seconds() for clock in clocks]  # type: ignore[operator]
+        stamps = [x + start for x, start in zip(stamps, since, strict=True)]
+    if any(two[0] <= one[-1] for one, two in pairwise(stamps)):
+        return tables
+    joined = replace(
+        tables[0],
+        values=np.concatenate([table.values for table in tables]),
+        time_s=np.concatenate(stamps),
+        line=tables[0].line if len(tables) == 1 else None,
+    )
+    return [joined if len(tables) > 1 else tables[0]]
+
+
+def _stamps(table: Table) -> NDArray[np.float64]:
+    if table.time_s is not None:
+        return table.time_s
+    return table.start_s + np.arange(len(table.values)) / (table.rate_hz or 1.0)
+
+
+def _clock(table: Table) -> datetime | None:
+    day, time = table.notes.get("date", ""), table.notes.get("time", "").replace(",", ".")
+    try:
+        return datetime.fromisoformat(f"{day.replace('/', '-')} {time[:15]}")
+    except ValueError:
+        return None

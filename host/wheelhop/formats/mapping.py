@@ -1,0 +1,177 @@
+"""The mapping: what a user says of a file that does not tell enough about itself."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wheelhop.formats.error import ExchangeError
+from wheelhop.formats.units import SECONDS
+
+SEPARATORS = {"tab": "\t", "space": None, ",": ",", ";": ";", "|": "|", "\t": "\t", " ": None}
+"""None: any run of blanks."""
+CLOCK = "clock"
+"""As `time_unit`: stamps are dates or times of day, 2026-05-01 12:34:56.789 or 12:34:56.789."""
+KEYS = (
+    *("format", "separator", "decimal", "encoding", "header_row", "units_row", "first_row"),
+    *("time", "time_unit", "rate_hz", "group", "channel"),
+)
+CHANNEL_KEYS = (
+    "column",
+    "name",
+    "unit",
+    "point",
+    "sensor",
+    "calibration",
+    "scale",
+    "offset",
+)
+
+
+@dataclass(frozen=True)
+class Pick:
+    """One channel: column (its name, or its number from 1) × `scale` + `offset` is in `unit`.
+
+    Texts that are empty stay as the file has them.
+    """
+
+    column: str | int
+    name: str = ""
+    unit: str = ""
+    point: str = ""
+    sensor: str = ""
+    calibration: str = ""
+    scale: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Map:
+    """How to read a file.
+
+    `separator` is None for any run of blanks; rows are lines from 1, a `header_row` or `units_row`
+    of 0 means there is none. Time is a column (name or number) in `time_unit`, or `rate_hz`. A
+    `group` is chosen where a file has several. Without `picks` every column is a channel.
+    """
+
+    separator: str | None = ","
+    decimal: str = "."
+    encoding: str = ""
+    header_row: int = 1
+    units_row: int = 0
+    first_row: int = 0
+    time: str | int = ""
+    time_unit: str = "s"
+    rate_hz: float | None = None
+    group: str = ""
+    picks: tuple[Pick, ...] = ()
+
+    @property
+    def first(self) -> int:
+        """The line of the first numbers."""
+        return self.first_row or max(self.header_row, self.units_row) + 1
+
+
+def read_mapping(file: Path) -> Map:
+    """Read a mapping file. Raises `ExchangeError` that names the file and the key."""
+    try:
+        table = tomllib.loads(file.read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        raise ExchangeError(f"{file}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise ExchangeError(f"{file}: not valid TOML: {error}") from None
+    keys = _Keys(table, file)
+    keys.only(KEYS)
+    if table.get("format") != 1 or table["format"] is True:
+        raise ExchangeError(f"{file}: format = 1 is missing: it is the version of this file")
+    separator = keys.text("separator", ",")
+    if separator not in SEPARATORS:
+        raise ExchangeError(f'{file}: separator must be ",", ";", "|", "tab" or "space"')
+    decimal = keys.text("decimal", ".")
+    if decimal not in (".", ",") or decimal == SEPARATORS[separator]:
+        raise ExchangeError(f'{file}: decimal must be "." or ",", and another than the separator')
+    unit = keys.text("time_unit", "s")
+    if unit not in SECONDS and unit != CLOCK:
+        raise ExchangeError(f'{file}: time_unit = "{unit}" is not known: s, ms, us, min or clock')
+    rate = keys.number("rate_hz", 0.0)
+    if rate < 0.0:
+        raise ExchangeError(f"{file}: rate_hz must be above 0")
+    entries = table.get("channel", [])
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise ExchangeError(f"{file}: begin each channel with [[channel]]")
+    return Map(
+        separator=SEPARATORS[separator],
+        decimal=decimal,
+        encoding=keys.text("encoding", ""),
+        header_row=keys.row("header_row", 1),
+        units_row=keys.row("units_row", 0),
+        first_row=keys.row("first_row", 0),
+        time=keys.column("time"),
+        time_unit=unit,
+        rate_hz=rate or None,
+        group=str(keys.column("group")),
+        picks=tuple(
+            _pick(_Keys(entry, file, f"[[channel]] {number}: "))
+            for number, entry in enumerate(entries, start=1)
+        ),
+    )
+
+
+def _pick(keys: _Keys) -> Pick:
+    keys.only(CHANNEL_KEYS)
+    column = keys.column("column")
+    if column == "":
+        raise ExchangeError(f"{keys.place}column is missing: a name, or a number from 1")
+    return Pick(
+        column,
+        name=keys.text("name", ""),
+        unit=keys.text("unit", ""),
+        point=keys.text("point", ""),
+        sensor=keys.text("sensor", ""),
+        calibration=keys.text("calibration", ""),
+        scale=keys.number("scale", 1.0),
+        offset=keys.number("offset", 0.0),
+    )
+
+
+class _Keys:
+    """A table of the file; asking for a value checks it."""
+
+    def __init__(self, values: Mapping[str, Any], file: Path, heading: str = "") -> None:
+        self.values = values
+        self.place = f"{file}: {heading}"
+
+    def only(self, known: tuple[str, ...]) -> None:
+        for key in self.values:
+            if key not in known:
+                raise ExchangeError(f"{self.place}unknown key '{key}'; known: {', '.join(known)}")
+
+    def text(self, key: str, default: str) -> str:
+        value = self.values.get(key, default)
+        if not isinstance(value, str):
+            raise ExchangeError(f'{self.place}{key} must be a text in quotes: {key} = "{value}"')
+        return value
+
+    def column(self, key: str) -> str | int:
+        value = self.values.get(key, "")
+        if isinstance(value, bool) or not isinstance(value, str | int):
+            raise ExchangeError(f"{self.place}{key} must be a name in quotes, or a number")
+        return value
+
+    def row(self, key: str, default: int) -> int:
+        value = self.values.get(key, default)
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise ExchangeError(f"{self.place}{key} must be the number of a line, or 0 for none")
+        return value
+
+    def number(self, key: str, default: float) -> float:
+        value = self.values.get(key, default)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ExchangeError(f"{self.place}{key} must be a number")
+        if not abs(value) < math.inf or abs(value) > 1e300:
+            raise ExchangeError(f"{self.place}{key} must be a finite number")
+        return float(value)

@@ -1,0 +1,193 @@
+"""ASAM MDF 4, through asammdf: one group with a time master, the header as an attached text.
+
+Missing samples are NaN, and their invalidation bits are set, for tools that look at those.
+"""
+
+from __future__ import annotations
+
+import gc
+import logging
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.formats.error import ExchangeError, need
+from wheelhop.formats.header import Header, from_text, to_text
+from wheelhop.formats.mapping import Map
+from wheelhop.formats.table import Table, plain_channel
+from wheelhop.logger.recording import Channel, Recording
+
+HEADER = "wheelhop.toml"
+VERSION = "4.10"  # read by every tool of the last ten years
+BEST_COMPRESSION = 1032  # that deflate can reach
+VIRTUAL = (3, 6)  # channel types that are counted, not stored
+INVALIDATION_BIT = 2  # flag of a channel that has one
+MASTERS = (2, 3)  # channel types of a master and a virtual master: time itself
+
+
+def load(path: Path, mapping: Map | None) -> list[Table]:
+    """Read the channels of numbers of every group; groups with the same time stamps are one."""
+    asammdf = _library(path)
+    # Given a name, asammdf would open the file for writing, and mend it.
+    with path.open("rb") as stream, _freed_quietly(), asammdf.MDF(stream) as mdf:
+        header = _header(mdf, path)
+        tables: list[Table] = []
+        for number in range(len(mdf.groups)):
+            _check_layout(mdf.groups[number], path)
+            table = _group(mdf, number, path)
+            if table is not None:
+                _join(tables, table)
+    if header is None:
+        return tables
+    if len(tables) != 1 or [c.name for c in tables[0].channels] != [
+        channel.name for channel in header.bare.channels
+    ]:
+        raise ExchangeError(f"{path}: its {HEADER} does not describe its channels")
+    own = tables[0]
+    return [Table(path, own.kind, header.bare.channels, own.values, own.time_s, header=header)]
+
+
+@contextmanager
+def _freed_quietly() -> Iterator[None]:
+    """A file that asammdf cannot read leaves an object half made, and that complains on stderr when
+    it is freed: free it now, in silence."""
+    try:
+        yield
+    except Exception as error:
+        hook, sys.unraisablehook = sys.unraisablehook, lambda unraisable: None
+        try:
+            traceback.clear_frames(error.__traceback__)
+            gc.collect()
+        finally:
+            sys.unraisablehook = hook
+        raise
+
+
+def _library(path: Path) -> Any:
+    library = need("asammdf", "mdf", path)
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what is wrong is told by us
+    return library
+
+
+def _header(mdf: Any, path: Path) -> Header | None:
+    for number, attachment in enumerate(getattr(mdf, "attachments", ())):
+        if Path(attachment.file_name).name == HEADER:
+            data, *_ = mdf.extract_attachment(number)
+            return from_text(data.decode("utf-8"), path)
+    return None
+
+
+def _check_layout(group: Any, path: Path) -> None:
+    """No more samples than the file can hold, and every channel inside its record: asammdf makes
+    room for all that is promised, and its compiled parts read wherever they are sent."""
+    size = group.channel_group.samples_byte_nr
+    spare = group.channel_group.invalidation_bytes_nr
+    due = group.channel_group.cycles_nr * max(1, size + spare)
+    if due > BEST_COMPRESSION * path.stat().st_size:
+        raise ExchangeError(f"{path}: is damaged: it is too short for the samples it promises")
+    for item in group.channels:
+        ends = 8 * item.byte_offset + item.bit_offset + item.bit_count
+        stored = item.channel_type not in VIRTUAL
+        flagged = item.flags & INVALIDATION_BIT
+        if (stored and ends > 8 * size) or (flagged and item.pos_invalidation_bit >= 8 * spare):
+            raise ExchangeError(f"{path}: is damaged: channel {item.name} lies outside its records")
+
+
+def _group(mdf: Any, number: int, path: Path) -> Table | None:
+    channels: list[Channel] = []
+    columns: list[NDArray[np.float64]] = []
+    time_s = np.empty(0)
+    for index, item in enumerate(mdf.groups[number].channels):
+        if item.channel_type in MASTERS:
+            continue
+        signal = mdf.get(group=number, index=index, ignore_invalidation_bits=True)
+        samples = signal.samples
+        if samples.ndim != 1 or samples.dtype.kind not in "iuf" or not len(samples):
+            continue
+        column = samples.astype(np.float64)
+        if signal.invalidation_bits is not None:
+            column[np.asarray(signal.invalidation_bits, dtype=bool)] = np.nan
+        channels.append(plain_channel(signal.name, signal.unit or None))
+        columns.append(column)
+        time_s = np.asarray(signal.timestamps, dtype=np.float64)
+    if not columns:
+        return None
+    return Table(
+        file=path,
+        kind=f"MDF {mdf.version}",
+        channels=tuple(channels),
+        values=np.column_stack(columns),
+        time_s=time_s,
+        start_unix_s=mdf.header.start_time.timestamp(),
+        group=str(number),
+    )
+
+
+def _join(tables: list[Table], table: Table) -> None:
+    """Add a group to the one with the same time stamps, or to the list."""
+    for k, other in enumerate(tables):
+        if np.array_equal(other.time_s, table.time_s):  # type: ignore[arg-type]
+            tables[k] = Table(
+                file=other.file,
+                kind=other.kind,
+                channels=other.channels + table.channels,
+                values=np.column_stack([other.values, table.values]),
+                time_s=other.time_s,
+                start_unix_s=other.start_unix_s,
+                group=other.group,
+            )
+            return
+    tables.append(table)
+
+
+def save(recording: Recording, path: Path) -> None:
+    """Write MDF 4.10, uncompressed."""
+    asammdf = _library(path)
+    missing = recording.missing
+    bits = missing if missing.any() else None
+    time_s = recording.time_s
+    signals = [
+        asammdf.Signal(
+            samples=np.ascontiguousarray(recording.values[:, k]),
+            timestamps=time_s,
+            name=channel.name,
+            unit=_plain(channel.unit),
+            comment=_comment(channel),
+            invalidation_bits=bits,
+        )
+        for k, channel in enumerate(recording.channels)
+    ]
+    with asammdf.MDF(version=VERSION) as mdf:
+        mdf.append(signals, comment="wheelhop", common_timebase=True)
+        # MDF has no sign for an unknown start; asammdf would write the time of the conversion.
+        mdf.header.start_time = datetime.fromtimestamp(recording.start_unix_s or 0.0, UTC)
+        mdf.header.comment = "\n".join(map(_plain, recording.history))
+        data = to_text(recording).encode("utf-8")
+        mdf.attach(data, file_name=HEADER, mime="text/toml", compression=False)
+        mdf.save(path, overwrite=True)
+
+
+def _comment(channel: Channel) -> str:
+    facts = {
+        "point": channel.point,
+        "sensor": channel.sensor,
+        "calibration": channel.calibration,
+    }
+    return _plain(", ".join(f"{key} {value}" for key, value in facts.items() if value))
+
+
+def _plain(text: str) -> str:
+    """Without what XML, in which MDF keeps its comments, cannot hold."""
+    return "".join(char if char.isprintable() else "?" for char in text)
+
+
+def losses(recording: Recording) -> tuple[str, ...]:
+    """Nothing."""
+    return ()

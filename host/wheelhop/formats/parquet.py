@@ -1,0 +1,72 @@
+"""Parquet: `time_s` and a column per channel, the header in the schema's metadata."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from wheelhop.formats.error import ExchangeError, need
+from wheelhop.formats.header import from_text, to_text
+from wheelhop.formats.mapping import Map
+from wheelhop.formats.table import Table, plain_channel
+from wheelhop.logger.recording import Recording
+
+KEY = b"wheelhop"
+UNIT = b"unit"
+TIME = "time_s"
+
+
+def load(path: Path, mapping: Map | None) -> list[Table]:
+    """Read every column of numbers; units are taken from the fields' metadata."""
+    pyarrow = need("pyarrow", "parquet", path)
+    table = need("pyarrow.parquet", "parquet", path).read_table(path)
+    schema = table.schema
+    text = (schema.metadata or {}).get(KEY)
+    header = from_text(text.decode("utf-8"), path) if text is not None else None
+    clock = str(mapping.time) if mapping is not None and mapping.time else TIME
+    names, columns, numbers, units, time_s = [], [], [], [], None
+    for number, name in enumerate(schema.names, start=1):
+        kind = schema.field(number - 1).type
+        if not (pyarrow.types.is_floating(kind) or pyarrow.types.is_integer(kind)):
+            continue
+        column = table.column(number - 1).to_numpy().astype(np.float64)
+        if name == clock:
+            time_s = column
+            continue
+        unit = (schema.field(number - 1).metadata or {}).get(UNIT)
+        units.append(None if unit is None else unit.decode("utf-8"))
+        names.append(name)
+        columns.append(column)
+        numbers.append(number)
+    channels = tuple(map(plain_channel, names, units))
+    if header is not None:
+        channels = header.bare.channels
+        if [channel.name for channel in channels] != names:
+            raise ExchangeError(f"{path}: its metadata does not describe its columns")
+    if not columns:
+        return []
+    values = np.column_stack(columns)
+    return [Table(path, "Parquet", channels, values, time_s, header=header, numbers=tuple(numbers))]
+
+
+def save(recording: Recording, path: Path) -> None:
+    """Write time and channels as float64."""
+    pyarrow = need("pyarrow", "parquet", path)
+    fields = [pyarrow.field(TIME, pyarrow.float64(), metadata={UNIT: "s"})]
+    fields += [
+        pyarrow.field(channel.name, pyarrow.float64(), metadata={UNIT: channel.unit})
+        for channel in recording.channels
+    ]
+    if TIME in (channel.name for channel in recording.channels):
+        raise ExchangeError(f"{path}: a channel cannot be called {TIME}: rename it")
+    schema = pyarrow.schema(fields, metadata={KEY: to_text(recording)})
+    columns = [recording.time_s, *recording.values.T.copy()]
+    arrays = [pyarrow.array(column, pyarrow.float64()) for column in columns]
+    table = pyarrow.Table.from_arrays(arrays, schema=schema)
+    need("pyarrow.parquet", "parquet", path).write_table(table, path)
+
+
+def losses(recording: Recording) -> tuple[str, ...]:
+    """Nothing."""
+    return ()

@@ -1,0 +1,157 @@
+"""Formats by the suffix of a file, and `read`, `write` and `losses` for all of them.
+
+A format is a module of this room with `load(path, mapping) -> list of Table` and, if it can be
+written, `save(recording, path)` and `losses(recording)`; it is imported when it is first needed.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from wheelhop.files import replacing, write_text
+from wheelhop.formats.error import ExchangeError, guarded
+from wheelhop.formats.header import sidecar, to_text
+from wheelhop.formats.mapping import Map
+from wheelhop.formats.table import Table, choose, to_recording
+from wheelhop.logger.recording import Recording
+
+
+@dataclass(frozen=True)
+class Format:
+    """A way of writing recordings; with `beside`, the header goes into NAME.suffix.toml."""
+
+    title: str
+    module: str
+    writes: bool = False
+    beside: bool = False
+
+    def load_module(self) -> ModuleType:
+        """The module that knows this format."""
+        return import_module(f"wheelhop.formats.{self.module}")
+
+
+CSV = Format("CSV", "own_csv", writes=True, beside=True)
+TEXT = Format("text in columns", "text")
+PARQUET = Format("Parquet", "parquet", writes=True)
+MDF = Format("ASAM MDF", "mdf", writes=True)
+UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True)
+FORMATS = {
+    ".csv": CSV,
+    ".parquet": PARQUET,
+    ".mf4": MDF,
+    ".mdf": Format("ASAM MDF", "mdf"),
+    ".uff": UFF,
+    ".unv": UFF,
+    ".tdms": Format("National Instruments TDMS", "tdms"),
+    ".lvm": Format("LabVIEW measurement", "lvm"),
+    ".hop": Format("the logger's own", "hop"),
+    **dict.fromkeys((".txt", ".tsv", ".dat", ".asc"), TEXT),
+}
+
+
+SHEETS = (".xlsx", ".xls", ".xlsm", ".ods")
+
+
+def load(path: Path, mapping: Map | None = None) -> list[Table]:
+    """What is in a file, a table for each group of channels that were sampled together.
+
+    Raises `ExchangeError`.
+    """
+    known = _format(path)
+    if not path.exists():
+        raise ExchangeError(f"{path}: there is no such file")
+    with guarded(path, f"be read as {known.title}"):
+        tables: list[Table] = known.load_module().load(path, mapping)
+    return tables
+
+
+def read(path: Path, mapping: Map | None = None) -> Recording:
+    """Read a recording, in SI. Raises `ExchangeError`.
+
+    A file that `write` has written comes back as it was. Anything else is imported: units that are
+    known become SI, gaps of the time stamps become rows of NaN, and the history says so. `mapping`
+    says what a file does not tell itself; free-form text needs one.
+    """
+    tables = load(path, mapping)
+    return to_recording(choose(tables, mapping.group if mapping else "", path), mapping)
+
+
+def write(recording: Recording, path: Path) -> None:
+    """Write a recording; what stood there is replaced once all is written. Raises `ExchangeError`.
+
+    Formats without room for all that is known put it into NAME.suffix.toml beside the file.
+    """
+    known = _writer(path)
+    _check(recording, path)
+    if not path.parent.is_dir():
+        raise ExchangeError(f"{path}: cannot be written, there is no folder {path.parent}")
+    with _restored(sidecar(path)), replacing(path, ExchangeError) as draft:
+        with guarded(path, "be written"):
+            known.load_module().save(recording, draft)
+        if known.beside:
+            write_text(sidecar(path), to_text(recording), ExchangeError)
+
+
+@contextmanager
+def _restored(header: Path) -> Iterator[None]:
+    """If the block fails, the header is as it was: it belongs to the samples of before."""
+    before = header.read_bytes() if header.is_file() else None
+    try:
+        yield
+    except BaseException:
+        if before is None:
+            header.unlink(missing_ok=True)
+        elif header.read_bytes() != before:
+            with replacing(header, ExchangeError) as draft:
+                draft.write_bytes(before)
+        raise
+
+
+def losses(recording: Recording, suffix: str) -> tuple[str, ...]:
+    """What a recording loses when it is written as `suffix` and read back; empty: nothing."""
+    lost: tuple[str, ...] = _writer(Path(f"x{suffix}")).load_module().losses(recording)
+    return lost
+
+
+def _format(path: Path) -> Format:
+    suffix = path.suffix.lower()
+    if suffix in FORMATS:
+        return FORMATS[suffix]
+    if suffix in SHEETS:
+        raise ExchangeError(
+            f"{path}: is a spreadsheet: save the sheet as CSV (UTF-8) in the program it comes from,"
+            " and import that; wheelhop import FILE.csv --draft begins a mapping"
+        )
+    raise ExchangeError(f"{path}: '{suffix}' is no format known here: {', '.join(FORMATS)}")
+
+
+def _writer(path: Path) -> Format:
+    known = _format(path)
+    if known.writes:
+        return known
+    able = [suffix for suffix, item in FORMATS.items() if item.writes]
+    raise ExchangeError(f"{path}: {known.title} is read, not written: choose {', '.join(able)}")
+
+
+def _check(recording: Recording, path: Path) -> None:
+    if not recording.values.size:
+        raise ExchangeError(f"{path}: the recording has no samples: there is nothing to write")
+    _check_distinct(path, [channel.name for channel in recording.channels])
+    if not np.isfinite(recording.rate_hz) or recording.rate_hz <= 0:
+        raise ExchangeError(f"{path}: rate_hz = {recording.rate_hz} cannot be written")
+
+
+def _check_distinct(path: Path, names: Sequence[str]) -> None:
+    name, count = Counter(names).most_common(1)[0]
+    blank = any(not name.strip() or not name.isprintable() for name in names)
+    if count > 1 or blank:
+        what = f'{count} channels are called "{name}"' if count > 1 else "a channel has no name"
+        raise ExchangeError(f"{path}: {what}: give each a name of its own")

@@ -1,0 +1,225 @@
+"""`Table`: what a reader found in a file, before it is a recording; and how it becomes one."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.formats.error import ExchangeError
+from wheelhop.formats.grid import Grid, fit_grid
+from wheelhop.formats.header import Header
+from wheelhop.formats.mapping import Map, Pick
+from wheelhop.formats.places import likely_points
+from wheelhop.formats.units import to_si
+from wheelhop.logger.recording import ACCELERATION, Channel, Recording
+
+POINTS = (*(f"A{k}" for k in range(1, 5)), *(f"B{k}" for k in range(1, 5)), "body")
+"""The places of the campaign format that have a name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns (n, c) of one group of channels that were sampled together.
+
+    Their instants are `time_s` (n,), or `start_s` + i / `rate_hz`; with both, the stamps are
+    rounded and the rate is exact. `header` is there if wheelhop wrote the file. `line` is the line
+    of row 0 in a text file, else None: rows are counted from 1. `numbers` says which columns of the
+    file the channels are, if not all of them; `remarks` are what else the history has to say.
+    """
+
+    file: Path
+    kind: str
+    channels: tuple[Channel, ...]
+    values: NDArray[np.float64]
+    time_s: NDArray[np.float64] | None = None
+    rate_hz: float | None = None
+    start_s: float = 0.0
+    start_unix_s: float | None = None
+    notes: Mapping[str, str] = field(default_factory=dict)
+    group: str = ""
+    header: Header | None = None
+    line: int | None = None
+    numbers: tuple[int, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """Under which number, from 1, a mapping finds each channel."""
+        return self.numbers or tuple(range(1, len(self.channels) + 1))
+
+    def where(self, row: int) -> str:
+        """How a user finds a row."""
+        place = f"row {row + 1}" if self.line is None else f"line {self.line + row}"
+        return f"{self.file}: {place}"
+
+
+def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
+    """The table of this group, or the only one there is."""
+    if group:
+        for table in tables:
+            if table.group == group:
+                return table
+    elif len(tables) == 1:
+        return tables[0]
+    if not tables:
+        raise ExchangeError(f"{file}: holds no channels of numbers")
+    names = ", ".join(f'"{table.group}" ({len(table.channels)} channels)' for table in tables)
+    wrong = f'has no group "{group}"' if group else "holds groups that were not sampled together"
+    raise ExchangeError(f"{file}: {wrong}: choose with group = … in a mapping from {names}")
+
+
+def to_recording(table: Table, mapping: Map | None) -> Recording:
+    """Choose and name the channels, convert to SI, and lay the samples on a grid.
+
+    A file that wheelhop has written comes back as it was.
+    """
+    if table.header is not None and mapping is None:
+        return _restored(table, table.header)
+    if not len(table.values):
+        raise ExchangeError(f"{table.file}: holds no samples")
+    picks = mapping.picks if mapping is not None else ()
+    channels, values, steps = _converted(
+        table, picks or tuple(Pick(number) for number in table.columns)
+    )
+    if mapping is None:
+        channels, guesses = _placed(channels)
+        steps += guesses
+    grid = _grid(table, mapping)
+    if table.header is not None:
+        bare = table.header.bare
+    else:
+        nothing = np.empty((0, 0))
+        bare = Recording(nothing, 1.0, (), start_unix_s=table.start_unix_s, notes=table.notes)
+    origin = f"imported from {table.file.name} ({table.kind})"
+    return replace(
+        bare,
+        values=grid.spread(values),
+        rate_hz=grid.rate_hz,
+        channels=channels,
+        start_s=grid.start_s,
+        history=(*bare.history, origin, *table.remarks, *steps, *grid.remarks()),
+    )
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def _converted(
+    table: Table, picks: Sequence[Pick]
+) -> tuple[tuple[Channel, ...], NDArray[np.float64], list[str]]:
+    """The channels that were picked, their samples (n, c) in SI, and what was done to them."""
+    channels, steps, values = [], [], np.empty((len(table.values), len(picks)))
+    for k, pick in enumerate(picks):
+        column = _column(table, pick)
+        old = table.channels[column]
+        unit, factor = to_si(pick.unit or old.unit)
+        values[:, k] = (table.values[:, column] * pick.scale + pick.offset) * factor
+        channels.append(
+            Channel(
+                name=pick.name or old.name,
+                unit=unit,
+                point=pick.point or old.point,
+                sensor=pick.sensor or old.sensor,
+                calibration=pick.calibration or old.calibration,
+            )
+        )
+        steps += _conversion(pick, old, channels[-1], factor)
+    _check_names(table.file, channels)
+    incomplete = np.isnan(values).any(axis=1) & ~np.isnan(values).all(axis=1)
+    if incomplete.any():
+        _check_dead(table.file, channels, values)
+        values[incomplete] = np.nan
+        steps.append(f"rows without a value in every channel: {incomplete.sum()}; left empty")
+    return tuple(channels), values, steps
+
+
+def _placed(channels: tuple[Channel, ...]) -> tuple[tuple[Channel, ...], list[str]]:
+    """The channels with the places that the accelerometers' names mean, and what was guessed."""
+    felt = [c for c in channels if c.unit == ACCELERATION and not c.point]
+    taken = {c.point for c in channels}
+    found = {c.name: p for c, p in zip(felt, likely_points([c.name for c in felt]), strict=True)}
+    guessed = {name: point for name, point in found.items() if point and point not in taken}
+    placed = tuple(replace(c, point=guessed.get(c.name, c.point)) for c in channels)
+    return placed, [f"{name}: taken for {point}, by its name" for name, point in guessed.items()]
+
+
+def plain_channel(name: str, unit: str | None = None) -> Channel:
+    """A channel of which a file tells no more than the name, and perhaps the unit.
+
+    If the name is a place of the campaign format, then it is the place, and without a unit the
+    campaign format's holds.
+    """
+    point = name if name in POINTS else ""
+    return Channel(name, unit if unit is not None else ACCELERATION if point else "", point)
+
+
+def _restored(table: Table, header: Header) -> Recording:
+    if table.time_s is None:
+        return header.with_values(table.values, table.start_s)
+    bare = header.bare
+    if not len(table.time_s):
+        return header.with_values(table.values)
+    grid = fit_grid(table.time_s, table.where, bare.rate_hz, bare.start_s)
+    first = int(grid.index[0])
+    if first == 0 and grid.rows == header.rows == len(table.values):
+        return header.with_values(table.values)
+    # Somebody has cut the file.
+    cut = replace(grid, index=grid.index - first)
+    return header.with_values(cut.spread(table.values), bare.start_s + first / bare.rate_hz).after(
+        f"rows {first + 1} to {grid.rows} of {header.rows} read"
+    )
+
+
+def _column(table: Table, pick: Pick) -> int:
+    if isinstance(pick.column, int):
+        if pick.column in table.columns:
+            return table.columns.index(pick.column)
+        raise ExchangeError(f"{table.file}: there is no column {pick.column} of numbers")
+    names = [channel.name for channel in table.channels]
+    if names.count(pick.column) == 1:
+        return names.index(pick.column)
+    if pick.column in names:
+        raise ExchangeError(
+            f'{table.file}: several columns are called "{pick.column}": give their numbers'
+        )
+    raise ExchangeError(
+        f'{table.file}: there is no column "{pick.column}"; it has {", ".join(names)}'
+    )
+
+
+def _conversion(pick: Pick, old: Channel, new: Channel, factor: float) -> list[str]:
+    terms = []
+    if pick.scale != 1.0 or pick.offset != 0.0:
+        terms.append(f"× {pick.scale:g} + {pick.offset:g} = {pick.unit or old.unit}")
+    if factor != 1.0:
+        terms.append(f"{pick.unit or old.unit} × {factor:g} = {new.unit}")
+    return [f"{new.name}: {', '.join(terms)}"] if terms else []
+
+
+def _check_names(file: Path, channels: Sequence[Channel]) -> None:
+    name, count = Counter(channel.name for channel in channels).most_common(1)[0]
+    if count > 1:
+        raise ExchangeError(
+            f'{file}: {count} channels are called "{name}": name them apart in a mapping'
+        )
+
+
+def _check_dead(file: Path, channels: Sequence[Channel], values: NDArray[np.float64]) -> None:
+    for channel, column in zip(channels, values.T, strict=True):
+        if np.isnan(column).all():
+            raise ExchangeError(
+                f"{file}: {channel.name} has no samples: leave it out with a mapping"
+            )
+
+
+def _grid(table: Table, mapping: Map | None) -> Grid:
+    known = table.header.bare.rate_hz if table.header else table.rate_hz
+    rate = mapping.rate_hz if mapping is not None and mapping.rate_hz else known
+    if table.time_s is not None and len(table.time_s):
+        return fit_grid(table.time_s, table.where, rate)
+    if rate is None:
+        raise ExchangeError(f"{table.file}: has no time: give time or rate_hz in a mapping")
+    return Grid(table.start_s, rate, np.arange(len(table.values)))

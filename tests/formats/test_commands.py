@@ -1,0 +1,139 @@
+"""`wheelhop convert` and `wheelhop import`, from words to files; and libraries that are missing."""
+
+import subprocess
+import sys
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.formats.foreign import GERMAN
+from tests.formats.recordings import assert_same, recording
+from tests.logger.session import session
+from wheelhop.cli import convert, import_
+from wheelhop.files import InputError
+from wheelhop.formats import ExchangeError, read, write
+from wheelhop.logger import read_log
+
+
+def converted(source, target, force=False):
+    return convert.run(Namespace(source=source, target=target, force=force))
+
+
+def imported(*files, out, draft=False, to=".csv", force=False, **rest):
+    mapping = rest.get("mapping")
+    return import_.run(
+        Namespace(files=list(files), map=mapping, out=out, draft=draft, to=to, force=force)
+    )
+
+
+def test_convert_writes_and_says_what_it_wrote_and_lost(tmp_path, capsys):
+    original = recording()
+    values = original.values.copy()
+    values[3, 1] = np.nan
+    source, target = tmp_path / "run.csv", tmp_path / "run.uff"
+    write(replace(original, values=values), source)
+    assert converted(source, target) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert first == (
+        f"{target}: 400 samples at 100 Hz (4 s), 12 samples missing: "
+        "A1 [m/s²], A2 [m/s²], A3 [m/s²]"
+    )
+    assert second == "  lost: rows with a value in some channels only: 1; they become gaps"
+
+
+def test_convert_destroys_nothing_unless_told_to(tmp_path):
+    source, target = tmp_path / "run.csv", tmp_path / "run.mf4"
+    write(recording(), source)
+    target.write_bytes(b"precious")
+    with pytest.raises(ExchangeError, match="exists: choose another name, or --force"):
+        converted(source, target)
+    with pytest.raises(ExchangeError, match="is what is read"):
+        converted(source, source, force=True)
+    assert target.read_bytes() == b"precious"
+    assert converted(source, target, force=True) == 0
+    assert_same(read(target), recording())
+
+
+def test_import_drafts_a_mapping_and_imports_with_it(tmp_path, capsys):
+    file, mapping, out = tmp_path / "fahrt.csv", tmp_path / "map.toml", tmp_path / "runs"
+    file.write_bytes(GERMAN.encode("cp1252"))
+    assert imported(file, out=out, draft=True) == 0
+    mapping.write_text(capsys.readouterr().out, encoding="utf-8")
+    assert imported(file, out=out, mapping=mapping) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith("4 samples at 100 Hz (0.04 s): Achse vl [m/s²], Aufbau [m/s²]")
+    assert lines[1:] == ["  imported from fahrt.csv (text)", "  Achse vl: g × 9.80665 = m/s²"]
+    assert read(out / "fahrt.csv").values[:, 1].tolist() == [-0.25, -0.5, -0.75, -1.0]
+
+
+def test_import_never_writes_over_what_it_reads(tmp_path):
+    file = tmp_path / "run.csv"
+    write(recording(), file)
+    with pytest.raises(ExchangeError, match="is what is read: choose another name"):
+        imported(file, out=tmp_path, force=True)
+    assert_same(read(file), recording())
+
+
+@pytest.mark.parametrize(
+    ("suffix", "module", "extra"),
+    [
+        (".parquet", "pyarrow", "parquet"),
+        (".mf4", "asammdf", "mdf"),
+        (".uff", "pyuff", "uff"),
+        (".tdms", "nptdms", "tdms"),
+    ],
+)
+def test_a_missing_library_gives_the_command_to_type(suffix, module, extra, tmp_path, monkeypatch):
+    file = tmp_path / f"run{suffix}"
+    file.write_bytes(b"something")
+    monkeypatch.setitem(sys.modules, module, None)  # as if it were not installed
+    line = rf"{suffix} needs {module}: pip install 'wheelhop\[{extra}\]'$"
+    with pytest.raises(ExchangeError, match=line):
+        read(file)
+    if suffix != ".tdms":
+        with pytest.raises(ExchangeError, match=line):
+            write(recording(), tmp_path / f"new{suffix}")
+        assert [path.name for path in tmp_path.iterdir()] == [file.name]
+
+
+def test_the_room_loads_no_optional_library():
+    heavy = ("asammdf", "pyuff", "nptdms", "pyarrow", "pandas", "matplotlib", "scipy")
+    code = f"import sys, wheelhop.formats; print([x for x in {heavy!r} if x in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout == "[]\n", done.stderr
+
+
+def test_a_log_of_the_logger_is_read_and_converted(tmp_path):
+    rng = np.random.default_rng(5)
+    file = tmp_path / "HOP00012.HOP"
+    file.write_bytes(session(rng.integers(0, 8184, (300, 8)), lost=range(100, 110)))
+    expected = read_log(file).recording()
+    assert int(expected.missing.sum()) == 10
+    assert_same(read(file), expected)
+    for suffix in (".csv", ".mf4"):
+        converted(file, tmp_path / f"run{suffix}")
+        assert_same(read(tmp_path / f"run{suffix}"), expected)
+    file.write_bytes(b"HOP1" + bytes(508))
+    with pytest.raises(InputError) as caught:
+        read(file)
+    assert str(caught.value).count(file.name) == 1
+
+
+def test_a_damaged_mdf_leaves_no_traceback_on_stderr_and_is_not_touched(tmp_path):
+    file = tmp_path / "run.mf4"
+    write(recording(), file)
+    damaged = file.read_bytes()[:900]
+    file.write_bytes(damaged)
+    code = (
+        "from pathlib import Path; from wheelhop.formats import read, ExchangeError\n"
+        f"try: read(Path({str(file)!r}))\nexcept ExchangeError as error: print(error)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.startswith(f"{file}: cannot be read as ASAM MDF: ")
+    assert done.stdout.count("\n") == 1 and done.stderr == ""
+    assert file.read_bytes() == damaged and [path.name for path in Path(tmp_path).iterdir()] == [
+        file.name
+    ]
