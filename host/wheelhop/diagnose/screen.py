@@ -35,6 +35,9 @@ ABSURD = 1e3
 RAN_AWAY = 1e9
 """A signature of such an acceleration, m/s², is that of a model that is not stable."""
 
+AT_ONCE = 16
+"""So many variants are held in memory together: each takes a table of every run."""
+
 NEAR, FEW = 0.6, 2
 """So many more variants of an effect, that explain this share of what the best does, are kept."""
 
@@ -149,11 +152,13 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
     Effects that do not apply to this campaign are left out.
     """
     chosen = [variant for effect in effects for variant in variants(workshop, base, effect)]
-    tables = tabulated(workshop, base, chosen)
     found: dict[str, list[Screened]] = {}
-    for i, variant in enumerate(chosen):
-        result = solve(base, variant, [table[i] for table in tables])
-        found.setdefault(variant.effect.id, []).append(result)
+    for first in range(0, len(chosen), AT_ONCE):
+        some = chosen[first : first + AT_ONCE]
+        tables = tabulated(workshop, base, some)
+        for i, variant in enumerate(some):
+            result = solve(base, variant, [table[i] for table in tables])
+            found.setdefault(variant.effect.id, []).append(result)
     best = {effect_id: _best_of(results) for effect_id, results in found.items()}
     for effect in effects:
         if effect.has_random_heights and (heights := _screened_heights(workshop, base, effect)):

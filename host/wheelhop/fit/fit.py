@@ -221,7 +221,7 @@ class _Problem:
             old = self.known.get(bench.run.id)
             held = {} if old is None else {f.name: i for i, f in enumerate(old.own)}
             g, free = len(self.shared), (*self.shared, *own)
-            matrix = np.empty((bench.size, len(free)))
+            matrix = np.empty((bench.size, len(free)), np.float32)
             trials, places, new = list[Trial](), list[int](), list[int]()
             for i, one in enumerate(free):
                 if i < g and old is not None and one.name in self.column:

@@ -20,10 +20,16 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class Derivatives:
     """Of one run's model with respect to the shared parameters, the first `shared` columns, and
-    its own: (size, g + r), per `Free.scale`."""
+    its own, per `Free.scale`. They are differences, good to five digits, and stay in memory with
+    every model that was tried: seven digits are kept."""
 
-    matrix: Array
+    kept: NDArray[np.floating]
     shared: int
+
+    @property
+    def matrix(self) -> Array:
+        """They (size, g + r)."""
+        return self.kept.astype(np.float64)
 
 
 @dataclass(frozen=True, eq=False)

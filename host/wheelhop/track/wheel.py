@@ -131,6 +131,6 @@ class _AveragedTrack(Track):
         return np.broadcast_to(height, np.broadcast_shapes(x.shape, y.shape))
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=256)
 def _envelope(track: Track, y_m: float, radius_m: float, low_m: float, high_m: float) -> Envelope:
     return wheel_envelope(track, y_m, radius_m, low_m, high_m)
