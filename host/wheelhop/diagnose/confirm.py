@@ -7,7 +7,7 @@ from math import inf, isfinite
 
 import numpy as np
 
-from wheelhop.diagnose.judge import all_noise, nearly_all
+from wheelhop.diagnose.judge import all_noise
 from wheelhop.diagnose.placement import begun, placed_anew
 from wheelhop.diagnose.rung import Rung
 from wheelhop.diagnose.screen import Screened, with_variant
@@ -27,11 +27,10 @@ def confirm(
     and so does one that leaves more than noise while another form is as likely: to first order a
     strong effect shows little difference between its forms. The best one counts. A switch changes
     everything at once: where it makes things worse, the derivatives have changed, and only a full
-    fit does it justice. It gets none where one of the models `beside` it explains nearly all. What
-    has no hope to come as far as one of these ends early.
+    fit does it justice. What has no hope to come as far as one of the models `beside` it ends
+    early.
     """
     benches = workshop.of_role("fit")
-    settled = any(nearly_all(base, rung, workshop.noise) for rung in beside)
     bar = _bar(beside, screened.variant.effect.has_random_heights)
     best: Fit | None = None
     believed = False
@@ -55,7 +54,7 @@ def confirm(
     assert best is not None
     rough = validate(workshop, best, base.update)
     worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
-    if worse and not settled:
+    if worse:
         return min(rough, refit(workshop, rough, base), key=lambda rung: rung.fit.cost)
     return rough
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm import confirm, refit, without
-from wheelhop.diagnose.judge import best_first, lead
+from wheelhop.diagnose.judge import best_first, lead, nearly_all
 from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.promising import worth_simulating
 from wheelhop.diagnose.rung import Rung
@@ -72,7 +72,10 @@ def exchange(
             progress(f"could another effect stand for {accepted.id}?")
             base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
             found = screen(workshop, base.fit, absent)
-            screened = worth_simulating(workshop, base, found, at_least=RIVALS, reach=1.0)
+            settled = nearly_all(base, rung, workshop.noise)
+            screened = worth_simulating(
+                workshop, base, found, at_least=RIVALS, reach=1.0, settled=settled
+            )
             rivals = [confirm(workshop, base, item, beside=[rung]) for item in screened]
         as_free = Incumbent(workshop, base).against(rung)
         if not rivals:

@@ -196,10 +196,10 @@ def _confirm_best(
         return at_noise(found, workshop.noise) or nearly_all(rung, found, workshop.noise)
 
     chosen = worth_simulating(workshop, rung, screened)
-    near = worth_simulating(workshop, rung, screened, at_least=1)
+    rivals = worth_simulating(workshop, rung, screened, at_least=1, settled=True)
     found: list[Candidate] = []
     for i, item in enumerate(chosen):
-        if item not in near and any(c.holds and enough(c.rung) for c in found):
+        if item not in rivals and any(c.holds and enough(c.rung) for c in found):
             continue
         progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
         confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])

@@ -29,14 +29,19 @@ def worth_simulating(
     *,
     at_least: int = CONFIRMED,
     reach: float = REACH,
+    settled: bool = False,
 ) -> list[Screened]:
     """The most promising effects, the best first.
 
-    Effects that even by screening could take nothing material out of the residual are left alone.
+    Effects that even by screening could take nothing material out of the residual are left alone:
+    where it is `settled` that a model explains nearly all, they are no rivals of that one. Else
+    first order may mislead, and what it cannot judge is simulated all the same.
     """
     promising = [s for s in screened if s.score > 0 and s.gain > least_gain(workshop, rung)]
     enough = reach * promising[0].gain if promising else 0.0
     chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= enough]
+    if settled:
+        return chosen
     surprising = unforeseen(rung, workshop.noise)
     explained = all_noise(rung.fit, workshop.noise)
     if surprising or (not explained and noticeable(rung, workshop.noise)):
