@@ -152,8 +152,7 @@ class _Run:
         seconds = self._options.seconds
         if seconds is None:
             return False
-        past = sum(one.written + one.lost for one in self._stream.recorded)
-        return past + self._stream.due >= seconds * self._live.rate_hz
+        return self._stream.span >= seconds * self._live.rate_hz
 
     def _ended_there(self) -> bool:
         """Whether the session was ended at the logger. One whose file is full goes on in the next,
