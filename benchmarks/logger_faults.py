@@ -3,7 +3,8 @@
     python -m benchmarks.logger_faults --seeds 500
 
 A trial is a session at 100, 200 or 400 Hz, with or without streaming, on a card of either
-addressing, and a fault of one cause at random moments. Afterwards the file is decoded as
+addressing and behind one boot loader or another, and a fault of one cause at random moments.
+Afterwards it must still be recording, unless the power was off. The file is decoded as
 firmware/SPEC.md says, and every scan compared by its number with what the converter's inputs were;
 every block that the logger has acknowledged must be there. Exit code 1 if anything is wrong.
 """
@@ -20,6 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tests.firmware.promises.boot_loaders import LOADERS
 from tests.firmware.promises.logger import Logger, configure
 from tests.firmware.promises.reader import Log, acknowledgement, read_log
 from wheelhop.hil_sim import BadReply, CardImage, Event, Faults, PowerCut, Trace, from_array
@@ -27,6 +29,7 @@ from wheelhop.hil_sim import BadReply, CardImage, Event, Faults, PowerCut, Trace
 ROOT = Path(__file__).parents[1]
 ELF = ROOT / "build/firmware/nano/firmware.elf"
 TABLE_HZ, TABLE_S = 400.0, 30.0
+WATCHDOG_S = 2.2  # it bites after 2 s
 PAUSE_CYCLES = 10_000  # between conversions: two runs of the converter
 REPLIES = (0xFF, 0x00, 0x01, 0x04, 0x08, 0x40, 0x7F)
 COMMANDS = (0, 8, 9, 10, 13, 16, 24, 41, 55, 58, 59)
@@ -126,15 +129,24 @@ def cut(rng: Rng, one: Logger) -> Faults:
 
 
 def reset(rng: Rng, one: Logger) -> Faults:
-    """The controller starts anew, the card does not."""
+    """The controller starts anew, the card does not; it may be away meanwhile, or busy."""
     one.run(float(rng.uniform(0.0, 2.0)))
     kind = rng.integers(3)
+    away = one.board.time + rng.uniform(0.0, 0.6) + (kind == 2) * WATCHDOG_S
+    write = one.board.counters().card_writes
+    faults = (
+        Faults(),
+        Faults(bounces=[(float(away), float(away + rng.uniform(0.0, 2.0)))]),
+        Faults(stalls={write: float(rng.uniform(0.5, 1.9))}),
+    )[rng.integers(3)]
+    one.board.faults = faults
+    one.run(float(rng.uniform(0.0, 0.6)))
     if kind == 2:
-        one.board.serial.write(b"reset\n")  # the watchdog
-        one.run(2.5)
+        one.board.serial.write(b"reset\n")
+        one.run(WATCHDOG_S)
     else:
         one.board.reset("external" if kind else "brown-out")
-    return Faults()
+    return faults
 
 
 CAUSES: dict[str, Callable[[Rng, Logger], Faults]] = {
@@ -219,7 +231,8 @@ def trial(seed: int, folder: Path, elf: Path = ELF) -> Outcome:
     card = CardImage.fat16(path) if rng.random() < 0.3 else CardImage.fat32(path)
     configure(card, f"size_mb = 1\nrate = {rate}\nstream = {stream}\n")
     signals = from_array(inputs(rng), TABLE_HZ, repeat=True)
-    with Logger(elf, card, signals=signals, trace=True) as one:
+    loader = (None, *LOADERS.values())[rng.integers(1 + len(LOADERS))]
+    with Logger(elf, card, signals=signals, trace=True, boot_loader=loader) as one:
         one.boot()
         if not one.command("start").ok:
             outcome.wrong.append("does not start")
@@ -229,9 +242,13 @@ def trial(seed: int, folder: Path, elf: Path = ELF) -> Outcome:
         one.board.faults = faults
         one.run(3.0)
         one.board.faults = Faults()
-        if one.board.state != "running":
+        was_off = one.board.state != "running"
+        if was_off:
             one.board.power_on()
         one.run(2.5)
+        goes_on = one.command("status", 30.0).values["state"] == "recording"
+        if goes_on == was_off:
+            outcome.wrong.append("goes on by itself" if goes_on else "does not go on")
         one.command("stop", 30.0)
         if not one.command("start", 30.0).ok:  # closes what is open
             outcome.wrong.append("does not start again")

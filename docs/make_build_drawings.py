@@ -21,7 +21,8 @@ BY_HAND = (
     ("Supply", "5V pin 4.7 V or more while recording; AREF 3.2 to 3.4 V"),
     ("Sensors' supply", "at each plug 30 to 40 mV below AREF"),
     ("Isolation", "more than 1 MΩ from the logger's ground to the chassis"),
-    ("Card", "in, taped over; LED: one short flash every 2 s; box shut"),
+    ("Card", "in, taped over; LED: one short flash every 2 s"),
+    ("Reset", "pressed while recording: the LED is on again within ten seconds; box shut"),
 )
 THE_SESSION = (
     "Vehicle on its wheels, engine off. Press the button: the LED is on.",

@@ -63,17 +63,19 @@ void setup() {
     board::begin();
     session.begin();
     console.say('M', FLASH("ready"));
-    session.meet();
-    const bool resumes = session.interrupted();
-    if (resumes || session.settings.start_at_power) {
-        console.start(resumes);
-    } else {
-        console.sample_for_stream();
-    }
 }
 
 void loop() {
     board::feed_watchdog();
+    if (session.wants_to_begin()) {
+        session.meet();
+        const bool resumes = session.interrupted();
+        if (resumes || session.settings.start_at_power) {
+            console.start(resumes);
+        } else {
+            console.sample_for_stream();
+        }
+    }
     pump();
     console.poll();
     if (session.full() && !console.stop(End::Full) && session.settings.resume) console.start(true);

@@ -14,7 +14,7 @@ static const struct {
     {"atmega328p", {'B', 2}, {'D', 2}, {'B', 1}},  // Nano: D10, D2, D9
     {"atmega2560", {'B', 0}, {'E', 4}, {'H', 6}},  // Mega: D53, D2, D9
 };
-enum { RAM_NOISE_SEED = 0x1f35, INTERRUPT_ENTRY_CYCLES = 4 };
+enum { REGISTERS = 32, RAM_NOISE_SEED = 0x1f35, INTERRUPT_ENTRY_CYCLES = 4 };
 
 // simavr hands its callbacks no context where it calls `sleep` and `reset`.
 static Board* the_board;
@@ -114,6 +114,13 @@ void board_schedule(Board* board, uint32_t cycles, avr_cycle_timer_t callback) {
     if (avr->run_cycle_count > cycles) avr->run_cycle_count = cycles;
 }
 
+void board_set_boot_loader(Board* board, uint8_t* code, uint32_t size) {
+    avr_t* avr = board->avr;
+    const uint32_t start = avr->flashend + 1 - size;
+    avr_loadcode(avr, code, size, start);
+    avr->reset_pc = start;
+}
+
 // Bring the parts of this program behind the MCU's reset.
 static void follow_reset(Board* board) {
     board->was_reset = false;
@@ -140,7 +147,7 @@ void board_reset(Board* board, ResetCause cause) {
     follow_reset(board);
 }
 
-// The noise found in the RAM at power-up: one byte for each address.
+// The noise found in registers and RAM at power-up: one byte for each address.
 static uint8_t ram_noise(uint16_t address) {
     uint32_t mixed = (address ^ RAM_NOISE_SEED) * 2654435761u;
     return (uint8_t)(mixed >> 24);
@@ -148,8 +155,9 @@ static uint8_t ram_noise(uint16_t address) {
 
 void board_power_on(Board* board) {
     avr_t* avr = board->avr;
-    for (uint32_t address = avr->ioend + 1u; address <= avr->ramend; address++)
-        avr->data[address] = ram_noise((uint16_t)address);
+    for (uint32_t address = 0; address <= avr->ramend; address++)
+        if (address < REGISTERS || address > avr->ioend)
+            avr->data[address] = ram_noise((uint16_t)address);
     board->powered = true;
     board_reset(board, RESET_POWER_ON);
     board->idle_cycles = 0;

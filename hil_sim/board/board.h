@@ -55,6 +55,9 @@ typedef enum { RESET_POWER_ON, RESET_EXTERNAL, RESET_BROWN_OUT } ResetCause;
 // False, with a line on stderr, if there is no such file or MCU.
 bool board_open(Board* board, const char* mcu, const char* elf);
 
+// What the boot section, the end of the flash, holds: every reset starts there from now on.
+void board_set_boot_loader(Board* board, uint8_t* code, uint32_t size);
+
 // Board time in CPU cycles since board_open. It goes on over resets and while the power is off.
 uint64_t board_now(const Board* board);
 
@@ -63,7 +66,7 @@ uint64_t board_now(const Board* board);
 // or address).
 const char* board_run(Board* board, uint64_t end);
 
-// Power-on fills the RAM with noise (the same at every start) and resets the card.
+// Power-on fills registers and RAM with noise (the same at every start) and resets the card.
 void board_power_on(Board* board);
 void board_power_off(Board* board);
 void board_reset(Board* board, ResetCause cause);

@@ -58,6 +58,11 @@ static void reset(const Request* request) {
     ok();
 }
 
+static void set_boot_loader(const Request* request) {
+    board_set_boot_loader(&board, request->payload, (uint32_t)request->payload_length);
+    ok();
+}
+
 static void hold(const Request* request) {
     board_hold(&board, number(request, 1));
     ok();
@@ -259,6 +264,7 @@ static const struct {
     {"run", run},
     {"power", power},
     {"reset", reset},
+    {"boot-loader", set_boot_loader},
     {"hold", hold},
     {"press", press},
     {"send", send_serial},

@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+from tests.firmware.promises.boot_loaders import LOADERS
 from wheelhop.hil_sim import Board, CardImage, Event, SimulationError, sines
 from wheelhop.hil_sim.program import read_elf
 from wheelhop.hil_sim.terminal import Terminal
@@ -46,6 +47,16 @@ def test_every_reset_leaves_its_cause(probe):
     assert one.expect(b"w", 2) == b"w!"
     assert one.expect(b"m", 1) == bytes([WATCHDOG])
     assert one.board.counters().resets == 1
+
+
+def test_a_boot_loader_runs_before_the_program_at_every_reset(probe):
+    one = probe(boot_loader=LOADERS["Optiboot 4.4"])
+    assert one.expect(b"m", 1) == b"\0"
+    one.board.reset()
+    one.expect(b"", 1)
+    assert one.expect(b"m", 1) == b"\0"
+    assert one.expect(b"w", 2) == b"w!"
+    assert one.expect(b"m", 1) == b"\0"
 
 
 def test_board_time_goes_on_over_resets_and_without_power(probe):

@@ -31,6 +31,15 @@ def test_a_healthy_log():
     assert max(map(len, text.splitlines())) < 100
 
 
+@pytest.mark.parametrize(
+    ("continues", "told"),
+    [("000B1234", "with HOP00011.HOP, after a reset or a full file"), ("?", None), ("", None)],
+)
+def test_a_file_that_goes_on_with_another_says_so(continues, told):
+    text = describe(read_log(session(SUMS, continues=continues)))
+    assert line(text, "goes on") == told if told else "goes on" not in text
+
+
 def test_lost_and_damaged_scans_are_told_apart():
     blocks = blocks_of(session(SUMS, lost=[100, 101, 400]))
     blocks[9][77] ^= 2

@@ -10,7 +10,7 @@ from tests.firmware.promises import reader
 from tests.logger.session import SESSION, blocks_of, random_sums, session
 from wheelhop.cli import recover as command
 from wheelhop.logger import LoggerError, card, describe, read_log, recover, recovery
-from wheelhop.logger.block import pack_block
+from wheelhop.logger.block import pack_block, pack_scans
 
 SUMS = random_sums(500)
 OTHER = random_sums(200, 3, seed=2)
@@ -128,6 +128,24 @@ def test_a_block_that_contradicts_the_others_is_left_out(tmp_path):
     (one,) = saved(tmp_path, false + session(SUMS))
     assert one.contradictions == 1
     assert scans(one.path) == original(SUMS)
+
+
+@pytest.mark.parametrize("first", [2**32 - 100, 2**32 - 37])
+@pytest.mark.parametrize("gone", [2, 6])
+def test_scan_numbers_may_pass_two_to_the_thirty_two(tmp_path, first, gone):
+    blocks = blocks_of(session(SUMS[:37], close=False))
+    for k in range(8):
+        place = {"first_scan": (first + 37 * k) % 2**32, "lost": first - 37}
+        rows = pack_scans(SUMS[37 * k : 37 * k + 37])
+        blocks.append(pack_block(b"D", SESSION, 2 + k, count=37, payload=rows, **place))
+    blocks[gone] = bytearray(512)
+    (one,) = saved(tmp_path, b"".join(blocks))
+    assert (one.due, one.lost, one.damaged) == (first + 37 * 8, first - 37, 37)
+    log = read_log(one.path)
+    kept = [i for i in range(37 * 8) if i // 37 != gone - 2]
+    pieces = list(log.scans(37))
+    assert np.concatenate([numbers for numbers, _ in pieces]).tolist() == [first + i for i in kept]
+    assert np.array_equal(np.concatenate([rows for _, rows in pieces]), SUMS[kept])
 
 
 def test_nothing_is_ever_overwritten(tmp_path):

@@ -4,6 +4,7 @@
 #include <Arduino.h>
 #include <avr/eeprom.h>
 #include <avr/interrupt.h>
+#include <avr/pgmspace.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
 
@@ -39,13 +40,17 @@ const uint8_t kConverterOn = _BV(ADEN) | 7;  // its clock: F_CPU/128
 #ifdef __AVR_ATmega2560__
 #define USART_UDRE_vect USART0_UDRE_vect
 #define USART_RX_vect USART0_RX_vect
+#define read_flash_byte pgm_read_byte_far
 const uint8_t kBandgap = 0x1E;
 #else
+#define read_flash_byte pgm_read_byte
 const uint8_t kBandgap = 0x0E;
 #endif
 
+// MCUSR as this start has found it. RAM that still holds kAwake has kept its contents through it.
 uint8_t reset_flags __attribute__((section(".noinit")));
-uint8_t handed_on __attribute__((section(".noinit")));
+uint16_t awake __attribute__((section(".noinit")));
+const uint16_t kAwake = 0x5AC3;
 
 uint16_t convert() {
     ADCSRA |= _BV(ADSC);
@@ -54,12 +59,21 @@ uint16_t convert() {
     return ADC;
 }
 
-// Before anything else: what has reset us, and no watchdog while variables are set up. A boot
-// loader may have cleared the flags; Optiboot hands them on in r2.
+// Before anything else: what has reset us, and no watchdog while variables are set up.
+//
+// Boot loaders clear the flags. Optiboot hands them on in r2 from its version 5 on, which the last
+// byte of the flash tells; those that Arduino ships do not. Then the RAM tells at least whether the
+// power was off.
 extern "C" void save_reset_flags() __attribute__((naked, used, section(".init3")));
 void save_reset_flags() {
-    asm volatile("sts %0, r2" : : "i"(&handed_on));
-    reset_flags = MCUSR;
+    uint8_t handed_on;
+    asm volatile("mov %0, r2" : "=r"(handed_on));
+    const uint8_t version = read_flash_byte(FLASHEND);
+    uint8_t flags = MCUSR;
+    if (!flags && version >= 5 && version != 0xFF) flags = handed_on;
+    if (!flags && awake != kAwake) flags = _BV(PORF);
+    reset_flags = flags;
+    awake = kAwake;
     MCUSR = 0;
     wdt_disable();
 }
@@ -71,8 +85,6 @@ void set_round(uint16_t clocks) {
     OCR1A = OCR1B = top;
     if (TCNT1 > top) TCNT1 = top - 1;  // late: or else the timer would go round by its 16 bits
 }
-
-uint8_t causes() { return reset_flags ? reset_flags : handed_on; }
 
 }  // namespace
 
@@ -107,13 +119,10 @@ uint16_t dice() {
 
 void feed_watchdog() { wdt_reset(); }
 
-bool was_reset() {
-    const uint8_t flags = causes();
-    return flags & (_BV(WDRF) | _BV(BORF) | _BV(EXTRF)) && !(flags & _BV(PORF));
-}
+bool was_reset() { return !(reset_flags & _BV(PORF)); }
 
 const FlashChar* reset_cause() {
-    const uint8_t flags = causes();
+    const uint8_t flags = reset_flags;
     if (flags & _BV(WDRF)) return FLASH("watchdog");
     if (flags & _BV(PORF)) return FLASH("power");
     if (flags & _BV(BORF)) return FLASH("brown-out");

@@ -12,7 +12,7 @@ uint32_t milliseconds();
 uint16_t dice();  // two bytes that differ from start to start
 void feed_watchdog();
 const FlashChar* reset_cause();
-bool was_reset();  // while the power was on: by watchdog, brown-out or pin
+bool was_reset();  // while the power was on, whatever the cause
 
 // SD card
 void card_select(bool selected);

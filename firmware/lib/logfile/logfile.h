@@ -55,7 +55,7 @@ uint32_t recover(Work& work, Block& block, uint16_t number, Describe describe);
 // Hand every line of HOP.CFG to `take`, and `context` with it; nothing happens if there is no such
 // file.
 using TakeLine = void (*)(void* context, uint16_t line_number, Line::State state, char* text);
-void read_config(Work& work, TakeLine take, void* context);
+void read_config(Work& work, TakeLine take, void* context) __attribute__((noinline));
 
 // For a host: name and size of one log file after another, `HOP00012.HOP 4736512`. `text` stays
 // empty when there is no other.

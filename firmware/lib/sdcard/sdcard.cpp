@@ -239,7 +239,7 @@ void SdCard::check_write() {
     const uint16_t answer = status();
     if (answer == kNoStatus) return fall();
     written_ = accepted_ && answer == 0;
-    if (answer & kStatusProtected) protected_ = true;
+    protected_ = answer & kStatusProtected;
     state_ = Ready;
 }
 

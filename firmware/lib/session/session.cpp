@@ -53,6 +53,8 @@ Session::Session(Sampler& sampler, ConfigProblem config_problem)
       config_problem_(config_problem),
       ring_(first.block, second.block, more),
       running_(false),
+      asked_(false),
+      stopped_(false),
       known_card_(false),
       in_flight_(false),
       sealed_(false) {}
@@ -62,28 +64,34 @@ void Session::begin() {
     supply_mv = supply_from(board::reference_code());
 }
 
+bool Session::wants_to_begin() {
+    if (!asked_) return asked_ = true;
+    if (running_ || stopped_ || trouble_ != kNoCard) return false;
+    card.poll();
+    if (card.state() == SdCard::Ready) return true;
+    wake_card();
+    return false;
+}
+
 Trouble Session::meet() {
     trouble_ = logfile::mount(second.volume);
-    if (trouble_) {
-        if (trouble_ == kNoCard) known_card_ = false;
-        return trouble_;
-    }
-    if (!known_card_ || card.id() != card_id_) {
+    if (!trouble_ && (!known_card_ || card.id() != card_id_)) {
         known_card_ = true;
         card_id_ = card.id();
-        continues = logfile::recover(first.work, first.block, identity::session_number(),
-                                     report::put_recovered);
+        const uint32_t closed = logfile::recover(first.work, first.block,
+                                                 identity::session_number(), report::put_recovered);
+        if (closed && board::was_reset()) continues = closed;
         config_errors = 0;
         logfile::read_config(first.work, take_config_line, this);
+        if (!card.present()) trouble_ = kNoCard;  // then nothing of this is sure
     }
-    return kNoTrouble;
+    if (trouble_ == kNoCard) known_card_ = false;
+    return trouble_;
 }
 
 logfile::Work& Session::work() { return first.work; }
 
-bool Session::interrupted() const {
-    return !running_ && settings.resume && continues && board::was_reset();
-}
+bool Session::interrupted() const { return settings.resume && continues; }
 
 Trouble Session::start(bool resumes) {
     if (meet()) return trouble_;
@@ -119,7 +127,8 @@ Trouble Session::begin_file(uint16_t number) {
 Trouble Session::stop(End end) {
     const bool flushed = flush();
     running_ = false;
-    continues = end == End::Full ? id_ : 0;
+    stopped_ = end != End::Full;
+    continues = stopped_ ? 0 : id_;
     store_clock();
     end_ = end;
     supply_mv = supply_from(board::reference_code());

@@ -37,7 +37,12 @@ class Session {
 
     void begin();
 
-    // Mount the card. A card not met before: close what a reset left open, read HOP.CFG.
+    // Whether to meet the card, and to begin if that is due: once after a start, and again whenever
+    // a card comes that was not there, until somebody has ended a session. Never waits.
+    bool wants_to_begin();
+
+    // Mount the card. A card not met before: close what a reset left open, read HOP.CFG; again
+    // at the next meeting if the card was gone at the end of it.
     Trouble meet();
 
     // Without a session: memory for reading the card's files, until the next meet() or start().
@@ -47,7 +52,7 @@ class Session {
     Trouble start(bool resumes = false);
     Trouble stop(End end);  // after sampling was stopped and its last scan taken
     bool running() const { return running_; }
-    // A reset has ended a session that shall go on.
+    // A reset, or the end of its file, has ended a session that shall go on.
     bool interrupted() const;
     bool full() const { return running_ && tally.blocks + Ring::kBlocks + 3 > place_.blocks; }
 
@@ -108,6 +113,8 @@ class Session {
     Trouble trouble_ = kNoTrouble;
     End end_ = End::Command;
     bool running_ : 1;
+    bool asked_ : 1;    // whether to begin
+    bool stopped_ : 1;  // the last session, by the user
     bool known_card_ : 1;
     bool in_flight_ : 1;  // the card is busy with a block of ours
     bool sealed_ : 1;     // the waiting block has its CRC

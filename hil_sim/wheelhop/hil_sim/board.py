@@ -80,7 +80,8 @@ class Board:
 
     `card` is what lies in the socket: an image, its path (an SDHC card), or nothing. `signals` are
     the sensors, at mid-scale if not given. `trace` and `journal` record events and card writes.
-    `eeprom` is the MCU's, erased if not given; it survives resets and power cuts.
+    `eeprom` is the MCU's, erased if not given; it survives resets and power cuts. `boot_loader` is
+    the boot section, the last bytes of the flash, where every reset starts; none if not given.
     `reference_volts` are at AREF. Assigning to it, to `signals` or `faults` changes them while the
     board runs.
 
@@ -98,6 +99,7 @@ class Board:
         journal: bool = False,
         reference_volts: float = 3.3,
         eeprom: bytes | None = None,
+        boot_loader: bytes | None = None,
         powered: bool = True,
     ):
         self._program = read_elf(Path(elf))
@@ -113,6 +115,8 @@ class Board:
             self.insert(card)
             if eeprom is not None:
                 self._process.ask("set-eeprom", eeprom)
+            if boot_loader is not None:
+                self._process.ask("boot-loader", boot_loader)
             if powered:
                 self.power_on()
         except BaseException:

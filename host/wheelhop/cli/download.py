@@ -14,7 +14,6 @@ from wheelhop.logger import read_log
 from wheelhop.logger.download import Downloaded, Downloader
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.link import connect
-from wheelhop.logger.record import log_name
 
 DAMAGED = 1
 
@@ -60,9 +59,8 @@ def choose(names: list[str], every: bool, sizes: dict[str, int], port: str) -> l
 def goes_on(path: Path) -> str:
     """The card's name of the file that this one goes on with; empty: it stands alone."""
     try:
-        before = read_log(path).header.get("continues", "")
-        return log_name(int(before, 16)) if before else ""
-    except (LoggerError, ValueError):
+        return read_log(path).goes_on_with
+    except LoggerError:
         return ""  # damaged: `wheelhop info` says where
 
 

@@ -9,7 +9,8 @@ from wheelhop.calibration import examine
 from wheelhop.cli.record_view import View
 from wheelhop.logger import LoggerError, read_log
 from wheelhop.logger.live import Live
-from wheelhop.logger.record import RecordOptions, RecordResult, log_name, record
+from wheelhop.logger.log import log_name
+from wheelhop.logger.record import RecordOptions, RecordResult, record
 
 INCOMPLETE = 1
 

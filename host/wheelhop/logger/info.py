@@ -102,6 +102,8 @@ def _facts(log: Log) -> Iterator[tuple[str, str]]:
     yield "name", head.get("name", "")
     yield "calibration", head.get("calibration", "")
     yield "header", f"taken from {head['header_from']}" if "header_from" in head else ""
+    before = log.goes_on_with
+    yield "goes on", f"with {before}, after a reset or a full file" if before else ""
     yield "start", _date(log.start_unix_s)
     settings = find_settings(head)
     if settings is None:

@@ -29,6 +29,11 @@ POINTS = frozenset(f"{end}{corner}" for end in "AB" for corner in range(1, 5))
 MOST_INVENTED_BYTES = 1 << 30  # of rows without a sample, beyond which a gap is not believed
 
 
+def log_name(session: int) -> str:
+    """The name of a session's file on the card."""
+    return f"HOP{session >> 16:05d}.HOP"
+
+
 class Gap(NamedTuple):
     """Scans in no good block: `scans` from number `first` on, noticed at byte `offset`."""
 
@@ -121,6 +126,16 @@ class Log:
         if told > 0 and (low is None or told < low.mv):
             return Supply(-1, told)
         return low
+
+    @property
+    def goes_on_with(self) -> str:
+        """The card's name of the file that this one goes on with, after a reset or a full file;
+        empty: it stands alone."""
+        before = self.header.get("continues", "")
+        try:
+            return log_name(int(before, 16)) if before else ""
+        except ValueError:
+            return ""
 
     @property
     def start_unix_s(self) -> float | None:

@@ -26,7 +26,7 @@ from wheelhop.logger.survey import (
     pieces,
     read_bytes,
     survey,
-    unrolled,
+    unroll,
 )
 
 SETTINGS_KEYS = ("device", "calibration", "rate_hz", "conversions", "channels")
@@ -57,8 +57,7 @@ def read_log(
     closings = np.flatnonzero(facts["kind"] == SUMMARY[0])
     if len(closings):
         facts = facts[: closings[0] + 1]
-    for count in ("first_scan", "lost"):
-        facts[count] = unrolled(facts[count])
+    unroll(facts)
     last = facts[-1:] if len(facts) else np.zeros(1, facts.dtype)
     end = int(last["block"][0]) + 1
     data = facts[facts["kind"] == DATA[0]]

@@ -12,6 +12,7 @@ from wheelhop.logger.error import LoggerError
 from wheelhop.logger.interrupt import interrupt_as_wish
 from wheelhop.logger.link import Refused, Silent, connect, reconnect
 from wheelhop.logger.live import Live
+from wheelhop.logger.log import log_name
 from wheelhop.logger.port import BAUD, PortLost
 from wheelhop.logger.record_file import NO_ANSWER, Recorded, StreamRecorder
 
@@ -39,11 +40,6 @@ class RecordResult:
 
     files: list[Recorded] = field(default_factory=list)
     clock: ClockError | None = None
-
-
-def log_name(session: int) -> str:
-    """The name of a session's file on the card."""
-    return f"HOP{session >> 16:05d}{SUFFIX}"
 
 
 def free_path(out: Path, session: int) -> Path:
@@ -152,8 +148,7 @@ class _Run:
         seconds = self._options.seconds
         if seconds is None:
             return False
-        past = sum(one.written + one.lost for one in self._stream.recorded)
-        return past + self._stream.due >= seconds * self._live.rate_hz
+        return self._stream.span >= seconds * self._live.rate_hz
 
     def _ended_there(self) -> bool:
         """Whether the session was ended at the logger. One whose file is full goes on in the next,

@@ -119,7 +119,7 @@ class LogWriter:
             self._blocks,
             first_scan=due,
             lost=lost,
-            late=self._late,
+            late=number_or(str(summary.get("late")), self._late),
             payload=fitting_text(text),
         )
         self._put(block)
@@ -220,6 +220,7 @@ class StreamRecorder:
         self.live = live
         self.recorded: list[Recorded] = []
         self.sessionless = True  # whether a stream without a session is worth a file
+        self.span = 0  # scans that were due while we listened
         self._reset()
 
     def _reset(self) -> None:
@@ -259,7 +260,10 @@ class StreamRecorder:
         quiet = time.monotonic() - self._told_s > LINES_S
         told = quiet or all(key in self._header for key in HEADER_KEYS)
         if self._backlog and not self._writer and told:
-            self._open()
+            try:
+                self._open()
+            except NO_ANSWER as error:  # the scans wait until the logger says what they are
+                self.live.say(str(error))
         if self._writer:
             self._writer.tick()
             self.live.written, self.live.lost = self._writer.written, self._writer.lost
@@ -347,6 +351,8 @@ class StreamRecorder:
 
     def _accept(self, scan: StreamedScan, at_s: float) -> None:
         self._suspect = None
+        begun = self._writer or self._backlog
+        self.span += scan.number + 1 - (self._next if begun else scan.number)
         self.live.add(at_s, scan.stored, scan.number - self._next if self._writer else 0)
         self._next = scan.number + 1
         if self.clock:

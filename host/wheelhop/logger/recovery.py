@@ -33,7 +33,7 @@ from wheelhop.logger.error import LoggerError
 from wheelhop.logger.log import Log
 from wheelhop.logger.read import borrowed_header, read_log
 from wheelhop.logger.settings import block_capacity, number
-from wheelhop.logger.survey import Progress, agreeing
+from wheelhop.logger.survey import ROUND, Progress, agreeing, unroll
 
 PAYLOAD = slice(PAYLOAD_AT, PAYLOAD_AT + PAYLOAD_BYTES)
 
@@ -135,6 +135,7 @@ def _plan(
     ends = np.flatnonzero(kept["kind"] == SUMMARY[0])
     closed = len(ends) > 0
     kept = kept[: ends[0] + 1] if closed else kept
+    unroll(kept)
     data = kept[kept["kind"] == DATA[0]]
     end = kept[-1] if len(kept) else np.zeros(1, places.dtype)[0]
     due, lost = int(end["first_scan"]) + int(end["count"]), int(end["lost"])
@@ -167,7 +168,8 @@ def _lowest_supply(file: BinaryIO, kept: NDArray[np.void]) -> float:
 
 def _summary(said: dict[str, str], result: Recovered, late: int, sequence: int) -> bytes:
     lost = result.due - result.written
-    counts = {"due": result.due, "written": result.written, "lost": lost, "late": late}
+    due, lost = result.due % ROUND, lost % ROUND
+    counts = {"due": due, "written": result.written, "lost": lost, "late": late}
     damaged = result.damaged + int(number(said, "damaged"))  # by now, and when it was recovered
     if damaged:
         counts["damaged"] = damaged
@@ -178,7 +180,7 @@ def _summary(said: dict[str, str], result: Recovered, late: int, sequence: int) 
         SUMMARY,
         result.session,
         sequence,
-        first_scan=result.due,
+        first_scan=due,
         lost=lost,
         late=late,
         payload=text,
@@ -199,8 +201,8 @@ def _write(plan: _Plan, file: BinaryIO, out: BinaryIO, progress: Progress) -> by
                 DATA,
                 int(place["session"]),
                 sequence,
-                first_scan=first,
-                lost=first - written,
+                first_scan=first % ROUND,
+                lost=(first - written) % ROUND,
                 late=int(place["late"]),
                 count=count,
                 payload=block[PAYLOAD],

@@ -52,9 +52,15 @@ def agreeing(facts: NDArray[np.void], capacity: int) -> NDArray[np.bool_]:
     return sane
 
 
-def unrolled(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return counts of scans (n,), given modulo 2³² in file order, without the jumps back."""
-    return numbers + ROUND * np.cumsum(np.diff(numbers, prepend=numbers[:1]) < 0)
+def unroll(facts: NDArray[np.void]) -> None:
+    """Turn counts modulo 2³² of (n,) agreeing blocks, in file order, into counts that only grow.
+
+    `lost` grows, so where it falls a round is over. No file holds a round of scans, so how many
+    are written before a block, first_scan − lost, is less than one.
+    """
+    written = (facts["first_scan"] - facts["lost"]) % ROUND
+    facts["lost"] += ROUND * np.cumsum(np.diff(facts["lost"], prepend=0) < 0)
+    facts["first_scan"] = written + facts["lost"]
 
 
 def _nearest(difference: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -127,6 +127,25 @@ TEST(only_a_session_that_was_cut_off_is_gone_on_with) {
     }
 }
 
+// The later the card fails, the further closing has come: the entry is never ahead of the rest.
+TEST(an_entry_is_shortened_once_the_files_end_is_found_and_not_before) {
+    bool shortened = false;
+    for (int reads = 0; reads < 10; ++reads) {
+        fake::power_on();
+        if (!insert_card()) return;
+        Rig rig;
+        CHECK(rig.session.start() == kNoTrouble);
+        rig.run(100);
+        fail_after({true, false}, reads);
+        rig.stop();
+        heal();
+        const bool is_short = file_blocks("HOP00001.HOP") < 2048;
+        CHECK(is_short || !shortened);
+        shortened = is_short;
+    }
+    CHECK(shortened);
+}
+
 TEST(a_card_that_fails_while_a_session_is_stopped_keeps_what_was_acknowledged) {
     for (const Failing& how : kFailing) {
         bool failed = true;

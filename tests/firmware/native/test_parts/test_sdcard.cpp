@@ -231,6 +231,15 @@ TEST(what_is_read_is_checked) {
     CHECK(wake());
 }
 
+TEST(a_status_that_comes_broken_protects_no_card_for_good) {
+    CHECK(wake());
+    fake::card.bad_command = 13;
+    fake::card.bad_reply = 0;  // and no second byte: the bus reads as ones
+    fake::card.bad_replies = 1;
+    CHECK(!write(1, 1));
+    CHECK(write(1, 1) && !card.write_protected());
+}
+
 // The watchdog bites after 2 s.
 TEST(the_watchdog_is_fed_while_a_card_is_waited_for) {
     for (const bool settles : {true, false}) {
