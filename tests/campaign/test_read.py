@@ -47,6 +47,17 @@ def test_without_a_noise_line_the_floor_is_unknown_and_sampling_ideal(folder):
     assert campaign.averaging_s == 0.0
 
 
+def test_a_window_of_three_periods_may_be_written_with_a_few_digits(folder):
+    """3000/97 = 30.92783…"""
+    edit(folder / "campaign.toml", "sample_rate_hz = 100", "sample_rate_hz = 97")
+    edit(folder / "campaign.toml", "averaging_ms = 6.6", "averaging_ms = 30.9279")
+    for run in (folder / "runs").glob("*.csv"):
+        head, *rows = run.read_text().splitlines()
+        rows = [f"{i / 97},{row.split(',', 1)[1]}" for i, row in enumerate(rows)]
+        run.write_text("\n".join([head, *rows]) + "\n")
+    assert read_campaign(folder).averaging_s == pytest.approx(3 / 97, rel=1e-12)
+
+
 def test_channels_default_to_the_eight_points_in_column_order(folder):
     channels = read_campaign(folder).channels
     assert [channel.name for channel in channels] == list(POINTS)

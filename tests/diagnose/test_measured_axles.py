@@ -27,3 +27,21 @@ def test_the_verdict_on_measured_axles(name, tmp_path):
     assert found.verdict == case.verdict
     assert found.confidence > 0.9
     assert found.ladder[-1].over_floor < 1.1
+
+
+@pytest.mark.slow
+def test_a_loose_sensor_on_an_axle_that_drives_the_body(tmp_path):
+    """Its motion is restored before it drives; it was knocked, too, just before each record."""
+    loose = {"channel": "A3", "freq_hz": 24.5, "zeta": 0.05, "struck_m_s": 0.1}
+    folder = truth.make_campaign(tmp_path, seed=101, effects={"sensor-mount": loose}, short=True)
+    campaign = read_campaign(folder)
+    vehicle = read_vehicle(campaign.vehicle_file)
+    axles = axle_driven(campaign, vehicle)
+    assert axles is not None
+    faults = {name: effect for name, effect in LIBRARY.items() if effect.place == "sensor"}
+    found = diagnose(axles, vehicle, faults, jobs=1)
+    assert found.verdict == ("sensor-mount",)
+    assert found.ladder[-1].over_floor < 1.1
+    values = found.ladder[-1].rung.model.values
+    assert values["sensor-mount.freq_hz"] == pytest.approx(24.5, rel=0.01)
+    assert values["sensor-mount.zeta"] == pytest.approx(0.05, rel=0.1)

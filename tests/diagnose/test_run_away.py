@@ -1,6 +1,7 @@
 """What a degenerate campaign does to single steps of a diagnosis: an order, and no warning."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from tests.report.small import write_small_campaign
 from wheelhop.campaign import Channel, read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose import screen as screening
+from wheelhop.diagnose.placement import placed_anew
 from wheelhop.effects import load_effects
 from wheelhop.effects.base import RunSetting
 from wheelhop.effects.phase import shift_along
@@ -37,6 +39,36 @@ def test_an_effect_whose_simulation_runs_away_ranks_last_and_in_silence(tmp_path
         found = screening.screen(base.workshop, base.rung.fit, effects)
     assert found[0].variant.effect.id == "dry-friction"
     assert found[-1].variant.effect.id == "speed-fluctuation" and found[-1].score == -np.inf
+
+
+def test_an_effect_may_have_nothing_to_fit_in_one_of_the_runs(tmp_path, monkeypatch):
+    """A car that stands does not brake."""
+    campaign = read_campaign(write_small_campaign(tmp_path / "c"))
+    campaign = campaign.select("washboard-high-fast", "washboard-low-slow")
+    vehicle = read_nominal(campaign)
+    base = fit_baseline(campaign, vehicle, progress=lambda text: None)
+    braking = load_effects()["longitudinal-pitch"]
+    moving = type(braking).per_run
+
+    def per_run(effect, run):
+        return moving(effect, run) if run.run_id == "washboard-high-fast" else ()
+
+    monkeypatch.setattr(type(braking), "per_run", per_run)
+    (found,) = screening.screen(base.workshop, base.rung.fit, [braking])
+    assert np.isfinite(found.score)
+
+
+def test_a_model_that_runs_away_has_no_better_place(tmp_path):
+    campaign = read_campaign(write_small_campaign(tmp_path / "c")).select("washboard-high-fast")
+    vehicle = read_nominal(campaign)
+    base = fit_baseline(campaign, vehicle, progress=lambda text: None)
+    engine = load_effects()["engine-vibration"]
+    wild = base.rung.model.with_values({"suspension.front.damping_N_s_m": -1e6})
+    wild = wild.with_effect(engine, base.workshop.parameters_of(engine))
+    fitted = base.rung.fit
+    runs = tuple(replace(r, residual=np.full_like(r.residual, np.inf)) for r in fitted.runs)
+    rung = replace(base.rung, fit=replace(fitted, model=wild, runs=runs))
+    assert placed_anew(base.workshop, rung) is wild
 
 
 class StillAtTheEnd:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.signal import butter, sosfiltfilt
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
 from wheelhop.effects import RunSetting
@@ -116,6 +117,25 @@ def test_a_mount_is_stiff_below_and_gives_way_above_its_resonance():
     assert abs(read(effect, theta, 30.0, 4)) < 0.4
 
 
+@settings(max_examples=10)
+@given(st.floats(12.0, 45.0), st.floats(0.01, 0.3), st.integers(0, 2**32 - 1))
+def test_what_a_mount_hides_of_its_foot_lies_at_the_ends_of_the_record(resonance, zeta, seed):
+    """Motion up to 30 Hz, sampled at 100: but for a tenth of a second at each end, where what the
+    mount did before and after counts, the foot is known to a tenth."""
+    rate, time = 2000.0, np.arange(20000) / 2000.0
+    white = np.random.default_rng(seed).normal(size=len(time))
+    slow = butter(6, (1.0, 30.0), "bandpass", fs=rate, output="sos")
+    record = np.zeros((len(time), 8))
+    record[:, 4] = sosfiltfilt(slow, white)
+    effect = EFFECTS["sensor-mount"].with_choice("A1")
+    theta = {"loose": 1.0, "freq_hz": resonance, "zeta": zeta}
+    sensed = effect.sense(theta, record, CHANNELS, rate)[10000::20]
+    foot = record[10000::20, 4]
+    error = (effect.restore(theta, sensed, CHANNELS, 100.0)[:, 4] - foot) / foot.std()
+    assert error[10:-10].std() < 0.1
+    assert np.abs(error[[0, -1]]).max() > error[10:-10].std()
+
+
 class Records:
     """One run, measured and modelled, as an effect's probe sees it."""
 
@@ -151,6 +171,16 @@ def test_the_resonance_is_found_in_what_one_channel_adds(channel, resonance, zet
     assert start["freq_hz"] == pytest.approx(resonance, rel=0.15)
     (other,) = effect.with_choice(NAMES[i - 1]).shape_starts(Records(measured, true))
     assert other["freq_hz"] > 100.0  # nothing there: as stiff as can be
+
+
+def test_a_channel_that_drives_the_model_is_tried_at_several_resonances():
+    """Nothing is said of it, so nothing tells the resonance; what a mount does to the body grows
+    with 1/f²: no resonance in band is further than a factor of two from the next, in that."""
+    nothing = np.zeros((len(TIME), 8))
+    effect = EFFECTS["sensor-mount"].with_choice("A3")
+    starts = [s["freq_hz"] for s in effect.shape_starts(Records(nothing, nothing))]
+    for resonance in np.geomspace(9.0, 60.0, 50):
+        assert np.abs(np.log2(np.square(starts) / resonance**2)).min() < 1.0
 
 
 def test_the_range_is_the_largest_reading():

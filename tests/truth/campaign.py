@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -74,9 +74,10 @@ def write_campaign(
     noise_rms: float = 0.1,
     rate_hz: float = SAMPLE_RATE_HZ,
     draft: bool = False,
+    without: Collection[str] = (),
 ) -> Path:
     """`make_campaign` for a vehicle and for effects that need not be among the named ones; the same
-    seconds at another sample rate, if one is given.
+    seconds at another sample rate, if one is given, and `without` the runs of these ids.
 
     A draft, to look at and not to keep, takes twice the step and says nothing of the baseline.
     """
@@ -84,6 +85,7 @@ def write_campaign(
     true, nominal = draw_vehicles(preset, rng)
     offset_mm = float(rng.choice([0.0, 100.0, 200.0]))
     planned = planned_runs(preset, short=short, lateral_offset_mm=offset_mm)
+    planned = [run for run in planned if run.id not in without]
     noise = _channel_noise(noise_rms, rate_hz, rng)
     offset = rng.normal(0.0, OFFSET_M_S2, len(CHANNELS))
 

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 
-from . import body_effects, other_laws, road_effects, sensor_effects, suspension_effects
+from . import (
+    body_effects,
+    other_laws,
+    other_road_laws,
+    road_effects,
+    sensor_effects,
+    suspension_effects,
+)
 from .effect import Effect
 
 Parameters = Mapping[str, float | str]
@@ -44,6 +51,20 @@ KINDS: tuple[type[Effect], ...] = (
     other_laws.MeasuredDamper,
     other_laws.FoamStop,
     other_laws.WanderingEngine,
+    other_laws.WarmingGas,
+    other_laws.RoundedAsymmetry,
+    other_laws.RubberMount,
+    other_laws.StickyBar,
+    other_laws.WornCorner,
+    other_laws.TwoMassDriver,
+    other_laws.BendingFrame,
+    other_laws.WarmingSensor,
+    other_laws.OffsetClipping,
+    other_road_laws.GearChanges,
+    other_road_laws.PressedEnvelope,
+    other_road_laws.PatchyRoughness,
+    other_road_laws.SoftLanding,
+    other_road_laws.OutOfRound,
 )
 
 

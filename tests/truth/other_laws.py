@@ -5,14 +5,17 @@ A library is not told about these laws: what it calls by the same name must stil
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi
 
+import mujoco
 import numpy as np
 
-from .effect import Effect
+from .body_effects import DriverSeat, FrameTwist
+from .effect import Effect, channel_index
 from .model import STEP_S, Car, Drive
-from .suspension_effects import per_corner
+from .sensor_effects import SensorClipping, SensorGain
+from .suspension_effects import AirSpring, AntiRollBar, CornerAsymmetry, MountBushing, per_corner
 from .tracks import Array
 
 
@@ -137,3 +140,169 @@ class WanderingEngine(Effect):
         # Unbalance grows with the square of the speed.
         size = self.force_N * (frequency / self.freq_hz) ** 2
         drive.push("engine", size * (np.sin(angle) + self.second * np.sin(2.0 * angle)))
+
+
+@dataclass
+class WarmingGas(AirSpring):
+    """Gas that is compressed warms up and cools again: of the force beyond an isothermal one the
+    share 1/e is left after `cooling_s`."""
+
+    cooling_s: float
+
+    def start(self, drive: Drive) -> None:
+        super().start(drive)
+        self._heat, self._warm = np.zeros(4), np.zeros(4)
+        self._kept = np.exp(-drive.step_s / self.cooling_s)
+
+    def suspension(self, force: Array, compression: Array, rate: Array) -> Array:
+        fast = super().suspension(force, compression, rate)
+        column = np.maximum(1.0 - compression / self._height, 0.05)
+        slow = force + self._load * (1.0 / column - 1.0) - self._stiffness * compression
+        self._heat = self._kept * (self._heat + fast - slow - self._warm)
+        self._warm = fast - slow
+        return slow + self._heat
+
+
+@dataclass
+class RoundedAsymmetry(Effect):
+    """An asymmetric damper without a corner at rest: |x'| is rounded over `round_m_s`, and the
+    force follows with a time constant."""
+
+    id = "asymmetric-damper"
+    asymmetry: float
+    round_m_s: float
+    lag_s: float = 4e-4
+
+    def start(self, drive: Drive) -> None:
+        self._damping, self._force = drive.suspension_damping, np.zeros(4)
+        self._share = drive.step_s / (drive.step_s + self.lag_s)
+
+    def suspension(self, force: Array, compression: Array, rate: Array) -> Array:
+        size = np.hypot(rate, self.round_m_s) - self.round_m_s
+        curve = self._damping * (rate - self.asymmetry * size)
+        self._force = self._force + self._share * (curve - self._force)
+        return force + self._force - self._damping * rate
+
+
+@dataclass
+class RubberMount(MountBushing):
+    """Rubber is stiffer the less it moves (Payne): by the share `payne` at rest, half of that at a
+    give of `payne_m`."""
+
+    payne: float
+    payne_m: float = 3e-4
+
+    def stiffness(self, give: Array) -> Array:
+        return self.stiffness_N_m * (1.0 + self.payne / (1.0 + np.abs(give) / self.payne_m))
+
+
+@dataclass
+class StickyBar(AntiRollBar):
+    """The bar's bearings and links rub: so much force more until they give, over 0.2 mm."""
+
+    rubbing_N: float = field(kw_only=True)
+
+    def start(self, drive: Drive) -> None:
+        self._bend, self._before = np.zeros(2), np.zeros(2)
+
+    def suspension(self, force: Array, compression: Array, rate: Array) -> Array:
+        apart = compression[::2] - compression[1::2]
+        self._bend = np.clip(self._bend + apart - self._before, -2e-4, 2e-4)
+        self._before = apart
+        held = self.rubbing_N * self._bend / 2e-4
+        return force + np.array([held[0], -held[0], held[1], -held[1]])
+
+
+@dataclass
+class WornCorner(CornerAsymmetry):
+    """What is worn rubs, too: force tanh(x' / 10 mm/s) in this corner alone."""
+
+    rubbing_N: float = field(kw_only=True)
+
+    def suspension(self, force: Array, compression: Array, rate: Array) -> Array:
+        here = np.arange(4) == int(self.corner) - 1
+        return force + here * self.rubbing_N * np.tanh(rate / 0.01)
+
+
+@dataclass
+class TwoMassDriver(DriverSeat):
+    """A human on a seat: trunk and head, the share `upper` of the mass, ride on the rest and have a
+    resonance of their own."""
+
+    upper: float = field(kw_only=True)
+    upper_hz: float = 9.0
+    upper_zeta: float = 0.25
+
+    def build(self, car: Car) -> None:
+        super().build(car)
+        omega, mass = 2.0 * pi * self.upper_hz, self.upper * self.mass_kg
+        pelvis = car.spec.body("driver")
+        pelvis.mass = self.mass_kg - mass
+        trunk = pelvis.add_body(
+            name="trunk",
+            ipos=[0.0, 0.0, 0.0],
+            mass=mass,
+            inertia=[1e-9, 1e-9, 1e-9],
+            explicitinertial=True,
+        )
+        spine = trunk.add_joint(name="spine", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
+        spine.stiffness = [mass * omega**2, 0.0, 0.0]
+        spine.damping = [2.0 * self.upper_zeta * mass * omega, 0.0, 0.0]
+
+
+@dataclass
+class BendingFrame(FrameTwist):
+    """A frame that twists bends as well: all four corners rise while the middle falls."""
+
+    bending_hz: float = field(kw_only=True)
+    bending_zeta: float = 0.03
+
+    def build(self, car: Car) -> None:
+        super().build(car)
+        mass, omega = car.vehicle["body.mass_kg"] / 2.0, 2.0 * pi * self.bending_hz
+        mode = car.spec.worldbody.add_body(
+            name="bending",
+            ipos=[0.0, 0.0, 0.0],
+            mass=mass,
+            inertia=[1.0, 1.0, 1.0],
+            explicitinertial=True,
+        )
+        bend = mode.add_joint(name="bending", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
+        bend.stiffness = [mass * omega**2, 0.0, 0.0]
+        bend.damping = [2.0 * self.bending_zeta * mass * omega, 0.0, 0.0]
+        for i in range(1, 5):
+            car.lengths[f"B{i}"]["bending"] = 1.0
+            car.lengths[f"S{i}"]["bending"] = -1.0
+
+
+@dataclass
+class WarmingSensor(SensorGain):
+    """The gain drifts in the course of a day: it differs from run to run, by `drift` (one standard
+    deviation)."""
+
+    drift: float
+
+    def start(self, drive: Drive) -> None:
+        self._more = 1.0 + self.drift * drive.rng.normal()
+
+    def sense(self, samples: Array) -> Array:
+        samples = super().sense(samples)
+        samples[:, channel_index(self.channel)] *= self._more
+        return samples
+
+
+@dataclass
+class OffsetClipping(SensorClipping):
+    """An amplifier saturates before its signal is averaged, and about its own offset."""
+
+    offset_m_s2: float = field(kw_only=True)
+
+    def feel(self, time: Array, velocity: Array) -> Array:
+        k, velocity = channel_index(self.channel), velocity.copy()
+        true = np.diff(velocity[:, k]) / (time[1] - time[0]) + self.offset_m_s2
+        lost = true - np.clip(true, -self.limit_m_s2, self.limit_m_s2)
+        velocity[1:, k] -= np.cumsum(lost) * (time[1] - time[0])
+        return velocity
+
+    def record(self, samples: Array) -> Array:
+        return samples

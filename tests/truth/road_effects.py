@@ -72,9 +72,7 @@ class TyreEnvelope(Effect):
         first = float(wheel.x.min()) - GRID_M * (half + margin)
         count = ceil(float(np.ptp(wheel.x)) / GRID_M) + 1 + 2 * (half + margin)
         z = elevation(wheel.track, first + GRID_M * np.arange(count), wheel.y)
-        # each grid point counts by how much of its cell lies under the contact
-        away = GRID_M * np.abs(np.arange(-half, half + 1))
-        weight = np.clip((length - 2.0 * away) / GRID_M + 1.0, 0.0, 2.0)
+        weight = self.pressure(GRID_M * np.abs(np.arange(-half, half + 1)), length)
         weight /= weight.sum()
         if self.averages == "path":
             height = np.convolve(roll_disc(z, wheel.radius), weight, mode="valid")
@@ -84,6 +82,11 @@ class TyreEnvelope(Effect):
                 roll_disc(height, wheel.radius) if self.averages == "ground" else height[margin:]
             )
         return WheelPath(float(wheel.x.min()), height)(wheel.x)
+
+    def pressure(self, away: Array, length: float) -> Array:
+        """How much a point of the grid counts, so far from the contact's middle: by how much of its
+        cell lies under the contact."""
+        return np.clip((length - 2.0 * away) / GRID_M + 1.0, 0.0, 2.0)
 
 
 @dataclass

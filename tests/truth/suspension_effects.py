@@ -166,14 +166,18 @@ class MountBushing(Effect):
 
     def suspension(self, force: Array, compression: Array, rate: Array) -> Array:
         direct = self._k * compression + self._c * rate  # the strut's force on a rigid mount
-        damping = self._c + self.damping_N_s_m
-        stiffness = self._k + self.stiffness_N_m
+        of_mount = self.stiffness(self._give)
+        damping, stiffness = self._c + self.damping_N_s_m, self._k + of_mount
         # trapezoidal rule, which is linear in the unknown u'
         predicted = self._give + self._half_step * self._give_rate
         self._give_rate = (direct - stiffness * predicted) / (damping + stiffness * self._half_step)
         self._give = predicted + self._half_step * self._give_rate
-        own = self.stiffness_N_m * self._give + self.damping_N_s_m * self._give_rate
+        own = of_mount * self._give + self.damping_N_s_m * self._give_rate
         return force + own - direct
+
+    def stiffness(self, give: Array) -> Array:
+        """The mount's, N/m, at such a give (4,)."""
+        return np.full(4, self.stiffness_N_m)
 
 
 @dataclass

@@ -6,9 +6,29 @@ import numpy as np
 import pytest
 
 from .effects import make_effect
-from .model import Drive
-from .other_laws import BristleFriction, FoamStop, MeasuredDamper, TanhFriction, WanderingEngine
+from .model import CHANNELS, Drive, Run, simulate_run
+from .other_laws import (
+    BristleFriction,
+    FoamStop,
+    MeasuredDamper,
+    RoundedAsymmetry,
+    RubberMount,
+    StickyBar,
+    TanhFriction,
+    WanderingEngine,
+    WarmingGas,
+    WornCorner,
+)
+from .other_road_laws import (
+    GearChanges,
+    OutOfRound,
+    PatchyRoughness,
+    PressedEnvelope,
+    SoftLanding,
+)
 from .presets import PRESETS
+from .road_effects import SmallScaleRoughness, TyreEnvelope
+from .tracks import Track, Wheel
 
 ATV = PRESETS["atv"].vehicle
 STEP_S = 2e-4
@@ -18,8 +38,8 @@ def a_drive(seed: int = 2, seconds: float = 300.0) -> Drive:
     time = np.arange(0.0, seconds, STEP_S)
     path = np.column_stack([5.0 * time, 5.0 * time])
     damping = np.array([630.0, 630.0, 590.0, 590.0])
-    none = np.zeros(4)
-    return Drive(ATV, time, path, 5.0, np.random.default_rng(seed), none, damping, none, none)
+    none, spring = np.zeros(4), np.full(4, 1e4)
+    return Drive(ATV, time, path, 5.0, np.random.default_rng(seed), spring, damping, none, none)
 
 
 def along(effect, velocity):
@@ -97,3 +117,156 @@ def test_a_wheel_rolls_on_less_than_its_radius():
     make_effect("wheel-imbalance", {"imbalance_kg_m": 0.03, "rolling": 0.9}).start(fast)
     ratio = np.abs(fast.forces["A1"]).max() / np.abs(slow.forces["A1"]).max()
     assert ratio == pytest.approx(0.9**-2, rel=1e-3)
+
+
+def test_gas_is_polytropic_when_pushed_fast_and_isothermal_when_held():
+    effect = WarmingGas(1.4, 0.5)
+    effect.start(a_drive())
+    x, still = np.full(4, 0.02), np.zeros(4)
+    height = 1.4 * effect._load / 1e4
+    pushed = effect.suspension(1e4 * x, x, still)
+    np.testing.assert_allclose(
+        pushed, effect._load * ((1 - x / height) ** -1.4 - 1), rtol=STEP_S / 0.5
+    )
+    for _ in range(round(5.0 / STEP_S)):
+        held = effect.suspension(1e4 * x, x, still)
+    np.testing.assert_allclose(held, effect._load * (1 / (1 - x / height) - 1), rtol=1e-4)
+
+
+def test_a_rounded_asymmetry_has_its_slopes_and_no_corner():
+    effect = RoundedAsymmetry(0.35, 0.03)
+    for velocity, slope in ((5.0, 0.65), (-5.0, 1.35), (1e-4, 1.0)):
+        force = []
+        for v in (velocity, 1.01 * velocity):
+            effect.start(a_drive())
+            force.append(along(effect, np.full(200, v))[-1, 0] + 630.0 * v)
+        assert np.diff(force)[0] / (0.01 * velocity) == pytest.approx(630.0 * slope, rel=3e-3)
+
+
+def test_rubber_is_stiffer_the_less_it_moves():
+    effect = RubberMount(1e5, 200.0, 0.5, 3e-4)
+    np.testing.assert_allclose(
+        effect.stiffness(np.array([0.0, 3e-4, -3e-4])) / 1e5, [1.5, 1.25, 1.25]
+    )
+    effect.start(a_drive())
+    x = np.full(4, 0.02)
+    for _ in range(5000):
+        extra = effect.suspension(1e4 * x, x, np.zeros(4))
+    give = effect._give
+    np.testing.assert_allclose(effect.stiffness(give) * give, 1e4 * (x - give), rtol=1e-6)
+    np.testing.assert_allclose(extra, 1e4 * (x - give), rtol=1e-6)
+
+
+def test_a_bar_that_rubs_holds_until_it_gives():
+    effect = StickyBar(2000.0, 0.0, rubbing_N=15.0)
+    effect.start(a_drive())
+    roll = np.array([1.0, -1.0, 0.0, 0.0])
+    for travel, force in ((5e-5, 7.5), (1e-3, 15.0), (9e-4, 0.0)):
+        extra = effect.suspension(np.zeros(4), travel * roll, np.zeros(4))
+        np.testing.assert_allclose(extra, force * roll, atol=1e-9)
+
+
+def test_a_worn_corner_rubs_alone():
+    effect = WornCorner(3.0, 0.2, -0.2, rubbing_N=15.0)
+    force = effect.suspension(np.zeros(4), np.zeros(4), np.full(4, 1.0))
+    np.testing.assert_allclose(force, [0.0, 0.0, 15.0, 0.0])
+
+
+def test_gear_changes_cost_way_and_none_at_time_zero():
+    drive = a_drive(4, 40.0)
+    GearChanges(0.04).steer(drive)
+    speed = np.diff(drive.path[:, 0]) / STEP_S
+    assert speed.max() == pytest.approx(5.0, rel=1e-3)
+    assert speed.min() == pytest.approx(4.8, rel=1e-3)
+    assert speed.mean() == pytest.approx(4.9, rel=2e-3)
+    assert drive.path[0, 0] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_contact_pressed_in_the_middle_passes_more_of_a_short_wave():
+    """Of a wave of k L = 2 a parabola leaves 3 (sin h - h cos h) / h^3 with h = k L / 2, an even
+    mean sin h / h; the wheel's own rounding comes before both."""
+    track = Track("washboard", {"amplitude_mm": 0.5, "pitch_mm": 1000.0})
+    wheel = Wheel(track, 0, 0.5, 0.02, np.linspace(5.0, 7.0, 2001))
+    half = np.pi * 0.4
+    passed = {}
+    for law in (PressedEnvelope(0.4, 0.4, pressed=True), TyreEnvelope(0.4, 0.4)):
+        passed[type(law)] = np.ptp(law.roll(wheel)) / np.ptp(wheel.rigid())
+    expected = 3 * (np.sin(half) - half * np.cos(half)) / half**3 / (np.sin(half) / half)
+    assert passed[PressedEnvelope] / passed[TyreEnvelope] == pytest.approx(expected, rel=3e-3)
+
+
+def test_patches_come_and_go():
+    flat, x = Track("flat", {}), np.linspace(2.0, 1400.0, 200001)
+    even = SmallScaleRoughness(3e-8).pave(flat, a_drive()).unevenness(x, 0.5)
+    patchy = PatchyRoughness(3e-8, patch_m=9.0).pave(flat, a_drive()).unevenness(x, 0.5)
+    ratio = patchy / np.where(even == 0.0, 1.0, even)
+    assert ratio.min() == pytest.approx(0.3, abs=1e-3)
+    assert ratio.max() == pytest.approx(1.7, abs=1e-3)
+
+
+def test_a_wheel_lands_softly():
+    """No force at rest, none to pull, the linear one when pressed hard."""
+    effect = SoftLanding(60.0)
+    effect.start(a_drive())
+    load = effect._load
+    total = np.array([effect.tyre(at - load, load, load) + load for at in (load, -10 * load)])
+    np.testing.assert_allclose(total[0], load, rtol=1e-12)
+    assert np.all(total[1] < 2.0) and np.all(total[1] > -2.0)
+    firm = effect.tyre(9.0 * load, load, load)
+    np.testing.assert_allclose(firm, 9.0 * load, atol=2.0)
+
+
+def test_a_wheel_out_of_round_rises_once_a_turn():
+    effect = OutOfRound(0.2, 3.0, runout_m=5e-4)
+    effect.start(a_drive(2, 2.0))
+    flat, radius = Track("flat", {}), ATV["wheel.rear.radius_m"]
+    x = np.linspace(0.0, 2 * np.pi * radius, 1001)
+    path = effect.roll(Wheel(flat, 2, 0.5, radius, x))
+    assert np.ptp(path) == pytest.approx(1e-3, rel=1e-4)
+    assert path[0] == pytest.approx(path[-1], abs=1e-9)
+    assert effect.roll(Wheel(flat, 0, 0.5, radius, x)) is None
+
+
+def a_run(effect_id, **parameters):
+    """One second over a washboard."""
+    track = Track("washboard", {"amplitude_mm": 10.0, "pitch_mm": 500.0})
+    run = Run(track, 4.0, 33.0, np.arange(100) / 100.0, seed=5)
+    return simulate_run(ATV, run, [make_effect(effect_id, parameters)] if effect_id else [])[1]
+
+
+def test_a_driver_of_two_masses_is_one_mass_if_the_upper_one_is_stiff():
+    seat = {"mass_kg": 68.0, "freq_hz": 3.2, "zeta": 0.28, "x_m": -0.1}
+    one = a_run("driver-seat", **seat)
+    stiff = a_run("driver-seat", **seat, upper=0.4, upper_hz=200.0, upper_zeta=1.0)
+    human = a_run("driver-seat", **seat, upper=0.4)
+    assert np.abs(stiff - one).max() < 2e-3 * np.abs(one).max()
+    assert np.abs(human - one).max() > 2e-3 * np.abs(one).max()
+
+
+def test_bending_moves_the_four_corners_alike():
+    """Against a frame that only twists: on a washboard, which does not, neither does the warp."""
+    twist = {"freq_hz": 11.0, "zeta": 0.04}
+    bends = a_run("frame-twist", **twist, bending_hz=24.0)[:, :4]
+    more = bends - a_run("frame-twist", **twist)[:, :4]
+    warp = np.array([1.0, -1.0, -1.0, 1.0])
+    assert np.abs(more).max() > 0.1
+    assert np.abs(bends @ warp).max() < 1e-6 * np.abs(bends).max()
+
+
+def test_a_sensor_that_warms_has_a_gain_of_its_own_in_every_run():
+    true, wrong = a_run(""), a_run("sensor-gain", channel="B2", gain_error=0.08, drift=0.01)
+    ratio = wrong[:, 1] / true[:, 1]
+    assert np.ptp(ratio) < 1e-9
+    expected = 1.08 * (1 + 0.01 * np.random.default_rng(5).normal())
+    assert ratio[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_an_amplifier_cuts_about_its_offset_before_the_mean_is_taken():
+    true, a2 = a_run(""), CHANNELS.index("A2")
+    cut = a_run("sensor-clipping", channel="A2", limit_m_s2=6.0, offset_m_s2=1.0)
+    assert true[:, a2].max() > 8.0 and true[:, a2].min() < -8.0
+    assert cut[:, a2].max() == pytest.approx(5.0, rel=1e-6)
+    assert cut[:, a2].min() == pytest.approx(-7.0, rel=1e-6)
+    inside = (true[:, a2] < 2.0) & (true[:, a2] > -4.0)
+    assert np.abs(cut - true)[inside, a2].max() < 0.1
+    assert np.array_equal(np.delete(cut, a2, 1), np.delete(true, a2, 1))

@@ -39,6 +39,8 @@ TOP_KEYS = (
 CONSTANTS_FILE = "calibration.toml"
 LARGEST_M_S2 = 1e6  # a hundred thousand g: a broken file, and powers of it overflow
 LONGEST_AVERAGING = 3.0  # sample periods
+ROUNDED = 1e-3
+"""A window of three periods, written with a few digits, may be longer by this share."""
 MOST_SHOWN = 20  # keys that are missing
 NOT_RECORDED = "if it was not recorded, list under [channels] in campaign.toml those that were"
 
@@ -115,12 +117,12 @@ class _Drive(Entry):
 def _averaging(top: Table, rate_hz: float) -> float:
     milliseconds = top.number("averaging_ms", 0.0, at_least=0.0)
     longest = LONGEST_AVERAGING * 1e3 / rate_hz
-    if milliseconds > longest:
+    if milliseconds > longest * (1.0 + ROUNDED):
         raise top.error(
             f"averaging_ms = {milliseconds:g} is more than {LONGEST_AVERAGING:g} sample periods "
             f"({longest:g} ms): give the window of one sample in milliseconds"
         )
-    return milliseconds * 1e-3
+    return min(milliseconds, longest) * 1e-3
 
 
 def _noise(top: Table) -> float | None:

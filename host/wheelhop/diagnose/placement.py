@@ -58,7 +58,8 @@ def placed_anew(workshop: Workshop, rung: Rung) -> Model:
     over long waves can be placed only once its friction is known."""
     model = placed = rung.model
     fits = [*rung.fit.runs, *(rung.validation.runs if rung.validation is not None else ())]
-    lost = [run for run in fits if run.rss > OUT_OF_STEP * run.bench.energy]
+    # Where the model runs away, no place is better than another.
+    lost = [run for run in fits if OUT_OF_STEP * run.bench.energy < run.rss < np.inf]
     for run_id, own in workshop.each(lambda run: _best_place(workshop, model, run), lost):
         placed = placed.with_run(run_id, own)
     return placed

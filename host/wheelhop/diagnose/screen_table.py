@@ -82,8 +82,8 @@ class Known:
 
 def _by_channel(run: RunFit, columns: Array) -> Array:
     """Columns (size, k) as (c, n, k)."""
-    count = run.bench.band.count
-    return np.asarray(columns.reshape(count, -1, columns.shape[1]).transpose(1, 0, 2))
+    count, channels = run.bench.band.count, int(run.bench.predicted.sum())
+    return np.asarray(columns.reshape(count, channels, columns.shape[1]).transpose(1, 0, 2))
 
 
 def run_table(run: RunFit, base: Fit, signatures: Columns, products: Array) -> Table:

@@ -27,6 +27,11 @@ DAMPING_RATIOS = (0.02, 0.05, 0.1, 0.2, 0.4)
 USUAL_DAMPING = 0.1
 """Start for a mount whose resonance lies beyond what the record can show."""
 
+UNSEEN_HZ = (10.0, 17.0, 30.0, 55.0)
+"""Starts for a channel that drives the model, and is compared with nothing. What its mount does to
+the body grows with 1/f² and has no resonance, 1/H = 1 - (ω/ω_r)²/(1 + 2ζiω/ω_r): from the nearest
+of these the fit finds its way."""
+
 STRUCK = 3.0
 """A mount may still ring with so many m/s², one standard deviation, from what came before."""
 
@@ -88,7 +93,8 @@ class SensorMount(Effect):
         )
 
     def shape_starts(self, probe: Probe) -> Sequence[Values]:
-        """The resonance that turns what the model says of the channel into what was measured."""
+        """The resonance that turns what the model says of the channel into what was measured; where
+        it says nothing, as of measured axles, several."""
         column = [c.name for c in probe.channels].index(self.channel)
         frequency, zeta = (
             a.ravel() for a in np.meshgrid(FREQUENCIES_HZ, DAMPING_RATIOS, indexing="ij")
@@ -102,6 +108,8 @@ class SensorMount(Effect):
             modelled = fft.rfft(probe.modelled(setting.run_id, {})[:, column])
             factor = _transmissibility(fft.rfftfreq(len(time), step), frequency, zeta)
             misfit += np.sum(np.abs(measured[:, None] - factor * modelled[:, None]) ** 2, axis=0)
+        if not misfit.any():
+            return [{"freq_hz": f, "zeta": USUAL_DAMPING} for f in UNSEEN_HZ]
         best = int(np.argmin(misfit))
         damping = zeta[best] if frequency[best] < nyquist_hz else USUAL_DAMPING
         return [{"freq_hz": float(frequency[best]), "zeta": float(damping)}]
