@@ -1,7 +1,18 @@
-"""What `wheelhop simulate` takes."""
+"""What `wheelhop simulate` and the other commands that foretell take."""
 
 from pathlib import Path
 from typing import Any
+
+from wheelhop.cli.parser_modes import add_modes
+from wheelhop.cli.parser_plan import add_plan
+
+
+def add_prediction(commands: Any) -> None:
+    """Add the commands of simulation as a tool."""
+    add_simulate(commands)
+    add_road(commands)
+    add_modes(commands)
+    add_plan(commands)
 
 
 def add_simulate(commands: Any) -> None:
@@ -67,6 +78,17 @@ def add_simulate(commands: Any) -> None:
     )
     simulate.add_argument(
         "--cluster", metavar="ADDRESS", help="compute a sweep on a Dask cluster: tcp://HOST:PORT"
+    )
+    simulate.add_argument(
+        "--against",
+        metavar="OTHER.toml",
+        nargs="+",
+        type=Path,
+        default=[],
+        help="other vehicles on the same runs, to be compared",
+    )
+    simulate.add_argument(
+        "--figure", metavar="FILE.png", type=Path, help="draw the rides of all vehicles"
     )
     simulate.add_argument(
         "--out",

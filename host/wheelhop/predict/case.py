@@ -57,7 +57,7 @@ class Case:
         for chosen in self.effects:
             parameters = chosen.effect.parameters_for(self.vehicle.values, self.channels)
             _check_known(chosen, [*parameters, *chosen.effect.per_run(setting)])
-        _check_stable(self.system)
+        check_stable(self.system)
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
@@ -196,7 +196,8 @@ def _check_known(chosen: Chosen, parameters: Sequence[Parameter]) -> None:
             raise CampaignError(f"--with {chosen.effect.id}: has no parameter {name}{near}")
 
 
-def _check_stable(system: System) -> None:
+def check_stable(system: System) -> None:
+    """Raise CampaignError for a vehicle that does not stay in its place."""
     if np.linalg.eigvalsh(system.mass).min() <= 0.0:
         raise CampaignError("the vehicle: more mass or inertia is taken out of it than it has")
     growth = float(system.poles().real.max())
