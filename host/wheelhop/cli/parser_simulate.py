@@ -108,9 +108,12 @@ def add_road(commands: Any) -> None:
         "--length", metavar="M", type=float, help="of what is looked at (default: all, or 200 m)"
     )
     road.add_argument(
-        "--step", metavar="M", type=float, default=0.02, help="between stations (default 0.02)"
+        "--step", metavar="M", type=float, help="between stations (default: the survey's, or 0.02)"
     )
     road.add_argument(
-        "--width", metavar="M", type=float, default=1.2, help="between the paths (default 1.2)"
+        "--width", metavar="M", type=float, help="between the paths (default 1.2; grids: all of it)"
     )
-    road.add_argument("--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg")
+    road.add_argument(
+        "--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg or .rdf (Adams)"
+    )
+    road.add_argument("--grid", action="store_true", help="write a grid as .csv, too")

@@ -47,6 +47,8 @@ PATH_KEYS = (
     "geometry.track_width_m",
     "wheel.front.radius_m",
     "wheel.rear.radius_m",
+    "wheel.front.width_m",
+    "wheel.rear.width_m",
 )
 """The vehicle's numbers on which the wheels' path depends."""
 
@@ -339,10 +341,11 @@ class RunSimulator:
 
     def _wheel(self, model: Model, corner: int, way_m: Array) -> Wheel:
         assert self._track is not None
-        radius = model.values[f"wheel.{axle_name(corner)}.radius_m"]
+        wheel = f"wheel.{axle_name(corner)}"
+        radius, width = model.values[f"{wheel}.radius_m"], model.values.get(f"{wheel}.width_m", 0.0)
         y = corner_position(model.values, corner)[1]
         track = track_of(model, self.run, self._track)
-        return Wheel(track, y, radius, *span(way_m))
+        return Wheel(track, y, radius, *span(way_m), width)
 
     def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         x, speed = ways(model, self.setting, time_s)

@@ -21,6 +21,8 @@ from wheelhop.vehicle.mount import mount_values
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+WIDTH = "width_m"
+"""Of a tyre's contact, optional and certain: a wheel without one is a thin disc."""
 WHEEL = ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m", "radius_m")
 SUSPENSION = ("stiffness_N_m", "damping_N_s_m")
 PLACED = ("mass_kg", "x_m", "y_m")
@@ -132,8 +134,13 @@ def read_vehicle(path: Path) -> Vehicle:
             continue
         table = _descend(top, path_in_file, tables, absent)
         aboard = path_in_file in ABOARD
+        wheel = path_in_file.startswith("wheel.")
         allowed = (*keys, *MOUNT) if aboard else keys
-        table.only([f"{key}{end}" for key in allowed for end in ENDINGS], absent)
+        known = [f"{key}{end}" for key in allowed for end in ENDINGS]
+        table.only([*known, WIDTH] if wheel else known, absent)
+        if wheel and WIDTH in table:
+            values[f"{path_in_file}.{WIDTH}"] = _value(table, WIDTH)
+            uncertainty[f"{path_in_file}.{WIDTH}"] = 0.0
         if aboard:
             keys = (*keys, *_mount(table))
         for key in keys:
