@@ -35,9 +35,9 @@ def add_simulate(commands: Any) -> None:
         "--speed",
         metavar="KMPH",
         nargs="+",
-        type=float,
         default=[],
-        help="km/h, one or more (default: those the thesis drove a named track at)",
+        help="km/h, one or more, or along the track, m:km/h, such as 0:5,20:12 (default: those the"
+        " thesis drove a named track at)",
     )
     simulate.add_argument(
         "--with",

@@ -24,6 +24,7 @@ from wheelhop.predict import (
     make_recording,
     read_drives,
     read_effects,
+    read_speeds,
 )
 from wheelhop.predict.case import SECONDS
 from wheelhop.predict.instrument import NOISE_RMS_M_S2
@@ -134,7 +135,7 @@ def _sweep(arguments: Namespace) -> int:
     sweep = Sweep(
         read_vehicle(arguments.vehicle),
         tuple(arguments.tracks),
-        tuple(arguments.speed),
+        read_speeds(arguments.speed),
         tuple(arguments.effects),
         tuple(Axis.parse(text) for text in arguments.sweep),
         _seconds(arguments),
@@ -173,7 +174,7 @@ def _case(arguments: Namespace, file: Path) -> Case:
     seconds = _seconds(arguments)
     vehicle = read_vehicle(file)
     effects = read_effects(arguments.effects, load_effects(arguments.library))
-    drives = read_drives(arguments.tracks, arguments.speed)
+    drives = read_drives(arguments.tracks, read_speeds(arguments.speed))
     return Case(vehicle, effects, drives, seconds, arguments.seed)
 
 

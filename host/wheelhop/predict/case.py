@@ -126,6 +126,7 @@ class Case:
             drive.track,
             time_s,
             np.zeros((len(time_s), len(self.channels))),
+            course=drive.course,
         )
         campaign = self._campaign((run,), rate_hz, averaging_s)
         return MotionSimulator(campaign, run, run_up({"road": self.system}))
@@ -148,7 +149,9 @@ class Case:
         rng = np.random.default_rng([self.seed, number])
         drive, run = self.drives[number], simulator.run
         start = -FLAT_S * run.speed_m_s
-        if simulator.period_m is not None:
+        if run.course is not None:
+            start = float(run.course.place(-FLAT_S))
+        elif simulator.period_m is not None:
             start = rng.uniform(0.0, min(simulator.period_m, LONGEST_PERIOD_M))
         own = {"speed_m_s": run.speed_m_s, "start_m": float(start)}
         model = self.nominal

@@ -117,6 +117,7 @@ class RunSimulator:
             float(run.time_s[0]),
             float(run.time_s[-1] + self._margin * period),
             self.drive == "road",
+            course=run.course,
         )
         self._track = make_track(run.track) if self.drive == "road" else None
         self.series = self._series()
@@ -129,8 +130,9 @@ class RunSimulator:
         if not self.setting.on_road or self.run.speed_m_s <= 0:
             return None
         seconds = self.setting.end_s - self.setting.record_start_s + REMEMBERED_S
-        length = REACH * self.run.speed_m_s * seconds + REMEMBERED_M
-        waves = REACH * self.campaign.band_hz[1] * length / self.run.speed_m_s
+        speeds = [self.run.speed_m_s, *(self.run.course.speed_m_s if self.run.course else ())]
+        length = REACH * max(speeds) * seconds + REMEMBERED_M
+        waves = REACH * self.campaign.band_hz[1] * length / min(speeds)
         return HeightSeries(length, math.ceil(waves))
 
     def _stride(self, model: Model, path_step_s: float | None = None) -> int:
