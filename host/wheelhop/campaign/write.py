@@ -218,8 +218,7 @@ def _named_by(vehicle: Path) -> Iterator[Path]:
         frame = file_inside(vehicle.parent, top.table("frame"), "file")
         yield frame
         inner = read_toml(frame, CampaignError)
-        if "bdf" in inner:
-            yield file_inside(frame.parent, inner, "bdf")
+        yield from (file_inside(frame.parent, inner, key) for key in ("bdf", "f06") if key in inner)
 
 
 OWN_RUN = re.compile(r'id = "([\w.-]+)"\nfile = "([^"\\\n]+)"\nrole = "(fit|validate)"\n')

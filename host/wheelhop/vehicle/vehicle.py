@@ -12,7 +12,7 @@ from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table, did_you_mean, read_toml, shown
 from wheelhop.files.words import significant, unit_of
-from wheelhop.frame import assemble, read_frame
+from wheelhop.frame import read_corner_modes
 from wheelhop.vehicle.aboard import ABOARD, more_than_there_is, on_mounts
 from wheelhop.vehicle.frame_modes import mode_values
 from wheelhop.vehicle.layout import FULL_CAR, MODELS
@@ -183,8 +183,8 @@ def _frame(table: Table, folder: Path) -> dict[str, float]:
     damping_ratio = table.number("damping_ratio", FRAME_DAMPING, above=0.0)
     if count != int(count) or count > MOST_FRAME_MODES:
         raise table.error(f"modes = {count:g} must be a whole number up to {MOST_FRAME_MODES}")
-    elements = assemble(read_frame(file_inside(folder, table, "file")))
-    return mode_values(elements, int(count), damping_ratio)
+    modes = read_corner_modes(file_inside(folder, table, "file"))
+    return mode_values(modes, int(count), damping_ratio)
 
 
 def _tables(model: str) -> dict[str, tuple[str, ...]]:
