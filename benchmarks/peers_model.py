@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tests.truth import PRESETS
 from wheelhop.campaign import Channel
 from wheelhop.effects import load_effects
-from wheelhop.frame import CORNERS, assemble, read_frame
+from wheelhop.frame import CORNERS, read_corner_modes
 from wheelhop.simulate import Model
 from wheelhop.vehicle import System, baseline, between, body_inertia
 from wheelhop.vehicle.assembly import Body
@@ -98,7 +98,7 @@ def _places() -> list[tuple[float, float]]:
 
 def flexible() -> Mechanism:
     """Full car, driver on a seat, frame with ten modes; linear."""
-    frame = mode_values(assemble(read_frame(FRAME)), MODES, 0.02)
+    frame = mode_values(read_corner_modes(FRAME), MODES, 0.02)
     values = {**CAR, **frame}
     count = sum(key.endswith("frequency_hz") for key in frame)
     parts = baseline(values, CHANNELS, "road")

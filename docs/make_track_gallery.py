@@ -45,6 +45,19 @@ GALLERY: list[tuple[str, dict[str, float | str], tuple[float, float], bool]] = [
     ("half-sine-bump", {"amplitude_m": 0.05, "length_m": 0.4, "side": "both"}, (-0.5, 0.9), False),
     ("step-bump", {"height_m": 0.05, "width_m": 0.3, "side": "both"}, (-0.5, 0.8), False),
     ("iso8608", {"unevenness_m3": 256e-6, "waviness": 2.0, "seed": 1.0}, (0.0, 6.0), True),
+    (
+        "cobblestone",
+        {
+            "height_m": 0.01,
+            "seed": 1.0,
+            "stone_length_m": 0.15,
+            "stone_width_m": 0.16,
+            "joint_m": 0.01,
+            "joint_depth_m": 0.015,
+        },
+        (0.0, 2.0),
+        True,
+    ),
     ("profile", {"file": str(BELGIAN_BLOCK)}, (4.0, 7.0), True),
 ]
 

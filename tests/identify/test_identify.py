@@ -19,7 +19,7 @@ from wheelhop.identify import (
     suspensions,
 )
 from wheelhop.identify.gram import Stack
-from wheelhop.identify.problem import Problem, reduced
+from wheelhop.identify.problem import Problem, Step, reduced
 from wheelhop.identify.published import TABLE_5_2
 from wheelhop.identify.structure import RIGID
 from wheelhop.identify.synthetic import records, thesis_matrix, thesis_runs
@@ -249,3 +249,14 @@ def test_bad_input_is_one_line_each(clean):
         identify([thesis_runs(runs=2)], THESIS, order=4, start=unstable)
     with pytest.raises(CampaignError, match="needs the suspensions"):
         identify([thesis_runs(runs=2)])
+
+
+def test_an_inexact_elimination_leaves_no_negative_curvature():
+    """Numerators that are hardly told apart take more out of a number's column than is in it; no
+    descent may see that as curvature below 0."""
+    columns = np.random.default_rng(2).normal(size=(60, 8))
+    columns = np.column_stack([columns, columns @ np.ones(8)])
+    normal = columns.T @ columns
+    normal[-1, -1] *= 0.9
+    left, _ = reduced(Step(normal, columns.T @ columns[:, 0], np.eye(9), 1))
+    assert left[0, 0] == 0.0

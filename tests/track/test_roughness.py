@@ -86,7 +86,8 @@ def test_an_uneven_grid_is_one_line(tmp_path):
 
 
 def test_the_command_analyses_a_measured_road_and_writes_it(tmp_path, capsys):
-    words = ["road", f"profile:file={BELGIAN_BLOCK}", "--out", str(tmp_path / "new.crg")]
+    words = ["road", f"profile:file={BELGIAN_BLOCK}", "--step", "0.02", "--width", "1.2"]
+    words += ["--out", str(tmp_path / "new.crg")]
     assert main(words) == 0
     first = capsys.readouterr().out
     assert "class" in first and "mm rms" in first
@@ -98,7 +99,7 @@ def test_the_command_analyses_a_measured_road_and_writes_it(tmp_path, capsys):
 
 
 MISTAKES = {
-    "no such format": (["--out", "x.txt"], ".csv or .crg"),
+    "no such format": (["--out", "x.txt"], ".csv, .crg, .rdf"),
     "no length": (["--length", "0"], "--length 0"),
     "too short": (["--length", "0.1"], "64"),
     "no width": (["--width", "nan"], "--width nan"),

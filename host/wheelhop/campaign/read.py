@@ -15,6 +15,7 @@ from wheelhop.campaign.common import (
     frozen,
 )
 from wheelhop.campaign.component import read_component
+from wheelhop.campaign.course import Course
 from wheelhop.campaign.duplicates import refuse_leaks
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
@@ -111,6 +112,7 @@ class _Drive(Entry):
     """A drive before its recording is read."""
 
     speed_m_s: float
+    course: Course | None
     track: TrackSpec
 
 
@@ -151,12 +153,26 @@ def _channel(table: Table, name: str) -> Channel:
 
 
 def _drive(run: Table, folder: Path) -> _Drive:
-    run.only(RUN_KEYS)
+    run.only((*RUN_KEYS, "speed_along"))
     return _Drive(
         **vars(entry(run, folder)),
         speed_m_s=run.number("speed_kmph", at_least=0.0) / 3.6,
         track=read_track(run, folder),
+        course=_course(run),
     )
+
+
+def _course(run: Table) -> Course | None:
+    """The speed along the track, if it changes: pairs of place, m, and speed, km/h."""
+    if "speed_along" not in run:
+        return None
+    pairs = run.values["speed_along"]
+    listed = isinstance(pairs, list) and all(isinstance(pair, list) for pair in pairs)
+    numbers = listed and all(type(n) in (int, float) for pair in pairs for n in pair)
+    try:
+        return Course.of(pairs if numbers else ())
+    except ValueError as error:
+        raise run.error(f"speed_along {error}: [[0, 5.0], [20, 12.0]]") from None
 
 
 def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.course import Course
 from wheelhop.files import InputError, did_you_mean, shown
 from wheelhop.files.words import ending_of
 from wheelhop.logger.recording import Channel as Recorded
@@ -84,7 +85,8 @@ class Run:
 
     `time_s` is (n,), uniform at the campaign's sample rate; `record` is (n, n_channels), columns
     in the order of the campaign's channels and in their units. Both arrays are read-only.
-    `speed_m_s` is nominal: the driver held it by hand. `role` is "fit" or "validate".
+    `speed_m_s` is nominal: the driver held it by hand, or drove a `course`, whose speeds it stands
+    for: all of them are faster or slower with it. `role` is "fit" or "validate".
     """
 
     id: str
@@ -94,6 +96,8 @@ class Run:
     track: TrackSpec
     time_s: NDArray[np.float64]
     record: NDArray[np.float64]
+
+    course: Course | None = field(default=None, kw_only=True)
 
     def __repr__(self) -> str:
         how = f"{self.track.kind}, {self.speed_m_s * 3.6:.3g} km/h"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wheelhop.campaign.course import Course
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
 from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
@@ -105,6 +106,7 @@ class NewRun:
     speed_kmph: float
     track: Mapping[str, str | float]
     source: str = ""
+    course: Course | None = None
 
 
 def new_campaign(
@@ -216,8 +218,7 @@ def _named_by(vehicle: Path) -> Iterator[Path]:
         frame = file_inside(vehicle.parent, top.table("frame"), "file")
         yield frame
         inner = read_toml(frame, CampaignError)
-        if "bdf" in inner:
-            yield file_inside(frame.parent, inner, "bdf")
+        yield from (file_inside(frame.parent, inner, key) for key in ("bdf", "f06") if key in inner)
 
 
 OWN_RUN = re.compile(r'id = "([\w.-]+)"\nfile = "([^"\\\n]+)"\nrole = "(fit|validate)"\n')
@@ -323,9 +324,18 @@ def _run_lines(recording: Recording, run: NewRun) -> str:
         f'file = "runs/{run.id}.csv"',
         f"role = {quoted(run.role)}",
         f"speed_kmph = {run.speed_kmph!r}",
+        *_course_line(run.course),
         *(f"track.{_key(key)} = {_value(value)}" for key, value in run.track.items()),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _course_line(course: Course | None) -> list[str]:
+    if course is None:
+        return []
+    pairs = zip(course.x_m, course.speed_m_s, strict=True)
+    along = ", ".join(f"[{x:.9g}, {3.6 * speed:.9g}]" for x, speed in pairs)
+    return [f"speed_along = [{along}]"]
 
 
 def _key(key: str) -> str:

@@ -8,9 +8,8 @@ from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
 from wheelhop.cli.parser_more import add_completion, add_emulate
 from wheelhop.cli.parser_new import add_new
-from wheelhop.cli.parser_plan import add_plan
 from wheelhop.cli.parser_rates import add_rates
-from wheelhop.cli.parser_simulate import add_road, add_simulate
+from wheelhop.cli.parser_simulate import add_prediction
 
 BAD_INPUT = 2
 
@@ -36,9 +35,7 @@ def make_parser() -> argparse.ArgumentParser:
     _make_analysis(commands)
     _make_workbench(commands)
     add_identify(commands)
-    add_simulate(commands)
-    add_road(commands)
-    add_plan(commands)
+    add_prediction(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
     demo.add_argument(
         "folder",

@@ -1,7 +1,18 @@
-"""What `wheelhop simulate` takes."""
+"""What `wheelhop simulate` and the other commands that foretell take."""
 
 from pathlib import Path
 from typing import Any
+
+from wheelhop.cli.parser_modes import add_modes
+from wheelhop.cli.parser_plan import add_plan
+
+
+def add_prediction(commands: Any) -> None:
+    """Add the commands of simulation as a tool."""
+    add_simulate(commands)
+    add_road(commands)
+    add_modes(commands)
+    add_plan(commands)
 
 
 def add_simulate(commands: Any) -> None:
@@ -24,9 +35,9 @@ def add_simulate(commands: Any) -> None:
         "--speed",
         metavar="KMPH",
         nargs="+",
-        type=float,
         default=[],
-        help="km/h, one or more (default: those the thesis drove a named track at)",
+        help="km/h, one or more, or along the track, m:km/h, such as 0:5,20:12 (default: those the"
+        " thesis drove a named track at)",
     )
     simulate.add_argument(
         "--with",
@@ -69,6 +80,17 @@ def add_simulate(commands: Any) -> None:
         "--cluster", metavar="ADDRESS", help="compute a sweep on a Dask cluster: tcp://HOST:PORT"
     )
     simulate.add_argument(
+        "--against",
+        metavar="OTHER.toml",
+        nargs="+",
+        type=Path,
+        default=[],
+        help="other vehicles on the same runs, to be compared",
+    )
+    simulate.add_argument(
+        "--figure", metavar="FILE.png", type=Path, help="draw the rides of all vehicles"
+    )
+    simulate.add_argument(
         "--out",
         metavar="PATH",
         type=Path,
@@ -86,9 +108,12 @@ def add_road(commands: Any) -> None:
         "--length", metavar="M", type=float, help="of what is looked at (default: all, or 200 m)"
     )
     road.add_argument(
-        "--step", metavar="M", type=float, default=0.02, help="between stations (default 0.02)"
+        "--step", metavar="M", type=float, help="between stations (default: the survey's, or 0.02)"
     )
     road.add_argument(
-        "--width", metavar="M", type=float, default=1.2, help="between the paths (default 1.2)"
+        "--width", metavar="M", type=float, help="between the paths (default 1.2; grids: all of it)"
     )
-    road.add_argument("--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg")
+    road.add_argument(
+        "--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg or .rdf (Adams)"
+    )
+    road.add_argument("--grid", action="store_true", help="write a grid as .csv, too")

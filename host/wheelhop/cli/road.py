@@ -14,29 +14,34 @@ from wheelhop.cli.console import open_console
 from wheelhop.files import check_target
 from wheelhop.predict import read_drives
 from wheelhop.track import Track, make_track
+from wheelhop.track.rdf import write_rdf
 from wheelhop.track.roughness import roughness
-from wheelhop.track.surveyed import SurveyedGrid
-from wheelhop.track.write import write_opencrg, write_paths
+from wheelhop.track.surveyed import SurveyedGrid, WheelPaths
+from wheelhop.track.write import write_grid, write_opencrg, write_paths
 
 Array = NDArray[np.float64]
 
 LENGTH_M, STEP_M, WIDTH_M = 200.0, 0.02, 1.2
 GRID_M = 0.1  # across, of a grid that is written
 MOST_STATIONS = 1_000_000
+WRITERS = {".csv": write_grid, ".crg": write_opencrg, ".rdf": write_rdf}
+"""Of grids, by the file's suffix."""
 
 
 def run(arguments: Namespace) -> int:
     """Analyse a track and write it if wanted; raises CampaignError."""
     (drive, *_) = read_drives([arguments.track], [1.0])
     track = make_track(drive.track)
-    x = _stations(arguments, track)
-    half = arguments.width / 2
-    if not 0.0 < half < inf:
-        raise CampaignError(f"--width {arguments.width:g}: must be above 0")
+    step = _own_step(track) if arguments.step is None else arguments.step
+    x = _stations(arguments.length, step, track)
+    width = WIDTH_M if arguments.width is None else arguments.width
+    if not 0.0 < width < inf:
+        raise CampaignError(f"--width {width:g}: must be above 0")
+    half = width / 2
     across = _across(track, half)
     height = np.stack([track.elevation(x, y) for y in across], axis=1)
     console = open_console()
-    found = roughness(height, arguments.step)
+    found = roughness(height, step)
     low, high = (2 * np.pi / edge for edge in found.band_rad_m[::-1])
     console.print(
         f"C = {found.unevenness_m3:.3g} m³, w = {found.waviness:.3g} (ISO 8608, class"
@@ -45,25 +50,36 @@ def run(arguments: Namespace) -> int:
         markup=False,
     )
     if arguments.out is not None:
-        _write(arguments.out, track, x, half)
+        y = np.linspace(-half, half, max(round(width / GRID_M), 1) + 1)
+        if arguments.width is None and isinstance(track, SurveyedGrid):
+            y = track.y_m
+        _write(arguments.out, arguments.grid, track, x, y, half)
         console.print(f"{arguments.out}: {len(x)} stations", markup=False)
     return 0
 
 
-def _stations(arguments: Namespace, track: Track) -> Array:
-    """Where heights are asked for: the whole of a track that ends, else `--length` of it."""
-    length = arguments.length
+def _own_step(track: Track) -> float:
+    """How far apart the stations of a survey are, if they are evenly so."""
+    if isinstance(track, (SurveyedGrid, WheelPaths)):
+        apart = np.diff(track.x_m)
+        if np.ptp(apart) < 1e-6 * apart.max():
+            return float(track.end_m / len(apart))
+    return STEP_M
+
+
+def _stations(length: float | None, step: float, track: Track) -> Array:
+    """Where heights are asked for: the whole of a track that ends, else `length` of it."""
     if length is None:
         length = LENGTH_M if isinf(track.end_m) else track.end_m
-    for option, value in (("length", length), ("step", arguments.step)):
+    for option, value in (("length", length), ("step", step)):
         if not (isfinite(value) and value > 0.0):
             raise CampaignError(f"--{option} {value:g}: must be above 0 m")
-    count = int(length / arguments.step + 1e-9) + 1
+    count = int(length / step + 1e-9) + 1
     if not 64 <= count <= MOST_STATIONS:
         raise CampaignError(
             f"{count} stations: take 64 to {MOST_STATIONS} by another --length or --step"
         )
-    return np.asarray(arguments.step * np.arange(count))
+    return np.asarray(step * np.arange(count))
 
 
 def _across(track: Track, half_m: float) -> list[float]:
@@ -73,13 +89,12 @@ def _across(track: Track, half_m: float) -> list[float]:
     return [-half_m, half_m]
 
 
-def _write(file: Path, track: Track, x: Array, half_m: float) -> None:
+def _write(file: Path, grid: bool, track: Track, x: Array, y: Array, half_m: float) -> None:
     check_target(file, CampaignError)
     suffix = file.suffix.lower()
-    if suffix == ".csv":
+    if suffix not in WRITERS:
+        raise CampaignError(f"{file}: a survey is written as {', '.join(WRITERS)}")
+    if suffix == ".csv" and not grid:
         write_paths(file, x, track.elevation(x, half_m), track.elevation(x, -half_m))
-    elif suffix == ".crg":
-        y = np.linspace(-half_m, half_m, max(round(2 * half_m / GRID_M), 1) + 1)
-        write_opencrg(file, x, y, np.stack([track.elevation(x, place) for place in y], axis=1))
-    else:
-        raise CampaignError(f"{file}: a survey is written as .csv or .crg")
+        return
+    WRITERS[suffix](file, x, y, np.stack([track.elevation(x, place) for place in y], axis=1))

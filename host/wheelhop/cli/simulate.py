@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 from math import isfinite
+from pathlib import Path
 
 from rich import box
 from rich.console import Console
@@ -14,6 +15,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects
+from wheelhop.files.words import titles
 from wheelhop.formats import FORMATS
 from wheelhop.predict import (
     Case,
@@ -22,6 +24,7 @@ from wheelhop.predict import (
     make_recording,
     read_drives,
     read_effects,
+    read_speeds,
 )
 from wheelhop.predict.case import SECONDS
 from wheelhop.predict.instrument import NOISE_RMS_M_S2
@@ -49,7 +52,9 @@ def run(arguments: Namespace) -> int:
         return _sweep(arguments)
     if arguments.cluster is not None:
         raise CampaignError("--cluster: only a sweep is computed on a cluster: give --sweep")
-    case = _case(arguments)
+    case, *others = [
+        _case(arguments, vehicle) for vehicle in (arguments.vehicle, *arguments.against)
+    ]
     noise = NOISE_RMS_M_S2 if arguments.noise is None else arguments.noise
     if not 0.0 <= noise < 100.0:
         raise CampaignError(f"--noise {noise:g}: must be from 0 to 100 m/s²")
@@ -64,11 +69,26 @@ def run(arguments: Namespace) -> int:
         console.print(f"{out}: {_runs(case)} of {case.seconds:g} s", markup=False)
         if out.is_dir():
             console.print(f"Next: wheelhop compare {out}", markup=False)
-    print_rides(case, console)
+    names = titles(
+        [one.vehicle.name for one in (case, *others)], [arguments.vehicle, *arguments.against]
+    )
+    found = {}
+    for name, one in zip(names, (case, *others), strict=True):
+        if others:
+            console.print(name, style="bold", markup=False)
+        found[name] = print_rides(one, console)
+    console.print(FOOTNOTE, markup=False)
+    if min(ride.tyre_load_least for rides in found.values() for ride in rides) < -1e-6:
+        console.print(LIFTED, markup=False)
+    if arguments.figure is not None:
+        from wheelhop.report.ride import write_rides_figure
+
+        write_rides_figure([drive.id for drive in case.drives], found, arguments.figure)
+        console.print(f"figure: {arguments.figure}", markup=False)
     return 0
 
 
-def print_rides(case: Case, console: Console) -> None:
+def print_rides(case: Case, console: Console) -> list[Ride]:
     """What each run does to vehicle and driver."""
     with stages() as progress:
         rides = []
@@ -82,9 +102,7 @@ def print_rides(case: Case, console: Console) -> None:
     for drive, found in zip(case.drives, rides, strict=True):
         table.add_row(Text(drive.id), *_cells(found))
     console.print(table)
-    console.print(FOOTNOTE, markup=False)
-    if min(found.tyre_load_least for found in rides) < -1e-6:
-        console.print(LIFTED, markup=False)
+    return rides
 
 
 def _cells(found: Ride) -> tuple[str, ...]:
@@ -105,6 +123,9 @@ def _sweep(arguments: Namespace) -> int:
     for option in ("noise", "logger"):
         if getattr(arguments, option):
             raise CampaignError(f"--{option}: a sweep has no sensors; leave it out")
+    for option in ("against", "figure"):
+        if getattr(arguments, option):
+            raise CampaignError(f"--{option}: a sweep makes a table alone; leave it out")
     if arguments.out is None or arguments.out.suffix.lower() != ".parquet":
         raise CampaignError("--sweep: say where to with --out TABLE.parquet")
     if arguments.jobs is not None and arguments.cluster is not None:
@@ -114,7 +135,7 @@ def _sweep(arguments: Namespace) -> int:
     sweep = Sweep(
         read_vehicle(arguments.vehicle),
         tuple(arguments.tracks),
-        tuple(arguments.speed),
+        read_speeds(arguments.speed),
         tuple(arguments.effects),
         tuple(Axis.parse(text) for text in arguments.sweep),
         _seconds(arguments),
@@ -148,12 +169,12 @@ def _seconds(arguments: Namespace) -> float:
     return seconds
 
 
-def _case(arguments: Namespace) -> Case:
+def _case(arguments: Namespace, file: Path) -> Case:
     """What is asked for, checked."""
     seconds = _seconds(arguments)
-    vehicle = read_vehicle(arguments.vehicle)
+    vehicle = read_vehicle(file)
     effects = read_effects(arguments.effects, load_effects(arguments.library))
-    drives = read_drives(arguments.tracks, arguments.speed)
+    drives = read_drives(arguments.tracks, read_speeds(arguments.speed))
     return Case(vehicle, effects, drives, seconds, arguments.seed)
 
 

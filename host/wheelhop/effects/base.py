@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.campaign.course import Course
 from wheelhop.track import Wheel, WheelPath
 from wheelhop.vehicle.assembly import Assembly, Law
 from wheelhop.vehicle.layout import motions
@@ -127,7 +128,8 @@ class Probe(Protocol):
 class RunSetting:
     """What an effect may know of a run: its id, nominal speed, the instants at which the run-up
     and the record begin and the record ends, whether the track under it is known, and whether it
-    is no vehicle that runs but a component on a rig."""
+    is no vehicle that runs but a component on a rig; and the speed along the track, where it
+    changes."""
 
     run_id: str
     speed_m_s: float
@@ -136,6 +138,7 @@ class RunSetting:
     end_s: float
     on_road: bool
     on_rig: bool = False
+    course: Course | None = None
 
 
 class OwnValues(NamedTuple):

@@ -7,7 +7,7 @@ from math import pi
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Becomes, Effect, Parameter, Values
-from wheelhop.vehicle import Assembly, Body, between, motions
+from wheelhop.vehicle import Assembly, Body, between, motions, on_mounts
 
 
 class DriverSeat(Effect):
@@ -25,6 +25,10 @@ class DriverSeat(Effect):
         "one-mass model of the seated human: ISO 5982:2019 (apparent mass, resonance near 4 to"
         " 5 Hz on a rigid seat, lower on a cushion)"
     )
+
+    def applies_to(self, vehicle: Values) -> bool:
+        """Not to a vehicle whose file has the seat already."""
+        return "driver" not in on_mounts(vehicle)
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Mass that moves on the seat, the seat's resonance, and where it is."""

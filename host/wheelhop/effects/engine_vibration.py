@@ -11,7 +11,7 @@ from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
 from wheelhop.effects.history import History
 from wheelhop.effects.line import phase_along, shared, strength
-from wheelhop.vehicle import Assembly, Body
+from wheelhop.vehicle import Assembly, node_of
 
 SPREAD = 0.05
 """An idling engine's speed differs so much from run to run: one standard deviation."""
@@ -115,9 +115,8 @@ class EngineVibration(Effect):
         return found
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
-        """A force at the engine's place."""
-        engine = Body(vehicle.get("engine.x_m", 0.0), vehicle.get("engine.y_m", 0.0))
-        parts.add_force(((1.0, engine),))
+        """A force on the engine: on the body at its place, if it has no mount of its own."""
+        parts.add_force(((1.0, node_of(vehicle, "engine")),))
 
     def forces(
         self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array

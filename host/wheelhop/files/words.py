@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from math import floor, isfinite, log10
+from pathlib import Path
 
 UNITS = {
     "_N_s_m": "N s/m",
@@ -104,3 +105,11 @@ def label_of(name: str) -> str:
         group = ""
     words = (end, group, quantity) if end in ("front", "rear") else (group, end, quantity)
     return " ".join(word.replace("_", " ") for word in words if word)
+
+
+def titles(names: Sequence[str], files: Sequence[Path]) -> list[str]:
+    """What several vehicles are called: by their files where names are alike."""
+    if len(set(names)) == len(names):
+        return list(names)
+    stems = [file.stem for file in files]
+    return stems if len(set(stems)) == len(stems) else [str(file) for file in files]

@@ -12,10 +12,13 @@ from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
 from wheelhop.simulate.run import PATH_KEYS
-from wheelhop.vehicle import Vehicle, motions
+from wheelhop.vehicle import ABOARD, Vehicle, motions, on_mounts
 
 SPEED_UNCERTAINTY = 0.06
 """A driver holds the nominal speed within ±10 %, nearly always: one standard deviation of it."""
+
+PLACES = (".x_m", ".y_m")
+"""How numbers end that may be negative."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +62,14 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
         return _component_parameters(campaign, vehicle)
     on_road = any(run.track.kind != "unknown" for run in campaign.runs)
     # Nothing of the baseline depends on these; what an effect takes from them it says itself.
-    idle: tuple[str, ...] = ("geometry.cg_height_m", "driver.", "engine.")
+    bolted = [f"{name}." for name in ABOARD if name not in on_mounts(vehicle.values)]
+    idle: tuple[str, ...] = ("geometry.cg_height_m", *bolted)
     if not on_road:
         idle += ("wheel.",)
     free = [
-        Free(key, value, vehicle.uncertainty[key], vehicle.uncertainty[key], lower=0.02 * value)
+        Free(key, value, sigma, sigma, -np.inf if key.endswith(PLACES) else 0.02 * value)
         for key, value in vehicle.values.items()
-        if not key.startswith(idle) and vehicle.uncertainty[key] > 0
+        if not key.startswith(idle) and (sigma := vehicle.uncertainty[key]) > 0
     ]
     spread = {"x_m": "geometry.wheelbase_m", "y_m": "geometry.track_width_m"}
     for channel in campaign.channels:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 import numpy as np
@@ -86,7 +86,10 @@ def seek_again(
 
 
 def _wavelength(run: Run, period_m: float | None) -> float | None:
-    """The track's period if the run is several of them long; else its shape is what counts."""
+    """The track's period if the run is several of them long, at one speed; else its shape is what
+    counts."""
+    if run.course is not None:
+        return None
     distance = run.speed_m_s * (run.time_s[-1] - run.time_s[0])
     return period_m if period_m is not None and 2 * period_m < distance else None
 
@@ -159,7 +162,8 @@ def _match_shape(
 ) -> dict[str, float]:
     """Cross-correlation of the record with the response to the whole track, for every speed."""
     duration = run.time_s[-1] - run.time_s[0]
-    travelled = run.speed_m_s * duration * (1 + REACH)
+    speeds = (run.speed_m_s,) if run.course is None else run.course.speed_m_s
+    travelled = max(speeds) * duration * (1 + REACH)
     low = max(track.start_m, -2 * travelled) - travelled - 1.0
     high = min(track.end_m, 2 * travelled) + _behind(model).max() + 1.0
     x = np.linspace(low, high, int((high - low) / 0.01) + 1)
@@ -168,9 +172,11 @@ def _match_shape(
     band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
     measured = band.signal(run.record[:, predicted])
     best = (-np.inf, run.speed_m_s, 0.0)
-    for speed in _speeds(run, run.speed_m_s / 8.0):
-        n = fft.next_fast_len(int((high - low) / speed / step) + len(measured))
-        position = low + speed * step * np.arange(n)
+    for speed in _speeds(run, min(speeds) / 8.0):
+        # Where speed goes by the place alone, another start is the same drive at another time.
+        until, at = _drive(run, speed, low, high)
+        n = fft.next_fast_len(int(until / step) + len(measured))
+        position = at(step * np.arange(n))
         height = np.empty((n, profile.shape[1]))
         for i, behind in enumerate(_behind(model)):
             height[:, i] = np.interp(position - behind, x, profile[:, i])
@@ -183,6 +189,17 @@ def _match_shape(
         # The last len(measured) lags wrap around.
         lag = int(np.argmax(match[: n - len(measured)]))
         if match[lag] > best[0]:
-            start = low + speed * (lag * step - run.time_s[0])
+            start = float(at(np.array(lag * step - run.time_s[0])))
             best = (float(match[lag]), float(speed), float(start))
     return {"speed_m_s": best[1], "start_m": best[2]}
+
+
+def _drive(
+    run: Run, speed: float, low: float, high: float
+) -> tuple[float, Callable[[Array], Array]]:
+    """How long a run at a speed takes from one place to another, s, and where it is meanwhile."""
+    if run.course is None:
+        return (high - low) / speed, lambda time_s: low + speed * time_s
+    course, faster = run.course, speed / run.speed_m_s
+    first, last = course.time(np.array([low, high]))
+    return float(last - first) / faster, lambda time_s: course.place(first + faster * time_s)

@@ -1,6 +1,7 @@
 """Tubular space frames: beam finite elements, modes, torsional stiffness, reduction."""
 
 from wheelhop.frame.assemble import FiniteElements, assemble, dofs_of
+from wheelhop.frame.corners import FIXED_MODES, CornerModes, corner_modes, read_corner_modes
 from wheelhop.frame.error import FrameError
 from wheelhop.frame.model import CORNERS, Frame, PointMass, Tube
 from wheelhop.frame.modes import Modes, free_modes
@@ -13,6 +14,8 @@ from wheelhop.frame.twist import FrameTwist, frame_twist, torsional_stiffness, w
 
 __all__ = [
     "CORNERS",
+    "FIXED_MODES",
+    "CornerModes",
     "FiniteElements",
     "Frame",
     "FrameError",
@@ -26,11 +29,13 @@ __all__ = [
     "Static",
     "Tube",
     "assemble",
+    "corner_modes",
     "dofs_of",
     "floating",
     "frame_twist",
     "free_modes",
     "mass_properties",
+    "read_corner_modes",
     "read_frame",
     "reduce",
     "rigid_modes",

@@ -56,6 +56,12 @@ def read_bdf(path: Path, units: str) -> Bulk:
     return _Bulk(path, found, *UNITS[units]).read()
 
 
+def read_grids(path: Path, units: str) -> dict[str, Point]:
+    """The grid points of a file, m, whatever else is in it. Raises `FrameError`."""
+    cards = [card for card in read_cards(path, read_text(path, FrameError)) if card.name == "GRID"]
+    return _Bulk(path, {"GRID": cards}, *UNITS[units]).points()
+
+
 class _Bulk:
     def __init__(
         self, path: Path, cards: Mapping[str, Sequence[Card]], metre: float, kilogram: float
@@ -81,6 +87,9 @@ class _Bulk:
             tubes,
             tuple(self._mass(card, points) for card in self._all("CONM2")),
         )
+
+    def points(self) -> dict[str, Point]:
+        return {name: self._point(card) for name, card in self._by_id("GRID").items()}
 
     def _all(self, name: str) -> Sequence[Card]:
         return self.cards.get(name, ())

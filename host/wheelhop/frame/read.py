@@ -8,7 +8,7 @@ from math import dist, hypot
 from pathlib import Path
 
 from wheelhop.files import Table, did_you_mean, read_toml
-from wheelhop.frame.bdf import UNITS, Bulk, read_bdf
+from wheelhop.frame.bdf import UNITS, Bulk, read_bdf, read_grids
 from wheelhop.frame.error import FrameError
 from wheelhop.frame.model import CORNERS, ELEMENT_M, Frame, Point, PointMass, Tube
 from wheelhop.frame.section import Material, Section, round_tube
@@ -61,6 +61,19 @@ def read_frame(path: Path) -> Frame:
     )
 
 
+def read_places(path: Path) -> tuple[list[tuple[str, Point]], float]:
+    """The corners' GRIDs and where they are, m, of a frame's file that names bulk data, whatever
+    elements these hold; and the kilograms of their unit of mass. Raises `FrameError`."""
+    top = read_toml(path, FrameError)
+    top.format()
+    top.only(("format", "name", "bdf", "bdf_units", "f06", "interface"))
+    units = top.text("bdf_units", choices=tuple(UNITS))
+    nodes = read_grids(_bdf(top, path), units)
+    interface = _interface(top.table("interface"), nodes)
+    corners = [(interface[corner], nodes[interface[corner]]) for corner in CORNERS]
+    return corners, UNITS[units][1]
+
+
 def _written(top: Table) -> Bulk:
     """Material, sections, nodes and tubes as the file itself has them."""
     top.only(TABLES)
@@ -72,11 +85,20 @@ def _written(top: Table) -> Bulk:
 
 def _bulk(top: Table, path: Path) -> Bulk:
     """The same from the file of Nastran's bulk data that `bdf` names."""
+    if "f06" in top:
+        raise top.error(
+            "f06: Nastran has found its modes already: name this file under [frame] in"
+            " vehicle.toml, and ask wheelhop modes"
+        )
     top.only(("format", "name", "element_mm", "bdf", "bdf_units", "mass", "interface"))
+    return read_bdf(_bdf(top, path), top.text("bdf_units", choices=tuple(UNITS)))
+
+
+def _bdf(top: Table, path: Path) -> Path:
     file = path.parent / top.text("bdf")
     if not file.is_file():
         raise top.error(f"bdf: there is no file {file}")
-    return read_bdf(file, top.text("bdf_units", choices=tuple(UNITS)))
+    return file
 
 
 def _element_m(top: Table, nodes: Mapping[str, Point], tubes: Sequence[Tube]) -> float:

@@ -237,9 +237,10 @@ class Passing:
 
 
 def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | None:
-    """What a run says of its speed; None if it stands, or has no two axles to compare."""
+    """What a run says of its speed; None if it stands, has no two axles to compare, or its speed
+    changes along the track."""
     run = spectra.run
-    if run.speed_m_s <= 0:
+    if run.speed_m_s <= 0 or run.course is not None:
         return None
     if run.track.kind not in ("unknown", "flat"):
         period = make_track(run.track).period_m

@@ -273,6 +273,8 @@ def reduced(step: Step) -> tuple[Array, Array]:
     across = step.normal[:-k, -k:]
     eliminated = _solve(inner, np.column_stack([across, step.gradient[:-k]]))
     normal = step.normal[-k:, -k:] - across.T @ eliminated[:, :-1]
+    # Numerators that are hardly told apart may take more out of a column than is in it.
+    np.fill_diagonal(normal, np.maximum(np.diag(normal), 0.0))
     return normal, step.gradient[-k:] - across.T @ eliminated[:, -1]
 
 

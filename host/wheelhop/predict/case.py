@@ -57,7 +57,7 @@ class Case:
         for chosen in self.effects:
             parameters = chosen.effect.parameters_for(self.vehicle.values, self.channels)
             _check_known(chosen, [*parameters, *chosen.effect.per_run(setting)])
-        _check_stable(self.system)
+        check_stable(self.system)
 
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
@@ -126,6 +126,7 @@ class Case:
             drive.track,
             time_s,
             np.zeros((len(time_s), len(self.channels))),
+            course=drive.course,
         )
         campaign = self._campaign((run,), rate_hz, averaging_s)
         return MotionSimulator(campaign, run, run_up({"road": self.system}))
@@ -148,7 +149,9 @@ class Case:
         rng = np.random.default_rng([self.seed, number])
         drive, run = self.drives[number], simulator.run
         start = -FLAT_S * run.speed_m_s
-        if simulator.period_m is not None:
+        if run.course is not None:
+            start = float(run.course.place(-FLAT_S))
+        elif simulator.period_m is not None:
             start = rng.uniform(0.0, min(simulator.period_m, LONGEST_PERIOD_M))
         own = {"speed_m_s": run.speed_m_s, "start_m": float(start)}
         model = self.nominal
@@ -196,7 +199,8 @@ def _check_known(chosen: Chosen, parameters: Sequence[Parameter]) -> None:
             raise CampaignError(f"--with {chosen.effect.id}: has no parameter {name}{near}")
 
 
-def _check_stable(system: System) -> None:
+def check_stable(system: System) -> None:
+    """Raise CampaignError for a vehicle that does not stay in its place."""
     if np.linalg.eigvalsh(system.mass).min() <= 0.0:
         raise CampaignError("the vehicle: more mass or inertia is taken out of it than it has")
     growth = float(system.poles().real.max())

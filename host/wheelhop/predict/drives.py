@@ -9,6 +9,7 @@ from math import inf, isfinite
 from pathlib import Path
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, CampaignError, Channel, TrackSpec
+from wheelhop.campaign.course import Course
 from wheelhop.campaign.proving_ground import proving_ground, table_5_1
 from wheelhop.campaign.tracks import read_track
 from wheelhop.effects import Effect
@@ -50,8 +51,9 @@ class Word:
 
 @dataclass(frozen=True)
 class Drive:
-    """One run to be simulated: its id, role, exact speed, and its track as campaign.toml says it
-    (`keys`) and in SI (`track`); `file` is the survey of a profile."""
+    """One run to be simulated: its id, role, exact speed, the mean of a `course` if it has one, and
+    its track as campaign.toml says it (`keys`) and in SI (`track`); `file` is the survey of a
+    profile."""
 
     id: str
     role: str
@@ -59,6 +61,7 @@ class Drive:
     keys: Mapping[str, str | float]
     track: TrackSpec
     file: Path | None = None
+    course: Course | None = None
 
 
 @dataclass(frozen=True)
@@ -69,14 +72,35 @@ class Chosen:
     values: Mapping[str, float]
 
 
-def read_drives(tracks: Sequence[str], speeds_kmph: Sequence[float]) -> tuple[Drive, ...]:
-    """Every track at every speed; without speeds, at those the thesis drove it at.
+def read_speeds(texts: Sequence[str]) -> tuple[float | Course, ...]:
+    """Speeds, km/h, or courses as pairs of place, m, and speed, km/h: "0:5,20:12". Raises
+    CampaignError."""
+    found: list[float | Course] = []
+    for text in texts:
+        try:
+            pairs = [[float(word) for word in pair.split(":")] for pair in text.split(",")]
+        except ValueError:
+            raise CampaignError(
+                f"--speed {text}: is no speed in km/h, nor a course such as 0:5,20:12"
+            ) from None
+        if len(pairs) == 1 and len(pairs[0]) == 1:
+            found.append(pairs[0][0])
+            continue
+        try:
+            found.append(Course.of(pairs))
+        except ValueError as error:
+            raise CampaignError(f"--speed {text}: {error}") from None
+    return tuple(found)
+
+
+def read_drives(tracks: Sequence[str], speeds_kmph: Sequence[float | Course]) -> tuple[Drive, ...]:
+    """Every track at every speed or course; without, at the speeds the thesis drove it at.
 
     Raises CampaignError for a track or a key that is not known, a survey that cannot be used, a
     speed that is not above 0, and a track of no known speed.
     """
     for speed in speeds_kmph:
-        if not 0.0 < speed < inf:
+        if not (isinstance(speed, Course) or 0.0 < speed < inf):
             raise CampaignError(f"--speed {speed:g}: must be above 0 km/h")
     words = [Word.parse(text, "--tracks") for text in tracks]
     names = [word for one in words for word in _expanded(one)]
@@ -89,8 +113,10 @@ def read_drives(tracks: Sequence[str], speeds_kmph: Sequence[float]) -> tuple[Dr
         for speed in speeds_kmph or known:
             role = "fit" if len(drives) % VALIDATE_EVERY < VALIDATE_EVERY - 1 else "validate"
             label = re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem if file else word.name).strip("-")
-            id_ = _distinct(f"{label}-{speed:g}kmph", drives)
-            drives.append(Drive(id_, role, speed, keys, spec, file))
+            id_ = _distinct(f"{label}-{_named(speed)}kmph", drives)
+            course = speed if isinstance(speed, Course) else None
+            mean = 3.6 * speed.mean_m_s if isinstance(speed, Course) else speed
+            drives.append(Drive(id_, role, mean, keys, spec, file, course))
     return tuple(drives)
 
 
@@ -148,6 +174,13 @@ def _track(word: Word) -> tuple[dict[str, str | float], TrackSpec, Path | None]:
     if file is not None:
         keys["file"] = f"tracks/{file.name}"
     return keys, spec, file
+
+
+def _named(speed: float | Course) -> str:
+    """A speed, or the first and last of a course, as part of a run's id."""
+    if not isinstance(speed, Course):
+        return f"{speed:g}"
+    return f"{3.6 * speed.speed_m_s[0]:.3g}to{3.6 * speed.speed_m_s[-1]:.3g}"
 
 
 def _distinct(id_: str, drives: Sequence[Drive]) -> str:

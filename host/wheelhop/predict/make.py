@@ -100,7 +100,8 @@ def _fill(
             new_campaign(folder, title, made, {}, vehicle_file, constants_file, noise)
         copy_survey(drive, folder)
         source = f"simulated with seed {case.seed}{_effects(case)}"
-        add_run(folder, made, NewRun(drive.id, drive.role, drive.speed_kmph, drive.keys, source))
+        run = NewRun(drive.id, drive.role, drive.speed_kmph, drive.keys, source, drive.course)
+        add_run(folder, made, run)
 
 
 def _through_logger(case: Case, number: int, instrument: Instrument, folder: Path) -> Recording:

@@ -8,9 +8,11 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign import Channel
 from wheelhop.predict.case import SAMPLE_RATE_HZ, Case
 from wheelhop.predict.comfort import comfort, weighted
-from wheelhop.vehicle import axle_name, motions, static_tyre_load, wheels
+from wheelhop.simulate import Model
+from wheelhop.vehicle import axle_name, place_of, static_tyre_load, wheels
 
 Array = NDArray[np.float64]
 NYQUIST_HZ = SAMPLE_RATE_HZ / 2
@@ -21,8 +23,9 @@ NYQUIST_HZ = SAMPLE_RATE_HZ / 2
 class Ride:
     """One run. Units are in the names, which are also the columns of a sweep.
 
-    `comfort_wk_rms_m_s2` and `comfort_vdv_m_s1_75` are after ISO 2631-1, Wk, vertical, of the body
-    where the driver sits (without [driver]: at its centre of mass), over the whole band;
+    `comfort_wk_rms_m_s2` and `comfort_vdv_m_s1_75` are after ISO 2631-1, Wk, vertical, over the
+    whole band: of the driver, if there is a seat in the model, else of the body where he sits
+    (without [driver]: at its centre of mass);
     `comfort_wk_rms_below_50_hz_m_s2` is what a logger of 100 Hz would find. Travel is that of both
     struts of an axle about the static position. `dynamic_load_…` is the dynamic load coefficient of
     an axle's tyres, r.m.s. over static load; `tyre_load_least` the least load any tyre bears over
@@ -46,13 +49,7 @@ def ride(case: Case, number: int) -> Ride:
     """Simulate a run, without sensors, and look at it. Raises CampaignError if it runs away."""
     motion, values = case.motion(number), case.vehicle.values
     rate_hz = 1.0 / float(motion.time_s[1] - motion.time_s[0])
-    shares = {
-        "heave": 1.0,
-        "pitch": -values.get("driver.x_m", 0.0),
-        "roll": values.get("driver.y_m", 0.0),
-    }
-    seat = np.array([shares[name] for name in motions(values)])
-    felt = motion.acceleration[:, : len(seat)] @ seat
+    felt = motion.acceleration @ driver_output(case.nominal)
     # Outputs are the body points of all wheels, then their axles.
     rolling, outputs = wheels(values), case.system.output
     bodies, hubs = outputs[: len(rolling)], outputs[len(rolling) :]
@@ -76,6 +73,16 @@ def ride(case: Case, number: int) -> Ride:
         _rms(load[:, rear]),
         float(1.0 + load.min()),
     )
+
+
+def driver_output(model: Model) -> Array:
+    """What the driver feels, as a row over the coordinates: himself on a seat, or where he sits."""
+    place = place_of(model.values, "driver")
+    channel = Channel("driver", "body-xy", place.x_m, place.y_m)
+    system = model.system([channel], "road")
+    if "driver" not in system.coordinates:
+        return np.asarray(system.output[0])
+    return np.asarray(np.eye(len(system.mass))[system.coordinates.index("driver")])
 
 
 def _rms(values: Array) -> float:

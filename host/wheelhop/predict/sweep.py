@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.campaign import CampaignError
+from wheelhop.campaign.course import Course
 from wheelhop.effects import Effect, load_effects
 from wheelhop.predict.case import Case
 from wheelhop.predict.drives import Word, read_drives, read_effects
@@ -63,7 +64,7 @@ class Sweep:
 
     vehicle: Vehicle
     tracks: tuple[str, ...]
-    speeds_kmph: tuple[float, ...]
+    speeds_kmph: tuple[float | Course, ...]
     effects: tuple[str, ...]
     axes: tuple[Axis, ...]
     seconds: float
@@ -94,7 +95,7 @@ class Sweep:
     def case(self, number: int) -> Case:
         """What is simulated at a point. All have the same seed, so that what changes is swept."""
         point = self.point(number)
-        speeds = [point.pop(SPEED)] if SPEED in point else self.speeds_kmph
+        speeds = (point.pop(SPEED),) if SPEED in point else self.speeds_kmph
         chosen = read_effects(self.effects, _library(self.library))
         for name in [name for name in point if name.partition(".")[0] in _ids(self.effects)]:
             effect, _, parameter = name.partition(".")

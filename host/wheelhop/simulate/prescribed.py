@@ -82,9 +82,14 @@ def ways(model: Model, run: RunSetting, time_s: Array) -> tuple[Array, Array]:
     """Distance (T, 4), m, each corner has come along the track, and its rate, m/s."""
     free = model.runs.get(run.run_id, {})
     speed = free.get("speed_m_s", run.speed_m_s)
-    position = free.get("start_m", 0.0) + speed * time_s
+    start = free.get("start_m", 0.0)
+    position, now = start + speed * time_s, np.full_like(time_s, speed)
+    if run.course is not None:  # all of it faster, or slower
+        faster = speed / run.speed_m_s
+        position = run.course.place(run.course.time(start) + faster * time_s)
+        now = faster * run.course.speed(position)
     x = position[:, None] - np.array([behind_m(model.values, i) for i in CORNERS])
-    rate = np.full_like(x, speed)
+    rate = np.repeat(now[:, None], len(CORNERS), axis=1)
     for effect in model.effects:
         theta = model.theta(effect, run.run_id)
         extra = effect.travel(theta, run, time_s, position, speed)

@@ -47,6 +47,8 @@ PATH_KEYS = (
     "geometry.track_width_m",
     "wheel.front.radius_m",
     "wheel.rear.radius_m",
+    "wheel.front.width_m",
+    "wheel.rear.width_m",
 )
 """The vehicle's numbers on which the wheels' path depends."""
 
@@ -115,6 +117,7 @@ class RunSimulator:
             float(run.time_s[0]),
             float(run.time_s[-1] + self._margin * period),
             self.drive == "road",
+            course=run.course,
         )
         self._track = make_track(run.track) if self.drive == "road" else None
         self.series = self._series()
@@ -127,8 +130,9 @@ class RunSimulator:
         if not self.setting.on_road or self.run.speed_m_s <= 0:
             return None
         seconds = self.setting.end_s - self.setting.record_start_s + REMEMBERED_S
-        length = REACH * self.run.speed_m_s * seconds + REMEMBERED_M
-        waves = REACH * self.campaign.band_hz[1] * length / self.run.speed_m_s
+        speeds = [self.run.speed_m_s, *(self.run.course.speed_m_s if self.run.course else ())]
+        length = REACH * max(speeds) * seconds + REMEMBERED_M
+        waves = REACH * self.campaign.band_hz[1] * length / min(speeds)
         return HeightSeries(length, math.ceil(waves))
 
     def _stride(self, model: Model, path_step_s: float | None = None) -> int:
@@ -339,10 +343,11 @@ class RunSimulator:
 
     def _wheel(self, model: Model, corner: int, way_m: Array) -> Wheel:
         assert self._track is not None
-        radius = model.values[f"wheel.{axle_name(corner)}.radius_m"]
+        wheel = f"wheel.{axle_name(corner)}"
+        radius, width = model.values[f"{wheel}.radius_m"], model.values.get(f"{wheel}.width_m", 0.0)
         y = corner_position(model.values, corner)[1]
         track = track_of(model, self.run, self._track)
-        return Wheel(track, y, radius, *span(way_m))
+        return Wheel(track, y, radius, *span(way_m), width)
 
     def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         x, speed = ways(model, self.setting, time_s)

@@ -139,7 +139,8 @@ def wheel_envelope(
     """Envelope of the wheel of radius `radius_m` on the path at `y_m`, for x_min_m ≤ x ≤ x_max_m.
 
     A track that repeats within this range is tabulated for one period and known for every x.
-    Heights are good to 1e-6 m, to 1e-5 m on ground as rough as cobbles; slopes to 1e-5, but for
+    Heights are good to 1e-6 m, to 1e-5 m on ground as rough as cobbles and in troughs just as tight
+    as the wheel; slopes to 1e-5, but for
     the few cells (of 0.5 mm on washboards) where two contacts are about to become one: 3e-3.
     A wheel without radius is a point that follows the ground.
     Raises ValueError if a step is as high as the radius: a rigid wheel cannot climb it.

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from wheelhop.campaign import TrackSpec
+from wheelhop.track.cobblestone import Cobblestone
 from wheelhop.track.random_road import RandomRoad
 from wheelhop.track.surveyed import read_survey
 from wheelhop.track.track import Array, Track
@@ -186,5 +187,6 @@ _KINDS: dict[str, Callable[..., Track]] = {  # called with the keys of the campa
     "half-sine-bump": HalfSineBump,
     "step-bump": StepBump,
     "iso8608": RandomRoad,
+    "cobblestone": Cobblestone,
     "profile": read_survey,
 }

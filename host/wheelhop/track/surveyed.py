@@ -1,4 +1,4 @@
-"""Tracks that were measured: heights along two wheel paths (CSV) or on a grid (OpenCRG)."""
+"""Tracks that were measured: heights along two wheel paths or on a grid; CSV, OpenCRG, Adams."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from wheelhop.campaign import CampaignError
 from wheelhop.track.opencrg import read_opencrg
+from wheelhop.track.rdf import read_rdf
 from wheelhop.track.track import Array, Track
 
 _COLUMNS = ("x_m", "right_m", "left_m")
@@ -18,26 +19,35 @@ _HIGHEST_M = 100.0  # no test track is higher, but damaged binary files are
 
 
 def read_survey(file: str) -> Track:
-    """The surveyed track in `file`: OpenCRG if it ends in .crg, else CSV (see `WheelPaths`).
+    """The surveyed track in `file`: OpenCRG if it ends in .crg, Adams road data if in .rdf, else
+    CSV, whose header says whether it has two wheel paths or a grid.
 
     x = 0 is the first station, and the mean height there is z = 0. Raises `CampaignError` for a
     file that cannot be read or makes no sense.
     """
     path = Path(file)
+    suffix, y = path.suffix.lower(), None
     try:
-        if path.suffix.lower() == ".crg":
+        if suffix == ".crg":
             grid = read_opencrg(path)
-            _refuse_absurd(grid.height_m, path, "damaged, probably by an end-of-line conversion")
-            heights = _fill(grid.height_m, path)
-            return SurveyedGrid(path, grid.u_m - grid.u_m[0], heights - heights[0].mean(), grid.v_m)
-        x, heights = _read_csv(path)
-        heights -= heights[0].mean()
-        _refuse_absurd(heights, path, "heights must be in metres")
-        return WheelPaths(path, x - x[0], heights)
+            x, heights, y = grid.u_m, grid.height_m, grid.v_m
+            reason = "damaged, probably by an end-of-line conversion"
+        elif suffix == ".rdf":
+            x, heights, y = read_rdf(path)
+            reason = "look at LENGTH in [UNITS]"
+        else:
+            x, heights, y = _read_csv(path)
+            reason = "heights must be in metres"
     except OSError as error:
         raise CampaignError(f"{path}: {error.strerror}") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise CampaignError(f"{path}: not a CSV file of text in UTF-8") from error
+        raise CampaignError(f"{path}: not a file of text in UTF-8") from error
+    _refuse_absurd(heights, path, reason)
+    heights = _fill(heights, path)
+    heights = heights - heights[0].mean()
+    if y is None:
+        return WheelPaths(path, x - x[0], heights)
+    return SurveyedGrid(path, x - x[0], heights, y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,22 +139,32 @@ def _refuse_absurd(height: Array, path: Path, reason: str) -> None:
         raise CampaignError(f"{path}: a height of {worst:.3g} m: {reason}")
 
 
-def _read_csv(path: Path) -> tuple[Array, Array]:
-    """Stations (n,) and heights (n, 2), right and left."""
+def _read_csv(path: Path) -> tuple[Array, Array, Array | None]:
+    """Stations (n,), heights (n, k), and the places (k,) of a grid's columns; without places they
+    are right and left. In a grid an empty cell is a height nobody measured, NaN."""
     with path.open(newline="", encoding="utf-8-sig") as lines:
         table = csv.reader(lines)
         header = [name.strip() for name in next(table, [])]
-        missing = [name for name in _COLUMNS if name not in header]
+        places = _places(header, path)
+        names = _COLUMNS if places is None else header
+        missing = [name for name in names if name not in header]
         if missing:
-            raise CampaignError(f"{path}: no column {missing[0]}; needed are x_m, left_m, right_m")
-        columns = [header.index(name) for name in _COLUMNS]
+            raise CampaignError(
+                f"{path}: no column {missing[0]}; needed are x_m, left_m, right_m, or, for a grid,"
+                " x_m and the y of each column in metres"
+            )
+        columns = [header.index(name) for name in names]
         rows: list[list[float]] = []
         for row in table:
             try:
-                values = [float(row[column]) for column in columns]
+                values = [
+                    np.nan if places is not None and column and not row[column].strip()
+                    else float(row[column]) for column in columns
+                ]  # fmt: skip
             except (ValueError, IndexError):
-                values = [np.nan]
-            if not np.isfinite(values).all():
+                values = [np.inf]
+            known = [value for value in values if places is None or not np.isnan(value)]
+            if not np.isfinite(known).all() or len(known) < 2:
                 raise CampaignError(f"{path}: line {table.line_num} needs a number in each column")
             if rows and values[0] <= rows[-1][0]:
                 raise CampaignError(f"{path}: line {table.line_num}: x_m must increase")
@@ -152,4 +172,20 @@ def _read_csv(path: Path) -> tuple[Array, Array]:
     if len(rows) < 2:
         raise CampaignError(f"{path}: {len(rows)} stations; a profile needs at least two")
     data = np.array(rows)
-    return data[:, 0], data[:, 1:]
+    if places is None:
+        return data[:, 0], data[:, 1:], None
+    order = np.argsort(places)
+    return data[:, 0], data[:, 1:][:, order], places[order]
+
+
+def _places(header: list[str], path: Path) -> Array | None:
+    """Where the columns of a grid lie; None for wheel paths, which have names."""
+    try:
+        places = np.array([float(name) for name in header[1:]])
+    except ValueError:
+        return None
+    if header[:1] != ["x_m"] or len(places) < 2:
+        return None
+    if not np.isfinite(places).all() or len(set(places.tolist())) < len(places):
+        raise CampaignError(f"{path}: the y of two columns must differ: {', '.join(header[1:])}")
+    return places

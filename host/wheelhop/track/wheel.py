@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike
 
 from wheelhop.track.envelope import Envelope, wheel_envelope
 from wheelhop.track.track import Array, Track
 
 _NO_LENGTH_M = 1e-9  # an average over less than this is the value itself
+_FEWEST, _ACROSS_M = 5, 0.01  # lines across a wheel's width: so many, and no farther apart
 
 
 class WheelPath(Protocol):
@@ -27,7 +29,8 @@ class WheelPath(Protocol):
 class Wheel:
     """A wheel of a radius that rolls along y, its centre going from `low_m` to `high_m`.
 
-    Paths are tabulated once: equal wheels share their table.
+    A wheel with a width rolls over the mean of the ground across it. Paths are tabulated once:
+    equal wheels share their table.
     """
 
     track: Track
@@ -35,10 +38,12 @@ class Wheel:
     radius_m: float
     low_m: float
     high_m: float
+    width_m: float = 0.0
 
     def rigid(self) -> Envelope:
         """The path of a rigid wheel."""
-        return _envelope(self.track, self.y_m, self.radius_m, self.low_m, self.high_m)
+        ground = _MeanAcross(self.track, self.width_m) if self.width_m else self.track
+        return _envelope(ground, self.y_m, self.radius_m, self.low_m, self.high_m)
 
     def averaged(self, length_m: float) -> WheelPath:
         """The path of a rigid wheel, averaged over a length centred on the wheel."""
@@ -60,13 +65,13 @@ class Wheel:
 
     def without_radius(self) -> Wheel:
         """A point that follows the ground."""
-        return Wheel(self.track, self.y_m, 0.0, self.low_m, self.high_m)
+        return replace(self, radius_m=0.0)
 
     def _seen_from(self, length_m: float) -> Wheel:
         """The same wheel with a path long enough to be averaged; in whole metres, so that a
         slightly different length needs no other table."""
         reach = math.ceil(length_m / 2)
-        return Wheel(self.track, self.y_m, self.radius_m, self.low_m - reach, self.high_m + reach)
+        return replace(self, low_m=self.low_m - reach, high_m=self.high_m + reach)
 
 
 @dataclass(frozen=True)
@@ -103,6 +108,38 @@ class _Sum:
 
 
 @dataclass(frozen=True)
+class _MeanAcross(Track):
+    """A track averaged over a width across, about every y, by Gauss's quadrature."""
+
+    track: Track
+    width_m: float
+
+    @property
+    def period_m(self) -> float | None:
+        return self.track.period_m
+
+    @property
+    def start_m(self) -> float:
+        return self.track.start_m
+
+    @property
+    def end_m(self) -> float:
+        return self.track.end_m
+
+    @property
+    def edges_m(self) -> tuple[float, ...]:
+        return self.track.edges_m
+
+    def _elevation(self, x: Array, y: Array) -> Array:
+        places, weights = leggauss(max(_FEWEST, math.ceil(self.width_m / _ACROSS_M)))
+        lines = (
+            0.5 * weight * self.track.elevation(x, y + 0.5 * self.width_m * place)
+            for place, weight in zip(places, weights, strict=True)
+        )
+        return np.asarray(sum(lines))
+
+
+@dataclass(frozen=True)
 class _AveragedTrack(Track):
     """The track under a wheel, averaged along x: known under that wheel only."""
 
@@ -124,9 +161,7 @@ class _AveragedTrack(Track):
     def _elevation(self, x: Array, y: Array) -> Array:
         wheel = self.wheel
         reach = 2 * wheel.radius_m  # the disc touches ground ahead of and behind its path
-        wider = Wheel(
-            wheel.track, wheel.y_m, wheel.radius_m, wheel.low_m - reach, wheel.high_m + reach
-        )
+        wider = replace(wheel, low_m=wheel.low_m - reach, high_m=wheel.high_m + reach)
         height, _ = wider.on_footprint(self.length_m).height_and_slope(x)
         return np.broadcast_to(height, np.broadcast_shapes(x.shape, y.shape))
 

@@ -1,4 +1,4 @@
-"""Writing surveys: two wheel paths as CSV, a grid as OpenCRG."""
+"""Writing surveys: two wheel paths or a grid as CSV, a grid as OpenCRG (Adams: `rdf`)."""
 
 from __future__ import annotations
 
@@ -19,6 +19,18 @@ def write_paths(file: Path, x_m: Array, left_m: Array, right_m: Array) -> None:
     table = np.column_stack([x_m, left_m, right_m])
     with replacing(file, CampaignError) as draft:
         np.savetxt(draft, table, "%.9g", ",", header="x_m,left_m,right_m", comments="")
+
+
+def write_grid(file: Path, x_m: Array, y_m: Array, height_m: Array) -> None:
+    """Write a grid (n, k) as CSV: x_m and the y of each column, m, in the header; NaN is empty."""
+    with (
+        replacing(file, CampaignError) as draft,
+        draft.open("w", encoding="ascii", newline="\n") as out,
+    ):
+        out.write(",".join(["x_m", *(f"{y:.9g}" for y in y_m)]) + "\n")
+        for x, row in zip(x_m.tolist(), height_m.tolist(), strict=True):
+            cells = ("" if np.isnan(height) else f"{height:.9g}" for height in row)
+            out.write(",".join([f"{x:.9g}", *cells]) + "\n")
 
 
 def write_opencrg(file: Path, u_m: Array, v_m: Array, height_m: Array) -> None:

@@ -1,5 +1,6 @@
 """Vehicles: their numbers and their equations of motion."""
 
+from wheelhop.vehicle.aboard import ABOARD, node_of, on_mounts, place_of
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, between
 from wheelhop.vehicle.component import component, is_component
 from wheelhop.vehicle.flexible_frame import car_on_frame, frame_values
@@ -32,6 +33,7 @@ from wheelhop.vehicle.struts import COMPONENT, Strut, Usual, ends, pairs, strut_
 from wheelhop.vehicle.vehicle import Vehicle, changed, read_vehicle
 
 __all__ = [
+    "ABOARD",
     "COMPONENT",
     "CORNERS",
     "MODELS",
@@ -63,7 +65,10 @@ __all__ = [
     "is_component",
     "motions",
     "mounted",
+    "node_of",
+    "on_mounts",
     "pairs",
+    "place_of",
     "read_nominal",
     "read_vehicle",
     "static_load",

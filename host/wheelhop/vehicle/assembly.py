@@ -68,6 +68,7 @@ class System:
     laws: tuple[Law, ...]
     law_parameters: Array  #: (p, LAW_PARAMETERS or more)
     output: Array  #: (c, n) output displacement = output @ q; NaN row: not predicted
+    coordinates: tuple[str, ...] = ()  #: (n,) names of the free coordinates
     port_by: tuple[str, ...] = ()  #: (p,) input that each port's force is times, "" for none
 
     def poles(self) -> NDArray[np.complex128]:
@@ -187,5 +188,6 @@ class Assembly:
             laws=laws,
             law_parameters=parameters,
             output=output,
+            coordinates=tuple(self._free),
             port_by=tuple(by for *_, by in self._laws),
         )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.frame import FiniteElements, mass_properties
+from wheelhop.frame import FIXED_MODES, FiniteElements, corner_modes, mass_properties
 from wheelhop.vehicle.assembly import System
-from wheelhop.vehicle.frame_modes import FIXED_MODES, all_modes, values_of
+from wheelhop.vehicle.frame_modes import values_of
 from wheelhop.vehicle.full_car import Drive, baseline
 from wheelhop.vehicle.layout import body_inertia
 
@@ -53,5 +53,5 @@ def car_on_frame(
     fixed_modes
         Fixed-interface modes of the frame's reduction.
     """
-    bending = {**values, **values_of(elements, *all_modes(elements, fixed_modes), zeta)}
+    bending = {**values, **values_of(corner_modes(elements, fixed_modes), zeta)}
     return baseline(bending, channels, drive).system(body_inertia(bending))

@@ -13,24 +13,22 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.frame import CORNERS, FiniteElements, reduce
+from wheelhop.frame import CORNERS, CornerModes
 from wheelhop.vehicle.assembly import Assembly
 
 Array = NDArray[np.float64]
 PREFIX = "frame."
-FIXED_MODES = 20
-"""Fixed-interface modes of the frame's reduction."""
 TINY = 1e-9
 
 
-def mode_values(elements: FiniteElements, count: int, damping_ratio: float) -> dict[str, float]:
+def mode_values(modes: CornerModes, count: int, damping_ratio: float) -> dict[str, float]:
     """The lowest modes of a frame without supports under dotted keys, normalised to 1 kg.
 
     All others give way to forces at the corners as to constant ones, R = Σ φφᵀ/ω² (residual
     flexibility, e.g. R. R. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics (Wiley 2006),
     ch. 17). Up to four more modes at the frequency of the first left out have this R together.
     """
-    frequency, heights = all_modes(elements)
+    frequency, heights = modes.frequency_hz, modes.height
     if count < len(frequency):
         rest, limit = heights[:, count:], frequency[count]
         give = (rest * (limit / frequency[count:]) ** 2) @ rest.T
@@ -39,31 +37,20 @@ def mode_values(elements: FiniteElements, count: int, damping_ratio: float) -> d
         residual = direction[:, there] * np.sqrt(power[there])
         frequency = np.concatenate([frequency[:count], np.full(there.sum(), limit)])
         heights = np.concatenate([heights[:, :count], residual], axis=1)
-    return values_of(elements, frequency, heights, damping_ratio)
+    return values_of(CornerModes(modes.position, frequency, heights), damping_ratio)
 
 
-def all_modes(elements: FiniteElements, fixed_modes: int = FIXED_MODES) -> tuple[Array, Array]:
-    """Frequencies (k,), Hz, and vertical motions of the corners (4, k), 1/√kg, of all modes of the
-    frame's Craig–Bampton reduction without supports: together they deflect under constant forces at
-    the corners exactly as the frame does."""
-    reduced = reduce(elements, fixed_modes)
-    frequency_hz, shape = reduced.free_modes()
-    return frequency_hz, shape[[reduced.interface[corner] + 2 for corner in CORNERS]]
-
-
-def values_of(
-    elements: FiniteElements, frequency_hz: Array, heights: Array, damping_ratio: float
-) -> dict[str, float]:
-    """The same from frequencies (k,), Hz, and vertical motions of the corners (4, k), 1/√kg."""
-    x, y, _ = elements.position[elements.corners].T
+def values_of(modes: CornerModes, damping_ratio: float) -> dict[str, float]:
+    """All modes under dotted keys."""
+    x, y, _ = modes.position.T
     x, y = x - x[:2].mean(), y - y.mean()
     values: dict[str, float] = {}
     for corner, ahead, left in zip(CORNERS, x.tolist(), y.tolist(), strict=True):
         values[f"{PREFIX}{corner}.x_m"], values[f"{PREFIX}{corner}.y_m"] = ahead, left
-    for i, frequency in enumerate(frequency_hz.tolist(), start=1):
+    for i, frequency in enumerate(modes.frequency_hz.tolist(), start=1):
         values[f"{PREFIX}{i}.frequency_hz"] = frequency
         values[f"{PREFIX}{i}.damping_ratio"] = damping_ratio
-        for corner, height in zip(CORNERS, heights[:, i - 1].tolist(), strict=True):
+        for corner, height in zip(CORNERS, modes.height[:, i - 1].tolist(), strict=True):
             values[f"{PREFIX}{i}.{corner}"] = height
     return values
 

@@ -2,7 +2,8 @@
 
 The full car has seven degrees of freedom: heave, pitch and roll of a rigid sprung body, four
 unsprung masses on vertical suspensions and tyres (thesis section 4.1.2, "simplified Adams model";
-equations of motion of this kind are 2.1). Half and quarter cars have those of the same parts that
+equations of motion of this kind are 2.1). What stands on mounts of its own is added, and the modes
+of a frame. Half and quarter cars have those of the same parts that
 their body's motions leave (`wheelhop.vehicle.layout`).
 The same parts also make the *axle-driven* vehicle: the axles' motion is imposed, and tyre, track
 and speed no longer matter.
@@ -14,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from wheelhop.campaign import Channel
+from wheelhop.vehicle.aboard import add_aboard
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Row, between
 from wheelhop.vehicle.frame_modes import add_modes
 from wheelhop.vehicle.layout import axle_name, corner_position, motions, wheels
@@ -80,6 +82,7 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
                 values[f"wheel.{end}.tyre_damping_N_s_m"],
             )
     add_modes(parts, values)
+    add_aboard(parts, values)
     for channel in channels:
         parts.add_output(_output(values, channel, drive))
     return parts

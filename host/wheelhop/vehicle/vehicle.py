@@ -12,7 +12,8 @@ from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table, did_you_mean, read_toml, shown
 from wheelhop.files.words import significant, unit_of
-from wheelhop.frame import assemble, read_frame
+from wheelhop.frame import read_corner_modes
+from wheelhop.vehicle.aboard import ABOARD, more_than_there_is, on_mounts
 from wheelhop.vehicle.frame_modes import mode_values
 from wheelhop.vehicle.layout import FULL_CAR, MODELS
 from wheelhop.vehicle.mount import mount_values
@@ -20,9 +21,12 @@ from wheelhop.vehicle.mount import mount_values
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+WIDTH = "width_m"
+"""Of a tyre's contact, optional and certain: a wheel without one is a thin disc."""
 WHEEL = ("unsprung_mass_kg", "tyre_stiffness_N_m", "tyre_damping_N_s_m", "radius_m")
 SUSPENSION = ("stiffness_N_m", "damping_N_s_m")
-SEAT = ("mass_kg", "x_m", "y_m")
+PLACED = ("mass_kg", "x_m", "y_m")
+MOUNT = ("stiffness_N_m", "damping_N_s_m")
 TABLES = {
     "geometry": ("wheelbase_m", "track_width_m", "cg_to_front_axle_m", "cg_height_m"),
     "body": ("mass_kg", "pitch_inertia_kg_m2", "roll_inertia_kg_m2"),
@@ -30,19 +34,23 @@ TABLES = {
     "suspension.rear": SUSPENSION,
     "wheel.front": WHEEL,
     "wheel.rear": WHEEL,
-    "driver": SEAT,
-    "engine": SEAT,
+    **{name: PLACED for name in ABOARD},
 }
-"""Of the full car; the others have fewer."""
+"""Of the full car; the others have fewer. What is aboard may have `MOUNT` as well."""
 NEEDS = {
     "pitch": (
         *("geometry.wheelbase_m", "geometry.cg_to_front_axle_m", "body.pitch_inertia_kg_m2"),
-        *("suspension.rear", "wheel.rear", "driver.x_m", "engine.x_m"),
+        *("suspension.rear", "wheel.rear", *(f"{name}.x_m" for name in ABOARD)),
     ),
-    "roll": (*("geometry.track_width_m", "body.roll_inertia_kg_m2", "driver.y_m", "engine.y_m"),),
+    "roll": (
+        *("geometry.track_width_m", "body.roll_inertia_kg_m2"),
+        *(f"{name}.y_m" for name in ABOARD),
+    ),
 }
 """Tables and numbers that mean nothing without a motion of the body."""
-OPTIONAL = ("driver", "engine")
+BOLTED = ("driver", "engine")
+"""May be without a mount: effects ask where they are. Anything else bolted down is body."""
+ENDINGS = ("", "_uncertainty")
 MAY_BE_ZERO = ("damping_N_s_m", "tyre_damping_N_s_m")
 POSITIONS = ("x_m", "y_m")
 LEAST_POSITION_UNCERTAINTY_M = 0.02
@@ -57,8 +65,8 @@ class Vehicle:
     (`wheelhop.vehicle.layout`).
 
     `uncertainty` holds one standard deviation for every key of `values`, in the same unit. The
-    keys of [driver] and [engine] are there only if the file has these tables, those of "mount.…"
-    and "frame.…" if it names a specimen, or a frame: these are certain.
+    keys of what is aboard are there only if the file has its table, those of "mount.…" and
+    "frame.…" if it names a specimen, or a frame: these are certain.
     """
 
     name: str
@@ -95,15 +103,16 @@ def read_vehicle(path: Path) -> Vehicle:
     """Read vehicle.toml.
 
     The uncertainty of a value is its KEY_uncertainty if given, else `relative_uncertainty` times
-    its magnitude, and for the position of driver and engine at least 0.02 m.
+    its magnitude, and for the position of what is aboard at least 0.02 m.
 
     `model` is one of `MODELS`, "full-car" if not given: half and quarter cars have fewer numbers.
+    [driver], [engine], [battery], [payload] with stiffness_N_m and damping_N_s_m are on mounts.
     `mount` names a specimen's file beside it, the bushing that every strut may stand on; [frame]
     that of a frame whose modes the body of a full car has besides its rigid motions.
 
     Raises `CampaignError` for unknown or missing keys, masses and lengths that are not positive,
-    a centre of mass that is not between the axles, and a value without uncertainty; `FrameError`
-    for a frame's file that is wrong.
+    a centre of mass that is not between the axles, more mass on mounts than the body has, and a
+    value without uncertainty; `FrameError` for a frame's file that is wrong.
     """
     top = read_toml(path, CampaignError)
     top.format()
@@ -121,10 +130,19 @@ def read_vehicle(path: Path) -> Vehicle:
     values: dict[str, float] = {}
     uncertainty: dict[str, float] = {}
     for path_in_file, keys in tables.items():
-        if path_in_file in OPTIONAL and path_in_file not in top:
+        if path_in_file in ABOARD and path_in_file not in top:
             continue
         table = _descend(top, path_in_file, tables, absent)
-        table.only([*keys, *(f"{key}_uncertainty" for key in keys)], absent)
+        aboard = path_in_file in ABOARD
+        wheel = path_in_file.startswith("wheel.")
+        allowed = (*keys, *MOUNT) if aboard else keys
+        known = [f"{key}{end}" for key in allowed for end in ENDINGS]
+        table.only([*known, WIDTH] if wheel else known, absent)
+        if wheel and WIDTH in table:
+            values[f"{path_in_file}.{WIDTH}"] = _value(table, WIDTH)
+            uncertainty[f"{path_in_file}.{WIDTH}"] = 0.0
+        if aboard:
+            keys = (*keys, *_mount(table))
         for key in keys:
             value = _value(table, key)
             values[f"{path_in_file}.{key}"] = value
@@ -165,8 +183,8 @@ def _frame(table: Table, folder: Path) -> dict[str, float]:
     damping_ratio = table.number("damping_ratio", FRAME_DAMPING, above=0.0)
     if count != int(count) or count > MOST_FRAME_MODES:
         raise table.error(f"modes = {count:g} must be a whole number up to {MOST_FRAME_MODES}")
-    elements = assemble(read_frame(file_inside(folder, table, "file")))
-    return mode_values(elements, int(count), damping_ratio)
+    modes = read_corner_modes(file_inside(folder, table, "file"))
+    return mode_values(modes, int(count), damping_ratio)
 
 
 def _tables(model: str) -> dict[str, tuple[str, ...]]:
@@ -189,7 +207,7 @@ def _refuse_gaps(top: Table, tables: Mapping[str, tuple[str, ...]]) -> None:
         outer: Any = top.values
         for part in dotted.split("."):
             outer = outer.get(part, {}) if isinstance(outer, dict) else None
-        if outer is None or (dotted in OPTIONAL and dotted not in top.values):
+        if outer is None or (dotted in ABOARD and dotted not in top.values):
             continue  # what is no table at all is said in its own words
         missing += Table(outer, top.file, f"[{dotted}]").needs(keys) if outer else [f"[{dotted}]"]
     if len(missing) > 1:
@@ -207,6 +225,19 @@ def _descend(top: Table, dotted: str, tables: Collection[str], absent: str) -> T
     outer = top.table(parent)
     outer.only([name.split(".")[1] for name in tables if name.startswith(f"{parent}.")], absent)
     return outer.table(last)
+
+
+def _mount(table: Table) -> tuple[str, ...]:
+    """The keys of the mount under what is aboard: both or none."""
+    given = [key for key in MOUNT if key in table]
+    name = table.heading.strip("[]")
+    if len(given) == len(MOUNT):
+        return MOUNT
+    if given or name not in BOLTED:
+        missing = " and ".join(key for key in MOUNT if key not in given)
+        why = "of its mount" if given else "of its mount; what is bolted down belongs to [body]"
+        raise table.error(f"needs {missing} {why}")
+    return ()
 
 
 def _value(table: Table, key: str) -> float:
@@ -240,9 +271,15 @@ def _check_whole(top: Table, vehicle: Vehicle) -> None:
             f"[geometry]: cg_to_front_axle_m = {ahead:g} must be less than wheelbase_m = "
             f"{wheelbase:g}: the centre of mass lies between the axles"
         )
-    aboard = sum(vehicle.values.get(f"{name}.mass_kg", 0.0) for name in OPTIONAL)
+    there = [name for name in ABOARD if f"{name}.mass_kg" in vehicle.values]
+    aboard = sum(vehicle[f"{name}.mass_kg"] for name in there)
     if not aboard < vehicle["body.mass_kg"]:
         raise top.error(
-            f"[body]: mass_kg = {vehicle['body.mass_kg']:g} includes driver and engine, which "
+            f"[body]: mass_kg = {vehicle['body.mass_kg']:g} includes {' and '.join(there)}, which "
             f"alone are {aboard:g} kg"
+        )
+    if more_than_there_is(vehicle.values):
+        raise top.error(
+            f"[body]: its inertia includes {' and '.join(on_mounts(vehicle.values))}, which alone"
+            " have more of it there"
         )

@@ -25,7 +25,7 @@ NOT_USED = "not used"
 POINTS = tuple(f"{place}{i}" for place in "AB" for i in (1, 2, 3, 4))
 PLACES = (*POINTS, "body", NOT_USED)
 FREE_FORM = (".csv", ".txt", ".tsv", ".dat", ".asc")
-TRACKS = tuple(kind for kind in KINDS if kind not in ("profile", "iso8608"))
+TRACKS = tuple(kind for kind in KINDS if kind not in ("profile", "iso8608", "cobblestone"))
 """Kinds of track that need no file and no drawing of lots."""
 USUAL = {
     **{"amplitude_mm": 10.0, "pitch_mm": 500.0, "angle_deg": 20.0, "width_mm": 4000.0},
