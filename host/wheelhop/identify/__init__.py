@@ -8,8 +8,10 @@ from wheelhop.identify.export import (
     write_mat,
 )
 from wheelhop.identify.frf import Frf, frf, frf_h1
-from wheelhop.identify.identify import Judged, TransferMatrix, identify, judge
+from wheelhop.identify.identify import identify
+from wheelhop.identify.judge import Judged, judge
 from wheelhop.identify.linear import Linearity, linearity
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.quarter_car import (
     Struts,
     Wheels,

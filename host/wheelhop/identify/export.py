@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, CampaignError
-from wheelhop.identify.identify import TransferMatrix
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.statespace import StateSpace, of_fractions
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
-from wheelhop.identify.identify import TransferMatrix
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.quarter_car import Struts, Wheels, compliance, on_wheels
 from wheelhop.identify.statespace import StateSpace, of_fractions
 from wheelhop.identify.steps import DampedSinusoids
