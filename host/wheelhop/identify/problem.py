@@ -208,22 +208,26 @@ class Problem:
     def _numerators(self, sums: Gram, sections: Sections, suspension: Array) -> tuple[Array, bool]:
         """The free numbers, and whether their least squares have a minimum (noise leaves it)."""
         normal = np.zeros((self.unknowns, self.unknowns))
-        noise = np.zeros_like(normal)
         right = np.zeros(self.unknowns)
         for i, weight in enumerate(self.output_weight):
             normal[self.index[i][:, None], self.index[i]] += weight * sums.phi_phi
-            noise[self.index[i][:, None], self.index[i]] += weight * sums.noise
             right[self.index[i]] += weight * sums.phi_x[:, i]
+        less = normal
+        if self.stack.noisy:
+            less = MOST_NOISE * normal
+            for i, weight in enumerate(self.output_weight):
+                at = self.index[i]
+                less[at[:, None], at] -= (1 - MOST_NOISE) * weight * sums.noise
         a, b, _ = self._constraints(sections, suspension)
-        fixed, null = np.zeros(self.unknowns), np.eye(self.unknowns)
+        fixed = np.zeros(self.unknowns)
         if len(a):
             fixed, null = linalg.lstsq(a, b)[0], linalg.null_space(a)
-        inside = null.T @ normal @ null
-        less = MOST_NOISE * inside - (1 - MOST_NOISE) * null.T @ noise @ null
+            right = null.T @ (right - normal @ fixed)
+            normal, less = null.T @ normal @ null, null.T @ less @ null
         if self.stack.noisy and not _positive(less):
             return fixed, False
-        out: Array = fixed + null @ _solve(inside, null.T @ (right - normal @ fixed))
-        return out, True
+        inside = _solve(normal, right)
+        return (fixed + null @ inside if len(a) else inside), True
 
     def _products(self, point: Point) -> tuple[Array, Array, Array]:
         """Weighted products of the derivatives d of the modelled outputs by the nonlinear numbers,
