@@ -93,6 +93,15 @@ def test_bad_input_is_one_line_and_exit_2(words, line, capsys):
     assert line in error and error.count("\n") == 1
 
 
+def test_more_poles_than_the_runs_need_are_said_to_be(tmp_path, capsys):
+    file = tmp_path / "h.json"
+    assert main(["identify", str(CLEAN), "--order", "8", "--json", str(file)]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "8 poles were asked for; the runs do not need more than 6" in printed
+    (row,) = json.loads(file.read_text())["orders"]
+    assert (row["order"], row["kept"]) == (8, 6) and row["bic"] > row["aicc"]
+
+
 def test_frequency_responses_without_a_model(tmp_path, capsys):
     """The numbers, the same for MATLAB, and a picture."""
     files = [tmp_path / name for name in ("frf.json", "frf.mat", "frf.png")]

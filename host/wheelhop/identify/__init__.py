@@ -6,6 +6,7 @@ from wheelhop.identify.export import (
     state_space,
     to_json,
     write_mat,
+    write_mat_of_states,
 )
 from wheelhop.identify.frf import Frf, frf, frf_h1
 from wheelhop.identify.identify import identify
@@ -80,4 +81,5 @@ __all__ = [
     "to_json",
     "wheel_hop_hz",
     "write_mat",
+    "write_mat_of_states",
 ]

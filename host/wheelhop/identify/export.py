@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -113,21 +114,34 @@ def write_mat(model: TransferMatrix, path: Path) -> None:
 
     Raises CampaignError if the file cannot be written.
     """
-    from scipy.io import savemat
-
-    system = state_space(model)
     numerators, denominator = polynomials(model)
     poles, residues, direct = poles_and_residues(model)
-    names = ([AXLE_POINTS[c] for c in model.inputs], [BODY_POINTS[c] for c in model.outputs])
+    write_mat_of_states(
+        state_space(model),
+        [AXLE_POINTS[c] for c in model.inputs],
+        [BODY_POINTS[c] for c in model.outputs],
+        path,
+        {"num": numerators, "den": denominator}
+        | {"poles": poles, "residues": residues, "direct": direct},
+    )
+
+
+def write_mat_of_states(
+    system: StateSpace,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    path: Path,
+    more: Mapping[str, Any] | None = None,
+) -> None:
+    """Write A, B, C, D, the names of inputs and outputs, and `more` for MATLAB.
+
+    Raises CampaignError if the file cannot be written.
+    """
+    from scipy.io import savemat
+
+    states = {"A": system.a, "B": system.b, "C": system.c, "D": system.d}
+    names = {"inputs": np.array(inputs, object), "outputs": np.array(outputs, object)}
     try:
-        savemat(
-            path,
-            {
-                **{"A": system.a, "B": system.b, "C": system.c, "D": system.d},
-                **{"num": numerators, "den": denominator},
-                **{"poles": poles, "residues": residues, "direct": direct},
-                **{"inputs": np.array(names[0], object), "outputs": np.array(names[1], object)},
-            },
-        )
+        savemat(path, {**states, **names, **(more or {})})
     except OSError as error:
         raise CampaignError(f"{path}: cannot be written: {error.strerror}") from None
