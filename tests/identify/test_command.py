@@ -1,6 +1,7 @@
 """wheelhop identify and wheelhop thesis, and the files they write."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import control
@@ -13,6 +14,7 @@ from skrf.vectorFitting import VectorFitting
 from wheelhop.campaign import read_campaign
 from wheelhop.cli.main import main
 from wheelhop.identify import (
+    Sections,
     Structure,
     identify,
     measure,
@@ -20,6 +22,7 @@ from wheelhop.identify import (
     polynomials,
     state_space,
     suspensions,
+    write_mat,
 )
 from wheelhop.vehicle import read_vehicle
 
@@ -55,6 +58,16 @@ def test_residues_are_those_of_scikit_rf(model):
     fitting.proportional_coeff = np.zeros(1)
     found = fitting.get_model_response(0, 0, S.imag / (2 * np.pi))
     assert found == pytest.approx(model(S)[:, 0, 2], rel=1e-8)
+
+
+def test_poles_that_coincide_have_no_residues_and_are_still_written(model, tmp_path):
+    sections = Sections(np.array([12.0, 25.0]), np.array([0.4, 1.0]), 60.0)
+    double = replace(model, sections=sections)
+    with pytest.raises(ValueError, match="coincide"):
+        poles_and_residues(double)
+    write_mat(double, tmp_path / "h.mat")
+    mat = loadmat(tmp_path / "h.mat")
+    assert "A" in mat and "poles" not in mat
 
 
 def test_the_command_judges_draws_and_exports(tmp_path, capsys):

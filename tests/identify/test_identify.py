@@ -180,7 +180,7 @@ def test_noise_on_the_axles_is_not_taken_for_motion_if_its_level_is_stated():
     the lowest mode, near which few lines are driven, with it."""
     noise = 0.15
     stated, silent = [], []
-    for seed in range(8):
+    for seed in range(5):
         runs = [sinusoidal(noise, seed)]
         for off, rms in ((stated, noise * np.sqrt(29.5 / 50.0)), (silent, None)):
             _, zeta = modes_of(identify(runs, THESIS, noise_rms=rms, start=TABLE_5_2))

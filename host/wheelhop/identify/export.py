@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -110,20 +111,21 @@ def to_json(model: TransferMatrix) -> dict[str, Any]:
 
 
 def write_mat(model: TransferMatrix, path: Path) -> None:
-    """Write A, B, C, D, num, den, poles, residues for MATLAB: `ss(A, B, C, D)` is H.
+    """Write A, B, C, D, num, den, and poles and residues unless two poles coincide, for MATLAB:
+    `ss(A, B, C, D)` is H.
 
     Raises CampaignError if the file cannot be written.
     """
     numerators, denominator = polynomials(model)
-    poles, residues, direct = poles_and_residues(model)
-    write_mat_of_states(
-        state_space(model),
+    more: dict[str, Any] = {"num": numerators, "den": denominator}
+    with suppress(ValueError):
+        poles, residues, direct = poles_and_residues(model)
+        more |= {"poles": poles, "residues": residues, "direct": direct}
+    inputs, outputs = (
         [AXLE_POINTS[c] for c in model.inputs],
         [BODY_POINTS[c] for c in model.outputs],
-        path,
-        {"num": numerators, "den": denominator}
-        | {"poles": poles, "residues": residues, "direct": direct},
     )
+    write_mat_of_states(state_space(model), inputs, outputs, path, more)
 
 
 def write_mat_of_states(
