@@ -25,6 +25,8 @@ FINE = 0.1
 """Standard errors."""
 ROUGH = 1e-3
 """Share of the cost that a step must promise while the weights are not known."""
+ROUGH_PRICE = 0.05
+"""Share of a section's price to which the cost without it is found."""
 CHANCE = 5.0
 """Standard deviations beyond what chance takes off the cost."""
 NARROW = 10.0
@@ -176,6 +178,7 @@ class _Fitter:
 
     def pruned(self, point: Point) -> Point:
         """Without the sections that the runs do not need."""
+        order = self.order
         fewer: Point | None = point
         while fewer is not None:
             point, fewer = fewer, None
@@ -183,7 +186,7 @@ class _Fitter:
                 fewer = self._without(section, point, price)
                 if fewer is not None:
                     break
-        return point
+        return point if self.order == order else self.refined(point.numbers)
 
     def _weak(self, point: Point) -> list[tuple[int, float]]:
         """Sections that may be superfluous, and what each has to take off the cost to stay.
@@ -217,7 +220,8 @@ class _Fitter:
         problem, m = self.problem, len(point.sections.omega)
         self.order -= 2
         self._use(self.weights, problem.output_weight, self.noise)
-        fewer = self.refined(np.delete(point.numbers, [section, m + section]))
+        start = np.delete(point.numbers, [section, m + section])
+        fewer = _followed(self.problem, start, self._band, ROUGH_PRICE * price / point.cost)
         if fewer.cost - point.cost < price:
             return fewer
         self.problem, self.order = problem, self.order + 2
