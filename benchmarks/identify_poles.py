@@ -22,7 +22,7 @@ from wheelhop.identify import Structure, candidate, measure, suspensions
 from wheelhop.identify.identify import WASTED
 from wheelhop.vehicle import Vehicle, read_vehicle
 
-ORDERS = (6, 8)
+ORDERS = (6, 8, 10, 12, 14)
 
 
 def main() -> None:
@@ -40,7 +40,8 @@ def main() -> None:
             found = candidate(measured, Structure(), order, belief)
             judged = found.judging
             print(
-                f"{folder.name}, order {order}: error {judged.error:.4f}, noise {judged.floor:.4f}"
+                f"{folder.name}, {order} poles asked for, {found.order} kept: error"
+                f" {judged.error:.4f}, noise {judged.floor:.4f}"
             )
             rows = np.array([row for row in found.model.poles_table() if row[2] <= WASTED])
             for hz, zeta in modes:

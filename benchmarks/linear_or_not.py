@@ -19,6 +19,7 @@ from wheelhop.campaign import read_campaign
 from wheelhop.identify import linearity
 from wheelhop.vehicle import read_vehicle
 
+ENGINE = {"force_N": 60.0, "freq_hz": 22.0, "run_spread_hz": 1.0, "wander_hz": 0.5, "x_m": -0.5}
 CASES: Sequence[tuple[str, str, Mapping[str, float]]] = (
     ("linear", "mount-bushing", {"stiffness_N_m": 1e5, "damping_N_s_m": 200.0}),
     ("linear", "mount-bushing", {"stiffness_N_m": 6e5, "damping_N_s_m": 400.0}),
@@ -32,6 +33,13 @@ CASES: Sequence[tuple[str, str, Mapping[str, float]]] = (
     ("not linear", "digressive-damper", {"knee_m_s": 0.4, "slope_ratio": 0.8}),
     ("not linear", "bump-stop", {"clearance_m": 0.02, "stiffness_N_m": 3e4}),
     ("not linear", "bump-stop", {"clearance_m": 0.03, "stiffness_N_m": 1.5e4}),
+    # Other laws by the same names (tests/truth/other_laws.py): creep, bristles, a measured damper,
+    # foam; and an engine whose speed wanders, of which nothing may be called not linear.
+    ("not linear", "dry-friction", {"tanh_front_N": 40.0, "tanh_rear_N": 30.0, "creep_m_s": 0.01}),
+    ("not linear", "dry-friction", {"sliding_front_N": 40.0, "sliding_rear_N": 30.0}),
+    ("not linear", "digressive-damper", {"knee_m_s": 0.2, "slope_ratio": 0.5, "lead": 0.15}),
+    ("not linear", "bump-stop", {"clearance_m": 0.02, "stiffness_N_m": 4e4, "onset_m": 0.01}),
+    ("linear", "engine-vibration", ENGINE),
 )
 
 

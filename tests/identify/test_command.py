@@ -1,6 +1,7 @@
 """wheelhop identify and wheelhop thesis, and the files they write."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import control
@@ -13,6 +14,7 @@ from skrf.vectorFitting import VectorFitting
 from wheelhop.campaign import read_campaign
 from wheelhop.cli.main import main
 from wheelhop.identify import (
+    Sections,
     Structure,
     identify,
     measure,
@@ -20,6 +22,7 @@ from wheelhop.identify import (
     polynomials,
     state_space,
     suspensions,
+    write_mat,
 )
 from wheelhop.vehicle import read_vehicle
 
@@ -57,6 +60,16 @@ def test_residues_are_those_of_scikit_rf(model):
     assert found == pytest.approx(model(S)[:, 0, 2], rel=1e-8)
 
 
+def test_poles_that_coincide_have_no_residues_and_are_still_written(model, tmp_path):
+    sections = Sections(np.array([12.0, 25.0]), np.array([0.4, 1.0]), 60.0)
+    double = replace(model, sections=sections)
+    with pytest.raises(ValueError, match="coincide"):
+        poles_and_residues(double)
+    write_mat(double, tmp_path / "h.mat")
+    mat = loadmat(tmp_path / "h.mat")
+    assert "A" in mat and "poles" not in mat
+
+
 def test_the_command_judges_draws_and_exports(tmp_path, capsys):
     files = {key: tmp_path / f"out.{key}" for key in ("json", "mat", "png")}
     arguments = ["identify", str(CLEAN), "--order", "6", "--physics", "--json", str(files["json"])]
@@ -91,6 +104,15 @@ def test_bad_input_is_one_line_and_exit_2(words, line, capsys):
     assert main(["identify", str(CLEAN), *words]) == 2
     error = capsys.readouterr().err
     assert line in error and error.count("\n") == 1
+
+
+def test_more_poles_than_the_runs_need_are_said_to_be(tmp_path, capsys):
+    file = tmp_path / "h.json"
+    assert main(["identify", str(CLEAN), "--order", "8", "--json", str(file)]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "8 poles were asked for; the runs do not need more than 6" in printed
+    (row,) = json.loads(file.read_text())["orders"]
+    assert (row["order"], row["kept"]) == (8, 6) and row["bic"] > row["aicc"]
 
 
 def test_frequency_responses_without_a_model(tmp_path, capsys):

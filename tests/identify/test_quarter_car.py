@@ -5,12 +5,14 @@ import numpy as np
 import pytest
 
 from wheelhop.identify import (
+    Car,
     Struts,
     Wheels,
     balanced_reduction,
     compliance,
     on_wheels,
     other_suspensions,
+    published,
     study,
     wheel_hop_hz,
 )
@@ -18,6 +20,7 @@ from wheelhop.identify.equivalent import EquivalentVehicle, equivalent_vehicle, 
 from wheelhop.identify.published import H_RED, TABLE_2_2, TABLE_2_4, TABLE_5_3, TABLE_5_4
 from wheelhop.identify.statespace import StateSpace
 from wheelhop.identify.synthetic import thesis_matrix
+from wheelhop.identify.thesis import implied_body, simple_modes
 from wheelhop.identify.thesis_figures import draw_thesis, racing_car, stiffened
 
 OLD, NEW = Struts(*TABLE_5_4["old"]), Struts(*TABLE_5_4["new"])
@@ -168,6 +171,28 @@ def test_figure_5_24_stiffer_springs_let_more_through():
         soft, hard = (np.abs(v.system(1j * omega)).max() for v in end)
         assert hard > 1.05 * soft
         assert end[1].static > end[0].static > 0
+
+
+def test_both_ends_are_varied_together():
+    """Table 5.4: "stiffness" by 1.2 makes the new suspensions of the old."""
+    car = Car(compliance(thesis_matrix(), OLD), OLD, WHEELS)
+    stiffer = car.ground_to_body("stiffness", 1.2)
+    assert stiffer(POINTS) == pytest.approx(on_wheels(car.body, OLD, NEW, WHEELS)(POINTS))
+    light = car.ground_to_body("unsprung-mass", 0.5)
+    halved = Wheels((7.5, 6.25), WHEELS.stiffness_N_m, WHEELS.damping_N_s_m)
+    assert light(POINTS) == pytest.approx(on_wheels(car.body, OLD, OLD, halved)(POINTS))
+    rear = car.ground_to_body("rear-tyre", 2.0)
+    tyres = Wheels(WHEELS.mass_kg, (40e3, 80e3), WHEELS.damping_N_s_m)
+    assert rear(POINTS) == pytest.approx(on_wheels(car.body, OLD, OLD, tyres)(POINTS))
+
+
+def test_the_body_that_table_d_1_implies_has_its_modes(monkeypatch):
+    mass, pitch, roll = implied_body()
+    assert mass == pytest.approx(220 - 55, rel=0.05)  # printed: the vehicle less its wheels
+    body = {"mass_kg": mass, "pitch_inertia_kg_m2": pitch, "roll_inertia_kg_m2": roll}
+    monkeypatch.setattr(published, "ATV", {**published.ATV, **body})
+    modes = simple_modes()
+    assert modes == pytest.approx({mode: published.TABLE_D_1[mode] for mode in modes})
 
 
 def test_figures_are_drawn(tmp_path):

@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import loadmat
 
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.main import main
 from wheelhop.identify import (
     Car,
+    StateSpace,
     Struts,
     Wheels,
     fit_damped_sinusoids,
@@ -83,9 +85,15 @@ def test_a_table_of_steps_is_fitted_by_command(tmp_path, capsys):
     file = write(tmp_path / "steps.csv", "\n".join(rows))
     steps = read_steps(file, 1000.0)
     assert steps.responses == pytest.approx(RESPONSES)
-    assert main(["identify", str(file), "--force-N", "1000", "--order", "8"]) == 0
+    mat = tmp_path / "steps.mat"
+    words = ["identify", str(file), "--force-N", "1000", "--order", "8", "--mat", str(mat)]
+    assert main(words) == 0
     printed = capsys.readouterr().out
     assert all(f"{sigma:.3f}" in printed for sigma, _ in TRUTH)
+    written = loadmat(mat)
+    h = StateSpace(*(written[name] for name in "ABCD"))([8j])
+    assert h == pytest.approx(BODY(np.array([8j])), rel=1e-4, abs=1e-4 * np.abs(h).max())
+    assert [str(name.item()) for name in written["outputs"].ravel()] == ["B1", "B2", "B3", "B4"]
 
 
 def test_steps_are_studied_as_the_car_they_are_of(tmp_path, capsys):

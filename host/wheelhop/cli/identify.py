@@ -28,8 +28,6 @@ from wheelhop.identify import (
     best,
     candidate,
     car_of,
-    identify,
-    judge,
     measure,
     not_excited,
     of_orders,
@@ -40,6 +38,7 @@ from wheelhop.identify import (
 )
 from wheelhop.identify.figure import draw_matrix, physical_matrix
 from wheelhop.identify.identify import WASTED
+from wheelhop.identify.linear import LASTING
 from wheelhop.vehicle import CORNERS, Vehicle, read_vehicle, wheels
 
 
@@ -82,21 +81,9 @@ def _candidates(
     arguments: Namespace, measured: Measured, structure: Structure, belief: Suspensions
 ) -> list[Candidate]:
     if arguments.start is not None:
-        order = 2 * len(arguments.start)
         numbers = np.array(arguments.start)
-        model = identify(
-            measured.fit,
-            structure,
-            order=order,
-            inputs=measured.inputs,
-            outputs=measured.outputs,
-            suspensions=belief,
-            noise_rms=measured.noise_rms,
-            start=Sections(2 * np.pi * numbers[:, 0], numbers[:, 1]),
-        )
-        fit = judge(model, measured.fit, measured.noise_rms)
-        held = judge(model, measured.validate, measured.noise_rms) if measured.validate else None
-        return [Candidate(model, fit, held, float("nan"))]
+        start = Sections(2 * np.pi * numbers[:, 0], numbers[:, 1])
+        return [candidate(measured, structure, start.order, belief, start)]
     if arguments.order is not None:
         return [candidate(measured, structure, arguments.order, belief)]
     return of_orders(measured, structure, belief)
@@ -107,25 +94,32 @@ def _print_model(
 ) -> None:
     if len(candidates) > 1:
         table = Table(box=box.SIMPLE_HEAD)
-        for name in ("order", "unknowns", "BIC", "error fit", "error held out", "floor"):
+        table.add_column("poles", justify="right")
+        table.add_column("kept", justify="right")
+        for name in ("unknowns", "BIC", "AICc", "error fit", "held out", "floor"):
             table.add_column(name, justify="right")
-        least = min(c.bic for c in candidates)
+        bic, aicc = min(c.bic for c in candidates), min(c.aicc for c in candidates)
         for c in candidates:
             held = "–" if c.validate is None else f"{c.validate.error:.4f}"
             mark = "←" if c is chosen else ""
             table.add_row(
-                *(f"{c.order}", f"{c.model.unknowns}", f"+{c.bic - least:.0f}"),
+                *(f"{c.asked}", f"{c.order}", f"{c.model.unknowns}"),
+                *(f"+{c.bic - bic:.0f}", f"+{c.aicc - aicc:.0f}"),
                 *(f"{c.fit.error:.4f}", held, f"{_floor(c.judging)} {mark}"),
             )
         console.print(table)
     table = Table(box=box.SIMPLE_HEAD)
     for name in ("mode", "frequency, Hz", "± 1 s.e.", "damping ratio", "± 1 s.e."):
         table.add_column(name, justify="right")
+    table.add_column()
+    longest_s = max(2 * np.pi / (part.omega[1] - part.omega[0]) for part in measured.fit)
     for number, (f, df, z, dz) in enumerate(sorted(chosen.model.poles_table()), start=1):
         if z > WASTED:
             table.add_row(f"{number}", "not a mode")
         else:
-            table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}")
+            rings = 2 * np.pi * f * z * longest_s < LASTING
+            remark = "may be a driven line" if rings else ""
+            table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}", remark)
     console.print(table)
     held = "runs held out" if chosen.validate else "fitted runs (none is held out)"
     judged = chosen.judging
@@ -133,6 +127,10 @@ def _print_model(
         f"order {chosen.order}: error {judged.error:.4f} on {held};"
         f" noise alone leaves {_floor(judged)}"
     )
+    if len(candidates) == 1 and chosen.order < chosen.asked:
+        console.print(
+            f"{chosen.asked} poles were asked for; the runs do not need more than {chosen.order}"
+        )
     for motion in not_excited(measured.fit, measured.noise_rms):
         console.print(f"the axles never move {motion}: what H says of it is not measured")
 
@@ -209,7 +207,10 @@ def _write(
                     {"track": kind, "runs": count, "error": error, "by_output": by_output}
                     for kind, count, by_output, error in tracks(campaign, chosen)
                 ],
-                "orders": [{"order": c.order, **_errors(c)} for c in candidates],
+                "orders": [
+                    {"order": c.asked, "kept": c.order, "bic": c.bic, "aicc": c.aicc, **_errors(c)}
+                    for c in candidates
+                ],
                 "physics": {name: _errors(c) for name, c in physics.items()},
             },
         )

@@ -11,10 +11,15 @@ from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
 from wheelhop.cli.exchange import write_json
 from wheelhop.cli.identify_study import print_study
-from wheelhop.identify import car_of_steps, fit_damped_sinusoids, read_steps
+from wheelhop.identify import (
+    car_of_steps,
+    fit_damped_sinusoids,
+    read_steps,
+    write_mat_of_states,
+)
 from wheelhop.vehicle import read_vehicle
 
-CAMPAIGNS_ONLY = ("start", "physics", "figure", "mat")
+CAMPAIGNS_ONLY = ("start", "physics", "figure", "frf")
 MOST = 3
 """Damped sinusoids tried when no order is given, as in Table 2.1 of the thesis."""
 
@@ -50,6 +55,11 @@ def run_steps(arguments: Namespace) -> int:
             )
         values = read_vehicle(arguments.vehicle).values
         print_study(arguments, car_of_steps(fits[-1], values), console)
+    if arguments.mat:
+        last = fits[-1]
+        system = last.transfer(len(steps.points), len(steps.forces))
+        exponents = {"sigma": last.sigma, "omega": last.omega}
+        write_mat_of_states(system, steps.forces, steps.points, arguments.mat, exponents)
     if arguments.json:
         write_json(
             arguments.json,

@@ -16,8 +16,10 @@ from wheelhop.identify.figure import draw_study
 def print_study(arguments: Namespace, car: Car, console: Console) -> None:
     """Print and draw what was asked for; raises CampaignError."""
     varied, factors = arguments.study
-    variants = study(car, varied, factors)
-    table = Table(box=box.SIMPLE_HEAD, title=f"ground under A1 to B1, {varied} varied")
+    corner = arguments.study_corner
+    variants = study(car, varied, factors, corner - 1)
+    title = f"ground under A{corner} to B{corner}, {varied} varied"
+    table = Table(box=box.SIMPLE_HEAD, title=title)
     for name in ("factor", "static", "largest of a step", "wheel hop, Hz"):
         table.add_column(name, justify="right")
     time_s = np.arange(0, 3.0, 0.005)

@@ -43,7 +43,15 @@ def add_identify(commands: Any) -> None:
         "--study",
         metavar="WHAT=FACTOR,…",
         type=_study,
-        help="vary the car, such as front-stiffness=1,1.25,1.5",
+        help="vary the car, such as front-stiffness=1,1.25,1.5 or, at both ends, stiffness=1,1.2",
+    )
+    identify.add_argument(
+        "--study-corner",
+        metavar="N",
+        type=int,
+        choices=(1, 2, 3, 4),
+        default=1,
+        help="the corner whose ground and body are studied (default 1, front left)",
     )
     identify.add_argument(
         "--frf",

@@ -6,10 +6,13 @@ from wheelhop.identify.export import (
     state_space,
     to_json,
     write_mat,
+    write_mat_of_states,
 )
 from wheelhop.identify.frf import Frf, frf, frf_h1
-from wheelhop.identify.identify import Judged, TransferMatrix, identify, judge
+from wheelhop.identify.identify import identify
+from wheelhop.identify.judge import Judged, judge
 from wheelhop.identify.linear import Linearity, linearity
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.quarter_car import (
     Struts,
     Wheels,
@@ -78,4 +81,5 @@ __all__ = [
     "to_json",
     "wheel_hop_hz",
     "write_mat",
+    "write_mat_of_states",
 ]

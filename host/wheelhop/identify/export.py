@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, CampaignError
-from wheelhop.identify.identify import TransferMatrix
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.statespace import StateSpace, of_fractions
 
 Array = NDArray[np.float64]
@@ -109,25 +111,39 @@ def to_json(model: TransferMatrix) -> dict[str, Any]:
 
 
 def write_mat(model: TransferMatrix, path: Path) -> None:
-    """Write A, B, C, D, num, den, poles, residues for MATLAB: `ss(A, B, C, D)` is H.
+    """Write A, B, C, D, num, den, and poles and residues unless two poles coincide, for MATLAB:
+    `ss(A, B, C, D)` is H.
+
+    Raises CampaignError if the file cannot be written.
+    """
+    numerators, denominator = polynomials(model)
+    more: dict[str, Any] = {"num": numerators, "den": denominator}
+    with suppress(ValueError):
+        poles, residues, direct = poles_and_residues(model)
+        more |= {"poles": poles, "residues": residues, "direct": direct}
+    inputs, outputs = (
+        [AXLE_POINTS[c] for c in model.inputs],
+        [BODY_POINTS[c] for c in model.outputs],
+    )
+    write_mat_of_states(state_space(model), inputs, outputs, path, more)
+
+
+def write_mat_of_states(
+    system: StateSpace,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    path: Path,
+    more: Mapping[str, Any] | None = None,
+) -> None:
+    """Write A, B, C, D, the names of inputs and outputs, and `more` for MATLAB.
 
     Raises CampaignError if the file cannot be written.
     """
     from scipy.io import savemat
 
-    system = state_space(model)
-    numerators, denominator = polynomials(model)
-    poles, residues, direct = poles_and_residues(model)
-    names = ([AXLE_POINTS[c] for c in model.inputs], [BODY_POINTS[c] for c in model.outputs])
+    states = {"A": system.a, "B": system.b, "C": system.c, "D": system.d}
+    names = {"inputs": np.array(inputs, object), "outputs": np.array(outputs, object)}
     try:
-        savemat(
-            path,
-            {
-                **{"A": system.a, "B": system.b, "C": system.c, "D": system.d},
-                **{"num": numerators, "den": denominator},
-                **{"poles": poles, "residues": residues, "direct": direct},
-                **{"inputs": np.array(names[0], object), "outputs": np.array(names[1], object)},
-            },
-        )
+        savemat(path, {**states, **names, **(more or {})})
     except OSError as error:
         raise CampaignError(f"{path}: cannot be written: {error.strerror}") from None

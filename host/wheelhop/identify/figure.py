@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Channel
 from wheelhop.identify.frf import Frf
-from wheelhop.identify.identify import TransferMatrix
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.spectra import Measured
 from wheelhop.identify.study import Variant
 from wheelhop.simulate import Model, frequency_response

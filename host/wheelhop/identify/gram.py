@@ -6,6 +6,10 @@ combination of the same fractions and a few powers of s, other for each run and 
 and J. Schoukens, System Identification, 2nd ed., section 6.3.2). Its basis Q is the same for all
 runs of one length and is projected out of data and model at once, never solved for:
 ⟨u, v⟩ = Re Σ conj(u) v - (Qᵀu)(Qᵀv). The first term needs the runs only as sums at each line.
+
+Where a run does not drive a line its inputs are noise, and H would be fitted to that noise, too. Of
+known level, it is taken out of the inputs' sums of squares (bias-compensated least squares:
+T. Söderström, Automatica 43 (2007) 939).
 """
 
 from __future__ import annotations
@@ -34,6 +38,13 @@ def transient_basis(omega: Array, sections: Sections, weight: Array) -> Array:
     """Orthonormal basis (2k, order + EDGE_POWERS) of what an initial state leaves in a weighted
     spectrum, real parts above imaginary parts."""
     return _transients(omega, sections, weight)[0]
+
+
+def unabsorbed(omega: Array, sections: Sections, weight: Array) -> Array:
+    """Share (k,) of white noise at each line that the initial states do not absorb."""
+    q, k = transient_basis(omega, sections, weight), len(omega)
+    out: Array = 1.0 - np.sum(q[:k] ** 2 + q[k:] ** 2, axis=1) / 2
+    return out
 
 
 def _transients(omega: Array, sections: Sections, weight: Array) -> tuple[Array, Array]:
@@ -74,11 +85,15 @@ class Weighted:
     weight: Array  #: (k,)
     inputs: ComplexArray  #: (k, r, m)
     outputs: ComplexArray  #: (k, r, n)
+    noise: Array  #: (k,) what noise is expected to add to each input's Σ over runs of |input|²
 
     @cached_property
     def y_y(self) -> ComplexArray:
-        """Σ over runs of conj(input i) input j, (m, m, k)."""
-        return _over_runs(self.inputs, self.inputs)
+        """Σ over runs of conj(input i) input j, less the noise, (m, m, k)."""
+        out = _over_runs(self.inputs, self.inputs)
+        each = np.arange(len(out))
+        out[each, each] -= self.noise
+        return out
 
     @cached_property
     def y_x(self) -> ComplexArray:
@@ -130,11 +145,12 @@ class Regressors:
 @dataclass(frozen=True, eq=False)
 class Gram:
     """Sums over all rows: of regressors Φ with themselves and with each output, and of the outputs'
-    squares."""
+    squares; and what `phi_phi` would be of the inputs' noise alone, which is taken out of it."""
 
     phi_phi: Array  #: (m·order, m·order)
     phi_x: Array  #: (m·order, n)
     x_x: Array  #: (n,)
+    noise: Array  #: (m·order, m·order)
 
 
 class Stack:
@@ -145,6 +161,8 @@ class Stack:
     parts : the runs.
     weights : for each part, weights (k,) of its lines.
     at_rest : take the runs to begin and end at rest, without initial states.
+    noise : for each part, the expected square (k,) of the noise in a weighted line of an input, as
+        far as initial states do not absorb it; None: the inputs are taken as they are.
     """
 
     def __init__(
@@ -154,10 +172,12 @@ class Stack:
         order: int,
         *,
         at_rest: bool = False,
+        noise: Sequence[Array] | None = None,
     ) -> None:
         self.parts: list[Weighted] = []
-        self.at_rest = at_rest
-        for part, weight in zip(parts, weights, strict=True):
+        self.order, self.at_rest, self.noisy = order, at_rest, noise is not None
+        each = noise or [np.zeros(len(p.omega)) for p in parts]
+        for part, weight, square in zip(parts, weights, each, strict=True):
             size = 2 * len(part.omega) * part.inputs.shape[2] * order
             at_once = max(1, CHUNK // size)
             scale = weight[:, None, None]
@@ -167,7 +187,8 @@ class Stack:
                     np.ascontiguousarray(v[pick].swapaxes(0, 1)) * scale
                     for v in (part.inputs, part.outputs)
                 )
-                self.parts.append(Weighted(part.omega, weight, inputs, outputs))
+                heard = square * inputs.shape[1]
+                self.parts.append(Weighted(part.omega, weight, inputs, outputs, heard))
         self.inputs = parts[0].inputs.shape[2]
         self.outputs = parts[0].outputs.shape[2]
         self.rows = sum(2 * len(p.omega) * len(p.runs) for p in parts)
@@ -203,8 +224,10 @@ class Stack:
     def gram(self, regressors: Sequence[Regressors]) -> Gram:
         """The sums that linear least squares needs."""
         width = self.inputs * regressors[0].fractions.shape[0]
+        square = (width, width)
         total = Gram(
-            np.zeros((width, width)), np.zeros((width, self.outputs)), np.zeros(self.outputs)
+            *(np.zeros(square), np.zeros((width, self.outputs)), np.zeros(self.outputs)),
+            np.zeros(square),
         )
         for part, at in zip(self.parts, regressors, strict=True):
             k = len(part.omega)
@@ -217,8 +240,13 @@ class Stack:
                 total.phi_phi + np.concatenate(rows) - at.phi.T @ at.phi,
                 total.phi_x + np.concatenate(with_x) - at.phi.T @ at.x,
                 total.x_x + part.x_x.sum(axis=1) - np.sum(at.x**2, axis=0),
+                total.noise + self._heard(part, at) if self.noisy else total.noise,
             )
         return total
+
+    @staticmethod
+    def _heard(part: Weighted, at: Regressors) -> Array:
+        return np.asarray(linalg.block_diag(*(inner(f, part.noise * f) for f in at.scaled)))
 
 
 def condensed(parts: Sequence[Spectra]) -> list[Spectra]:

@@ -3,101 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
 from wheelhop.campaign import CampaignError
-from wheelhop.identify.gram import Stack, condensed, projected, transient_basis
+from wheelhop.identify.gram import Stack, condensed, projected, transient_basis, unabsorbed
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.problem import Point, Problem, descend
-from wheelhop.identify.sections import Points, Sections
+from wheelhop.identify.sections import Sections
 from wheelhop.identify.spectra import Spectra, through
 from wheelhop.identify.start import WELL_DAMPED, relocated, starts
 from wheelhop.identify.structure import Structure, Suspensions
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 CORNERS = (0, 1, 2, 3)
 FINE = 0.1
 """Standard errors."""
 ROUGH = 1e-3
 """Share of the cost that a step must promise while the weights are not known."""
+ROUGH_PRICE = 0.05
+"""Share of a section's price to which the cost without it is found."""
+CHANCE = 5.0
+"""Standard deviations beyond what chance takes off the cost."""
+NARROW = 10.0
+"""A mode that decays by fewer e-folds in a run is a few lines wide: its initial states can pass a
+driven line off as its decay."""
 WASTED = 2.0
 """A damping ratio above this is two real poles far apart: a section that found no mode."""
-
-
-@dataclass(frozen=True, eq=False)
-class TransferMatrix:
-    """H(s) over a common denominator, with its uncertainty.
-
-    H[i, j] = D_j(s) Σ theta[i, j] · fractions(s), with D = 1 unless the structure is "reciprocal";
-    then theta are the elements of S times the front stiffness.
-    """
-
-    sections: Sections
-    theta: Array  #: (n, m, order)
-    structure: Structure
-    inputs: tuple[int, ...]  #: corners of the columns
-    outputs: tuple[int, ...]  #: corners of the rows
-    suspensions: Suspensions | None  #: as fitted; None unless "reciprocal"
-    noise_rms: Array  #: (n,) assumed of each output, in band, m/s²
-    index: NDArray[np.int64]  #: (n, m·order) which free number each theta is
-    covariance: Array  #: of the free numbers, then ln ω, ζ, ln r, then the suspensions' three
-    unknowns: int  #: numbers fitted
-    cost: float  #: weighted sum of squares; about `freedom` where the model is right
-    freedom: float  #: rows less everything fitted
-
-    @property
-    def order(self) -> int:
-        """Number of poles."""
-        return self.sections.order
-
-    def __call__(self, s: Points) -> ComplexArray:
-        """H(s) (len(s), n, m)."""
-        s = np.atleast_1d(np.asarray(s, complex))
-        values = np.tensordot(self.sections.basis(s), self.theta, axes=(1, 2))
-        out: ComplexArray = values * self._factor(s)[:, None, :]
-        return out
-
-    def standard_error(self, s: Points) -> Array:
-        """Standard error (len(s), n, m) of |H(s)| as √(variance of real and imaginary part / 2)."""
-        s = np.atleast_1d(np.asarray(s, complex))
-        basis, factor = self.sections.basis(s), self._factor(s)
-        slopes = self.sections.basis_slopes(s)
-        count, order = len(self.covariance), self.order
-        free = count - order - 3
-        out = np.zeros((len(s), len(self.outputs), len(self.inputs)))
-        for i in range(len(self.outputs)):
-            for j in range(len(self.inputs)):
-                by = np.zeros((len(s), count), complex)
-                by[:, self.index[i, j * order : (j + 1) * order]] = factor[:, j, None] * basis
-                moved = np.einsum("pkl,l->kp", slopes, self.theta[i, j])
-                by[:, free : free + order] = factor[:, j, None] * moved
-                if self.suspensions is not None:
-                    bend = self.suspensions.slopes(self.suspensions.value, s, (self.inputs[j],))
-                    by[:, -3:] = (bend[:, :, 0] * (basis @ self.theta[i, j])).T
-                variance = np.einsum("kp,pq,kq->k", by, self.covariance, by.conj()).real
-                out[:, i, j] = np.sqrt(np.maximum(variance, 0.0) / 2)
-        return out
-
-    def poles_table(self) -> list[tuple[float, float, float, float]]:
-        """Natural frequency (Hz), its standard error, damping ratio, its standard error; one row a
-        section."""
-        m, free = len(self.sections.omega), len(self.covariance) - self.order - 3
-        sd = np.sqrt(np.maximum(np.diag(self.covariance)[free : free + 2 * m], 0.0))
-        frequency = self.sections.frequency_hz
-        return [
-            (float(frequency[i]), float(frequency[i] * sd[i]), float(z), float(sd[m + i]))
-            for i, z in enumerate(self.sections.zeta)
-        ]
-
-    def _factor(self, s: Points) -> ComplexArray:
-        if self.suspensions is None:
-            return np.ones((len(s), len(self.inputs)), complex)
-        return self.suspensions.factor(self.suspensions.value, s, self.inputs)
 
 
 def identify(
@@ -115,11 +51,15 @@ def identify(
 
     Noise of the inputs counts as well as that of the outputs: at each line the weight is one over
     σ² (1 + Σ|H|²), H from the fit before (errors in both, with the weights held: R. Pintelon and
-    J. Schoukens, System Identification, 2nd ed., chapter 9).
+    J. Schoukens, System Identification, 2nd ed., chapter 9). Of stated level, it is also taken out
+    of the inputs' power, unless it leaves too little of it.
+
+    Sections that the runs do not need are left out again: those without which the sum of squares
+    grows by less than information criteria ask for their numerators and initial states.
 
     Parameters
     ----------
-    order : number of poles.
+    order : number of poles, at most; with a `start`, just as many.
     inputs, outputs : corners 0..3 of the spectra's columns.
     suspensions : belief about the suspensions, needed by the structure "reciprocal".
     noise_rms : of one channel in band, m/s²; None: told from the residual.
@@ -139,7 +79,8 @@ def identify(
     fitter = _Fitter(runs, structure, order, inputs, outputs, suspensions, noise_rms)
     point = fitter.first(start)
     fitter.reweigh(point)
-    return fitter.result(fitter.refined(point))
+    point = fitter.refined(point.numbers)
+    return fitter.result(point if start is not None else fitter.pruned(point))
 
 
 def _check_start(start: Sections, order: int, structure: Structure) -> None:
@@ -180,8 +121,14 @@ class _Fitter:
                 " lines in band: take a lower order or longer runs"
             )
 
-    def _use(self, weights: Sequence[Array], output_weight: Array) -> None:
-        self.problem = self._of(Stack(self.runs, weights, self.order), output_weight)
+    def _use(
+        self,
+        weights: Sequence[Array],
+        output_weight: Array,
+        noise: Sequence[Array] | None = None,
+    ) -> None:
+        self.weights, self.noise = weights, noise
+        self.problem = self._of(Stack(self.runs, weights, self.order, noise=noise), output_weight)
 
     def _of(self, stack: Stack, output_weight: Array) -> Problem:
         return Problem(
@@ -191,7 +138,7 @@ class _Fitter:
             self.outputs,
             self.suspensions,
             output_weight,
-            self.order,
+            stack.order,
         )
 
     def first(self, start: Sections | None) -> Point:
@@ -215,15 +162,70 @@ class _Fitter:
         return min(point, descend(problem, again, tolerance=ROUGH), key=lambda p: p.cost)
 
     @property
+    def _longest_s(self) -> float:
+        return max(2 * np.pi / float(p.omega[1] - p.omega[0]) for p in self.runs)
+
+    @property
     def _band(self) -> tuple[float, float]:
         lowest = min(float(p.omega[0]) for p in self.runs)
         return lowest, max(float(p.omega[-1]) for p in self.runs)
 
-    def refined(self, point: Point) -> Point:
+    def refined(self, start: Array) -> Point:
         """Followed until a step moves nothing by more than `FINE` standard errors: it then promises
         less than FINE² of the cost a degree of freedom."""
         tolerance = FINE**2 / self._freedom()
-        return _followed(self.problem, point.numbers, self._band, tolerance)
+        return _followed(self.problem, start, self._band, tolerance)
+
+    def pruned(self, point: Point) -> Point:
+        """Without the sections that the runs do not need."""
+        order = self.order
+        fewer: Point | None = point
+        while fewer is not None:
+            point, fewer = fewer, None
+            for section, price in self._weak(point) if self.order > 3 else []:
+                fewer = self._without(section, point, price)
+                if fewer is not None:
+                    break
+        return point if self.order == order else self.refined(point.numbers)
+
+    def _weak(self, point: Point) -> list[tuple[int, float]]:
+        """Sections that may be superfluous, and what each has to take off the cost to stay.
+
+        Their numerators take off less (to first order: Wald's statistic) than the Bayesian
+        information criterion asks for. To stay, a section with its initial states has to take off
+        more than chance gives as many numbers; one that rings on, so that its initial states can
+        pass driven lines off as its decay, as much as the Bayesian criterion asks for them all.
+        """
+        m, outputs, problem = len(point.sections.omega), len(self.outputs), self.problem
+        scale = max(1.0, (point.cost + problem.heard(point)) / self._freedom())
+        numbers = 2 * (problem.unknowns // self.order + 1)
+        states = 2 * outputs * sum(len(p.runs) for p in self.runs)
+        least = numbers * np.log(problem.stack.rows * outputs)
+        chance = numbers + states + CHANCE * np.sqrt(2 * (numbers + states))
+        lasting = least + states * np.log(2 * max(len(p.omega) for p in self.runs))
+        efolds = point.sections.zeta * point.sections.omega * self._longest_s
+        covariance = self._covariance(point, 1.0)
+        found = []
+        for k in range(m):
+            own = np.arange(0, problem.unknowns, self.order)[:, None] + np.array([k, m + k])
+            own = own.ravel()
+            gain = point.free[own] @ linalg.pinvh(covariance[np.ix_(own, own)]) @ point.free[own]
+            if gain < scale * least:
+                price = lasting if efolds[k] < NARROW else chance
+                found.append((-price, float(gain), k))
+        return [(k, float(-scale * price)) for price, _, k in sorted(found)]
+
+    def _without(self, section: int, point: Point, price: float) -> Point | None:
+        """The fit without a section if that costs less than its price."""
+        problem, m = self.problem, len(point.sections.omega)
+        self.order -= 2
+        self._use(self.weights, problem.output_weight, self.noise)
+        start = np.delete(point.numbers, [section, m + section])
+        fewer = _followed(self.problem, start, self._band, ROUGH_PRICE * price / point.cost)
+        if fewer.cost - point.cost < price:
+            return fewer
+        self.problem, self.order = problem, self.order + 2
+        return None
 
     def reweigh(self, point: Point) -> None:
         """Weights from the noise and what the last fit says of its way to the outputs."""
@@ -237,9 +239,19 @@ class _Fitter:
             lines = sum(len(p.runs) * len(p.omega) for p in self.runs)
             energy = sum(len(p.runs) * p.samples for p in self.runs) * self.noise_rms**2
             variance = np.full(len(self.outputs), energy / (2 * lines))
+            self._use(weights, 1.0 / variance, self._heard(h, weights, 2 * float(variance[0])))
+            if np.isfinite(self.problem.at(point.numbers).cost):
+                return
         else:
             variance = self._told(h, weights)
         self._use(weights, 1.0 / variance)
+
+    def _heard(self, h: TransferMatrix, weights: Sequence[Array], square: float) -> list[Array]:
+        """The inputs' noise of this mean square a line, as `Stack` takes it."""
+        return [
+            square * weight**2 * unabsorbed(part.omega, h.sections, weight)
+            for part, weight in zip(self.runs, weights, strict=True)
+        ]
 
     def _told(self, h: TransferMatrix, weights: Sequence[Array]) -> Array:
         """Variance (n,) of a real coordinate of each output's weighted residual."""
@@ -259,9 +271,9 @@ class _Fitter:
         problem = self.problem
         count = problem.unknowns + self.order + 3
         cov = np.zeros((count, count))
-        freedom = self._freedom()
+        freedom, cost = self._freedom(), point.cost + problem.heard(point)
         if covariance:
-            cov = self._covariance(point, max(1.0, point.cost / freedom))
+            cov = self._covariance(point, max(1.0, cost / freedom))
         used = problem.uses_suspensions and self.suspensions is not None
         belief = (
             replace(self.suspensions, value=point.suspension)
@@ -280,14 +292,14 @@ class _Fitter:
             noise_rms=np.sqrt(lines / samples / problem.output_weight),
             index=problem.index,
             covariance=cov,
-            unknowns=problem.unknowns + self.order,
-            cost=point.cost,
+            unknowns=problem.unknowns - problem.fixed + self.order,
+            cost=cost,
             freedom=float(freedom),
         )
 
     def _freedom(self) -> int:
         stack, count = self.problem.stack, len(self.outputs)
-        known = self.problem.unknowns + self.order
+        known = self.problem.unknowns - self.problem.fixed + self.order
         return (stack.rows - stack.transients) * count - known
 
     def _covariance(self, point: Point, scale: float) -> Array:
@@ -331,53 +343,3 @@ def _wasted(found: Sections, band: tuple[float, float]) -> NDArray[np.bool_]:
         (found.zeta > WASTED) | (found.omega > 2 * band[1]) | (found.omega < band[0] / 2)
     )
     return out
-
-
-@dataclass(frozen=True, eq=False)
-class Judged:
-    """What a transfer matrix leaves of some runs, their initial states projected out.
-
-    Per run and output, as sums of squares in band: `residual`, `measured`, and what the noise
-    of inputs and outputs alone is expected to leave, `expected` (r, n). `freedom` is the share of a
-    run's coordinates that its initial state leaves.
-    """
-
-    runs: tuple[str, ...]
-    residual: Array
-    measured: Array
-    expected: Array
-
-    @property
-    def error(self) -> float:
-        """√(Σ residual² / Σ measured²)."""
-        return float(np.sqrt(self.residual.sum() / self.measured.sum()))
-
-    @property
-    def floor(self) -> float:
-        """The error that noise alone would leave; NaN where none is stated."""
-        return float(np.sqrt(self.expected.sum() / self.measured.sum()))
-
-
-def judge(h: TransferMatrix, runs: Sequence[Spectra], noise_rms: float | None = None) -> Judged:
-    """Error of H on runs, with the degrees of freedom charged that each initial state takes."""
-    names: list[str] = []
-    parts: list[tuple[Array, Array, Array]] = []
-    noise = np.nan if noise_rms is None else noise_rms
-    for part in runs:
-        k = len(part.omega)
-        basis = transient_basis(part.omega, h.sections, np.ones(k))
-        response = h(1j * part.omega)
-        rest = part.outputs - through(response, part.inputs)
-        rows = projected(rest, basis).reshape(len(part.runs), 2 * k, -1)
-        charged = 2 * k / (2 * k - basis.shape[1])
-        growth = 1.0 + np.mean(np.sum(np.abs(response) ** 2, axis=2), axis=0)
-        residual = charged * np.sum(rows**2, axis=1)
-        parts.append(
-            (
-                residual,
-                np.sum(np.abs(part.outputs) ** 2, axis=1),
-                np.broadcast_to(part.samples * noise**2 * growth, residual.shape),
-            )
-        )
-        names += part.runs
-    return Judged(tuple(names), *(np.concatenate(column) for column in zip(*parts, strict=True)))

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from wheelhop.identify.gram import projected, transient_basis
-from wheelhop.identify.identify import TransferMatrix, judge
+from wheelhop.identify.judge import judge
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.spectra import Measured, Spectra, through
 
 Array = NDArray[np.float64]

@@ -18,8 +18,10 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.identify.gram import projected, transient_basis
-from wheelhop.identify.identify import Judged, TransferMatrix, identify
+from wheelhop.identify.identify import identify
+from wheelhop.identify.judge import Judged
 from wheelhop.identify.laws import explained, strut_motion
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.select import Candidate, best, candidate, of_orders
 from wheelhop.identify.spectra import Measured, Spectra, measure, through
 from wheelhop.identify.structure import Structure, Suspensions, suspensions

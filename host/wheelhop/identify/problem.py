@@ -11,6 +11,7 @@ weighs each frequency by |denominator|²).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ Array = NDArray[np.float64]
 RIDGE = 1e-13
 """Of the largest diagonal term, after scaling: keeps superfluous poles from dividing by zero."""
 LEAST_ZETA = 1e-4
+MOST_NOISE = 0.9
+"""Of any combination of the inputs' power: a trial where noise is more has no minimum."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +95,13 @@ class Problem:
         self.uses_suspensions = uses
         self._latest: tuple[Point, Step] | None = None
 
+    @cached_property
+    def fixed(self) -> int:
+        """How many of the unknowns the constraints leave no choice."""
+        anywhere = from_parameters(np.zeros(self.order))
+        a = self._constraints(anywhere, self.belief.value)[0]
+        return int(np.linalg.matrix_rank(a)) if len(a) else 0
+
     def start(self, sections: Sections) -> Array:
         """The vector of nonlinear numbers at these sections and at the believed suspensions."""
         numbers = sections.parameters()
@@ -105,9 +115,9 @@ class Problem:
         sections, suspension = self._unpack(numbers)
         regressors = self.stack.regressors(sections, self._factors(suspension))
         sums = self.stack.gram(regressors)
-        free = self._numerators(sums, sections, suspension)
+        free, sound = self._numerators(sums, sections, suspension)
         theta = free[self.index]
-        cost = self._prior(suspension)
+        cost = self._prior(suspension) if sound else np.inf
         for i, weight in enumerate(self.output_weight):
             t = theta[i]
             rest = sums.x_x[i] - 2 * t @ sums.phi_x[:, i] + t @ sums.phi_phi @ t
@@ -115,6 +125,16 @@ class Problem:
         shape = (len(self.outputs), len(self.inputs), self.order)
         return Point(
             numbers, sections, suspension, free, theta.reshape(shape), sums, regressors, cost
+        )
+
+    def heard(self, point: Point) -> float:
+        """What the inputs' noise is expected to add to the weighted sum of squares by way of H; the
+        cost of `point` is without it."""
+        return float(
+            sum(
+                weight * row.ravel() @ point.gram.noise @ row.ravel()
+                for weight, row in zip(self.output_weight, point.theta, strict=True)
+            )
         )
 
     def linearised(self, point: Point) -> Step:
@@ -185,20 +205,29 @@ class Problem:
                 by_ratio[row, self.index[i]] = moved
         return a, RIGID[list(self.outputs)].ravel(), by_ratio
 
-    def _numerators(self, sums: Gram, sections: Sections, suspension: Array) -> Array:
+    def _numerators(self, sums: Gram, sections: Sections, suspension: Array) -> tuple[Array, bool]:
+        """The free numbers, and whether their least squares have a minimum (noise leaves it)."""
         normal = np.zeros((self.unknowns, self.unknowns))
         right = np.zeros(self.unknowns)
         for i, weight in enumerate(self.output_weight):
             normal[self.index[i][:, None], self.index[i]] += weight * sums.phi_phi
             right[self.index[i]] += weight * sums.phi_x[:, i]
+        less = normal
+        if self.stack.noisy:
+            less = MOST_NOISE * normal
+            for i, weight in enumerate(self.output_weight):
+                at = self.index[i]
+                less[at[:, None], at] -= (1 - MOST_NOISE) * weight * sums.noise
         a, b, _ = self._constraints(sections, suspension)
-        if not len(a):
-            return _solve(normal, right)
-        fixed = linalg.lstsq(a, b)[0]
-        null = linalg.null_space(a)
-        inside: Array = null @ _solve(null.T @ normal @ null, null.T @ (right - normal @ fixed))
-        out: Array = fixed + inside
-        return out
+        fixed = np.zeros(self.unknowns)
+        if len(a):
+            fixed, null = linalg.lstsq(a, b)[0], linalg.null_space(a)
+            right = null.T @ (right - normal @ fixed)
+            normal, less = null.T @ normal @ null, null.T @ less @ null
+        if self.stack.noisy and not _positive(less):
+            return fixed, False
+        inside = _solve(normal, right)
+        return (fixed + null @ inside if len(a) else inside), True
 
     def _products(self, point: Point) -> tuple[Array, Array, Array]:
         """Weighted products of the derivatives d of the modelled outputs by the nonlinear numbers,
@@ -209,10 +238,14 @@ class Problem:
         d_d, d_x = np.zeros((count, count)), np.zeros(count)
         factors = self._factors(point.suspension)
         for part, factor, at in zip(self.stack.parts, factors, point.regressors, strict=True):
-            d = self._derivatives(point, part, factor, at)
+            d, by_input = self._derivatives(point, part, factor, at)
             k, r = d.shape[:2]
             by_line, flat = d.reshape(k, r, -1), d.reshape(-1, count)
             driven = part.inputs.conj().swapaxes(1, 2) @ by_line
+            if self.stack.noisy:
+                heard = part.noise[:, None, None] * by_input
+                driven -= heard
+                d_d -= real_products(heard.reshape(-1, count), by_input.reshape(-1, count))
             across += np.concatenate(
                 [(at.scaled[j].conj() @ driven[:, j]).real for j in range(len(self.inputs))]
             )
@@ -229,8 +262,9 @@ class Problem:
 
     def _derivatives(
         self, point: Point, part: Weighted, factor: ComplexArray, at: Regressors
-    ) -> ComplexArray:
-        """d (k, r, n, P) of one part, each output times the root of its weight."""
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """d (k, r, n, P) of one part, each output times the root of its weight, and the same for
+        each input alone being 1 (k, m, n P)."""
         s, m, scale = 1j * part.omega, self.order // 2, np.sqrt(self.output_weight)
         theta = point.theta * scale[:, None, None]
         slopes = point.sections.basis_slopes(s)
@@ -243,14 +277,15 @@ class Problem:
             value = np.tensordot(at.fractions, theta, axes=(0, 2)).swapaxes(1, 2)
             more = bends.transpose(1, 2, 0)[:, :, None, :] * value[:, :, :, None]
             by = np.concatenate([by, more], axis=3)
-        moved = part.inputs @ by.reshape(*by.shape[:2], -1)
+        by_input = np.ascontiguousarray(by).reshape(*by.shape[:2], -1)
+        moved = part.inputs @ by_input
         d: ComplexArray = moved.reshape(*moved.shape[:2], len(scale), -1)
         if not self.stack.at_rest:
             states = at.initial_states(point.theta.reshape(len(scale), -1)) * scale
             weighted = slopes.transpose(1, 2, 0) * part.weight[:, None, None]
             decays = states.reshape(self.order, -1).T @ weighted
             d[..., : self.order] += decays.reshape(*d.shape[:3], -1)
-        return d
+        return d, by_input
 
     def _allowed(self, point: Point) -> Array:
         """Directions (unknowns + P, …) along which the constraints stay true to first order."""
@@ -264,6 +299,17 @@ class Problem:
             follows = linalg.lstsq(a, -by_ratio @ point.free)[0]
             out[: self.unknowns, null.shape[1] + self.order] = follows
         return out
+
+
+def _positive(symmetric: Array) -> bool:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(symmetric), 1e-300))
+    scaled = symmetric * scale[:, None] * scale
+    scaled[np.diag_indices_from(scaled)] += RIDGE
+    try:
+        linalg.cholesky(scaled, check_finite=False)
+    except linalg.LinAlgError:
+        return False
+    return True
 
 
 def reduced(step: Step) -> tuple[Array, Array]:
@@ -280,12 +326,15 @@ def reduced(step: Step) -> tuple[Array, Array]:
 
 def descend(problem: Problem, start: Array, *, tolerance: float, steps: int = 40) -> Point:
     """Levenberg-Marquardt steps from `start` until a step promises less than `tolerance` of the
-    cost."""
+    cost; none where it has no minimum."""
     point = problem.at(start)
+    if not np.isfinite(point.cost):
+        return point
     damping = 1e-3
     for _ in range(steps):
         normal, gradient = reduced(problem.linearised(point))
-        scale = np.maximum(np.diag(normal), 1e-12 * np.diag(normal).max())
+        scale = np.abs(np.diag(normal))
+        scale = np.maximum(scale, 1e-12 * scale.max())
         while damping < 1e8:
             move = _solve(normal + damping * np.diag(scale), gradient)
             move *= min(1.0, 0.7 / max(float(np.abs(move[: problem.order]).max()), 1e-300))
@@ -304,7 +353,7 @@ def descend(problem: Problem, start: Array, *, tolerance: float, steps: int = 40
 
 def _solve(normal: Array, right: Array) -> Array:
     """Solve symmetric positive equations scaled to a unit diagonal."""
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    scale = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(normal)), 1e-300))
     scaled = normal * scale[:, None] * scale
     scaled[np.diag_indices_from(scaled)] += RIDGE
     columns = right * (scale if right.ndim == 1 else scale[:, None])

@@ -74,6 +74,9 @@ ATV = {
 """The vehicle of chapters 4 and 5: body as in the examples' vehicle.toml, stiffness of one strut's
 spring and not at the wheel (Table 4.1)."""
 
+ATV_MASS_KG = 220.0
+"""Of the same vehicle without its driver, of 75 kg (chapter 4)."""
+
 TABLE_5_3 = {"front": (15.0, 40e3, 200.0), "rear": (12.5, 40e3, 200.0)}
 TABLE_5_4 = {"old": (10.5e3, 6.5e3, 630.0, 590.0), "new": (12.6e3, 7.8e3, 630.0, 590.0)}
 H_RED = (

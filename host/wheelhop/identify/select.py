@@ -8,7 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import CampaignError
-from wheelhop.identify.identify import Judged, TransferMatrix, identify, judge
+from wheelhop.identify.identify import identify
+from wheelhop.identify.judge import Judged, judge
+from wheelhop.identify.matrix import TransferMatrix
+from wheelhop.identify.sections import Sections
 from wheelhop.identify.spectra import Measured
 from wheelhop.identify.structure import Structure, Suspensions
 
@@ -19,17 +22,20 @@ NO_WORSE = 1.01
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A fitted matrix and how it does; `validate` is None where no run is held out. `bic` is the
-    Bayesian information criterion on the fitted runs: lower is better."""
+    """A matrix of which `asked` poles were asked for, and how it does; `validate` is None where no
+    run is held out. `bic` and `aicc` are the Bayesian and Akaike's corrected information criterion
+    on the fitted runs: lower is better."""
 
     model: TransferMatrix
     fit: Judged
     validate: Judged | None
     bic: float
+    aicc: float
+    asked: int
 
     @property
     def order(self) -> int:
-        """Number of poles."""
+        """Number of poles that were kept."""
         return self.model.order
 
     @property
@@ -43,8 +49,10 @@ def candidate(
     structure: Structure,
     order: int,
     suspensions: Suspensions | None,
+    start: Sections | None = None,
 ) -> Candidate:
-    """Fit one structure at one order and judge it. Raises CampaignError as `identify` does."""
+    """Fit one structure at one order, from `start` if given, and judge it. Raises CampaignError as
+    `identify` does."""
     model = identify(
         measured.fit,
         structure,
@@ -53,12 +61,16 @@ def candidate(
         outputs=measured.outputs,
         suspensions=suspensions if structure.symmetry == "reciprocal" else None,
         noise_rms=measured.noise_rms,
+        start=start,
     )
     fit = judge(model, measured.fit, measured.noise_rms)
     held_out = judge(model, measured.validate, measured.noise_rms) if measured.validate else None
     rows = sum(2 * len(p.runs) * len(p.omega) for p in measured.fit) * len(measured.outputs)
-    bic = rows * float(np.log(fit.residual.sum())) + model.unknowns * float(np.log(rows))
-    return Candidate(model, fit, held_out, bic)
+    count = model.unknowns
+    plain = rows * float(np.log(fit.residual.sum()))
+    bic = plain + count * float(np.log(rows))
+    aicc = plain + 2.0 * count * rows / max(rows - count - 1, 1)
+    return Candidate(model, fit, held_out, bic, aicc, order)
 
 
 def of_orders(

@@ -10,18 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
-from wheelhop.identify.identify import TransferMatrix
+from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.quarter_car import Struts, Wheels, compliance, on_wheels
 from wheelhop.identify.statespace import StateSpace, of_fractions
 from wheelhop.identify.steps import DampedSinusoids
 
 Array = NDArray[np.float64]
 
-VARIED = (
-    *("front-stiffness", "rear-stiffness", "front-damping", "rear-damping"),
-    *("front-unsprung-mass", "rear-unsprung-mass", "front-tyre", "rear-tyre"),
-)
-"""What a study may vary."""
+QUANTITIES = ("stiffness", "damping", "unsprung-mass", "tyre")
+VARIED = tuple(f"{end}{what}" for end in ("front-", "rear-", "") for what in QUANTITIES)
+"""What a study may vary: of front, rear or both suspensions and wheels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +43,18 @@ class Car:
 def _changed(struts: Struts, wheels: Wheels, varied: str, factor: float) -> tuple[Struts, Wheels]:
     if varied not in VARIED:
         raise CampaignError(f'a study cannot vary "{varied}"; it can vary {", ".join(VARIED)}')
-    end, _, what = varied.partition("-")
+    what = varied.removeprefix("front-").removeprefix("rear-")
+    ends = [end for end in ("front", "rear") if varied in (what, f"{end}-{what}")]
     if what in ("stiffness", "damping"):
-        key = f"{end}_{'N_m' if what == 'stiffness' else 'N_s_m'}"
-        return replace(struts, **{key: factor * getattr(struts, key)}), wheels
+        unit = "N_m" if what == "stiffness" else "N_s_m"
+        keys = [f"{end}_{unit}" for end in ends]
+        return replace(struts, **{key: factor * getattr(struts, key) for key in keys}), wheels
     key = "mass_kg" if what == "unsprung-mass" else "stiffness_N_m"
-    pair = np.array(getattr(wheels, key))
-    pair[0 if end == "front" else 1] *= factor
-    return struts, replace(wheels, **{key: tuple(pair.tolist())})
+    front, rear = (
+        value * (factor if end in ends else 1.0)
+        for end, value in zip(("front", "rear"), getattr(wheels, key), strict=True)
+    )
+    return struts, replace(wheels, **{key: (front, rear)})
 
 
 def car_of(model: TransferMatrix, values: Mapping[str, float]) -> Car:

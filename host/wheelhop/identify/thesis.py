@@ -205,34 +205,59 @@ def _table_d_1() -> Iterator[Row]:
         strut = published.TABLE_5_4["old"][0 if end == "front" else 1]
         ours = wheel_hop_hz(mass, tyre, strut)
         yield _row("D.1", f"wheel hop, {end}, wheel rate, Hz", printed, ours, reason)
+    mass, pitch, roll = implied_body()
     unprinted = (
-        "masses and inertias are not printed; ours are those of the examples' vehicle, and the"
-        " stiffnesses the components', as the printed wheel hop takes them"
+        "inertias are not printed; ours are those of the examples' vehicle with its driver. On the"
+        " components' springs, as the printed wheel hop takes them, a body of"
+        f" {mass:.0f} kg, {pitch:.0f} and {roll:.0f} kg m² has the three printed frequencies"
     )
     for mode, ours in simple_modes().items():
         yield _row("D.1", f"{mode}, Hz", published.TABLE_D_1[mode], ours, unprinted)
+    bare = published.ATV_MASS_KG - 2 * sum(published.TABLE_5_3[e][0] for e in ("front", "rear"))
+    driverless = (
+        "printed: the vehicle less its wheels. Table D.1 is of the vehicle without its driver, if"
+        " the centre of mass is where the examples have it"
+    )
+    yield _row("D.1", "sprung mass of these modes, kg", bare, mass, driverless)
     frame = "of an Adams model whose tubes are not printed: nothing to compute it from"
     yield _row("D.1", "twist, Hz", published.TABLE_D_1["twist"], float("nan"), frame)
+
+
+def _vertical() -> tuple[float, float, float, float]:
+    """Stiffness, N/m, coupling, N, and stiffness in pitch and in roll, N·m, of the components'
+    springs about the centre of mass (thesis D.1 and D.4)."""
+    car = published.ATV
+    front, rear = 2 * car["front_N_m"], 2 * car["rear_N_m"]
+    ahead, behind = car["cg_to_front_axle_m"], car["wheelbase_m"] - car["cg_to_front_axle_m"]
+    coupling, pitch = rear * behind - front * ahead, front * ahead**2 + rear * behind**2
+    return front + rear, coupling, pitch, (front + rear) * (car["track_width_m"] / 2) ** 2
 
 
 def simple_modes() -> dict[str, float]:
     """Pitch, bounce and roll, Hz, by thesis D.3 and D.4 with the components' stiffnesses."""
     car = published.ATV
-    k_front, k_rear = 2 * car["front_N_m"], 2 * car["rear_N_m"]
-    ahead, behind = car["cg_to_front_axle_m"], car["wheelbase_m"] - car["cg_to_front_axle_m"]
-    alpha = (k_front + k_rear) / car["mass_kg"]
-    beta = (k_rear * behind - k_front * ahead) / car["mass_kg"]
-    gamma = (k_front * ahead**2 + k_rear * behind**2) / car["pitch_inertia_kg_m2"]
+    mass, inertia = car["mass_kg"], car["pitch_inertia_kg_m2"]
+    heave, coupling, pitch, roll = _vertical()
+    alpha, gamma = heave / mass, pitch / inertia
     middle = (alpha + gamma) / 2
-    root = np.sqrt(
-        ((alpha - gamma) / 2) ** 2 + car["mass_kg"] * beta**2 / car["pitch_inertia_kg_m2"]
-    )
-    roll = (k_front + k_rear) * (car["track_width_m"] / 2) ** 2 / car["roll_inertia_kg_m2"]
+    root = np.sqrt(((alpha - gamma) / 2) ** 2 + coupling**2 / (mass * inertia))
     return {
         "pitch": float(np.sqrt(middle - root) / (2 * np.pi)),
         "bounce": float(np.sqrt(middle + root) / (2 * np.pi)),
-        "roll": float(np.sqrt(roll) / (2 * np.pi)),
+        "roll": float(np.sqrt(roll / car["roll_inertia_kg_m2"]) / (2 * np.pi)),
     }
+
+
+def implied_body() -> tuple[float, float, float]:
+    """Mass, kg, inertia in pitch and in roll, kg m², that have the printed pitch, bounce and roll:
+    `simple_modes` solved for them, the heavier of two bodies."""
+    heave, coupling, pitch, roll = _vertical()
+    squares = {k: (2 * np.pi * published.TABLE_D_1[k]) ** 2 for k in ("pitch", "bounce", "roll")}
+    # α + γ = ω₁² + ω₂² and α γ - β² M/I = ω₁² ω₂², with α = heave/M and γ = pitch/I.
+    both = (heave * pitch - coupling**2) / (squares["pitch"] * squares["bounce"])  # M · I
+    total = squares["pitch"] + squares["bounce"]
+    mass = float(np.roots([pitch / both, -total, heave]).real.max())
+    return mass, both / mass, roll / squares["roll"]
 
 
 def _frequencies(system: StateSpace) -> Array:

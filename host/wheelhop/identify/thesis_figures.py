@@ -7,7 +7,7 @@ from pathlib import Path
 from wheelhop.identify import published
 from wheelhop.identify.equivalent import equivalent_vehicle, wheels
 from wheelhop.identify.figure import draw_study
-from wheelhop.identify.quarter_car import Struts, Wheels, compliance, on_wheels
+from wheelhop.identify.quarter_car import Struts, Wheels, compliance
 from wheelhop.identify.study import Car, Variant, study
 from wheelhop.identify.synthetic import thesis_matrix
 
@@ -29,14 +29,11 @@ def racing_car() -> Car:
 def stiffened() -> dict[str, list[Variant]]:
     """Figure 5.24: H_n,11 and H_n,33 on the old suspensions and on those stiffened by 20 %, each
     from the ground under a wheel to the body above it."""
-    old, new = (Struts(*published.TABLE_5_4[key]) for key in ("old", "new"))
+    old = Struts(*published.TABLE_5_4["old"])
     on = Wheels(*zip(published.TABLE_5_3["front"], published.TABLE_5_3["rear"], strict=True))
-    body = compliance(thesis_matrix(), old)
-    moved = {1.0: on_wheels(body, old, old, on), 1.2: on_wheels(body, old, new, on)}
-    return {
-        end: [Variant(factor, system.part(at, at)) for factor, system in moved.items()]
-        for end, at in (("front", 0), ("rear", 2))
-    }
+    car = Car(compliance(thesis_matrix(), old), old, on)
+    ends = {"front": 0, "rear": 2}
+    return {end: study(car, "stiffness", (1.0, 1.2), corner) for end, corner in ends.items()}
 
 
 def draw_thesis(folder: Path) -> list[Path]:
@@ -48,5 +45,5 @@ def draw_thesis(folder: Path) -> list[Path]:
         draw_study(study(racing_car(), varied, factors), varied, drawn[-1])
     for end, variants in stiffened().items():
         drawn.append(folder / f"figure-5.24-{end}.png")
-        draw_study(variants, f"all stiffnesses, {end} left", drawn[-1])
+        draw_study(variants, f"stiffness, {end} left", drawn[-1])
     return drawn
