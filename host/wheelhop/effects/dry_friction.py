@@ -129,7 +129,7 @@ class DryFriction(Effect):
         " S. Andersson, A. Söderberg, S. Björklund, Friction models for sliding dry, boundary and"
         " mixed lubricated contacts, Tribology International 40 (2007) 580, eq. 4; sticking: C."
         " Canudas de Wit et al., A new model for control of systems with friction, IEEE Trans."
-        " Automatic Control 40 (1995) 419, eqs. 2 to 4, without the bristles' own damping; smooth:"
+        " Automatic Control 40 (1995) 419, without the bristles' own damping; smooth:"
         " Y.-K. Wen, Method for random vibration of hysteretic systems, J. Eng. Mech. Div. ASCE 102"
         " (1976) 249, exponent 1"
     )
@@ -173,6 +173,7 @@ class DryFriction(Effect):
             return (CREEP,)
         if self.form == "smooth":
             return YIELDS
+        soft, stiff = (5, 40) if self.form == "sticking" else (20, 150)
         presliding = Parameter(
             "presliding_N_m",
             "N/m",
@@ -180,7 +181,7 @@ class DryFriction(Effect):
             100 * spring_N_m,
             lower=spring_N_m,
             upper=300 * spring_N_m if on_car else np.inf,  # a rig may hold it rigidly
-            starts=(20 * spring_N_m, 150 * spring_N_m),
+            starts=(soft * spring_N_m, stiff * spring_N_m),
         )
         return (presliding, *STICKS) if self.form == "sticking" else (presliding,)
 

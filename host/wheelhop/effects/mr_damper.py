@@ -28,7 +28,7 @@ class MrDamper(Effect):
         "three-parameter element in series with the yielding one: D. R. Gamota, F. E. Filisko,"
         " Dynamic mechanical studies of electrorheological materials, J. Rheology 35 (1991) 399;"
         " amplitudes linear in the voltage: B. F. Spencer et al., Phenomenological model for"
-        " magnetorheological dampers, J. Eng. Mech. 123 (1997) 230, eq. 16"
+        " magnetorheological dampers, J. Eng. Mech. 123 (1997) 230"
     )
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:

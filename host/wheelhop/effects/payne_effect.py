@@ -34,7 +34,7 @@ class PayneEffect(Effect):
         "amplitude dependence of filled rubber: G. Kraus, Mechanical losses in carbon-black-filled"
         " rubbers, J. Appl. Polym. Sci.: Appl. Polym. Symp. 39 (1984) 75, with exponent m = 1/2;"
         " the same curve of first loading: M. Berg, A non-linear rubber spring model for rail"
-        " vehicle dynamics analysis, Vehicle System Dynamics 30 (1998) 197, eq. 3; sliders in"
+        " vehicle dynamics analysis, Vehicle System Dynamics 30 (1998) 197; sliders in"
         " parallel: W. D. Iwan, J. Appl. Mech. 33 (1966) 893"
     )
 
