@@ -44,22 +44,22 @@ def _hidden(car: Car) -> dict[str, tuple[str, Callable[[], Effect]]]:
     travel, rate = float(car.travel_m.max()), float(car.rate_m_s.max())
     load = float(car.static_load_N.mean())
     return {
-        "fading-damper": ("all struts", lambda: outside.DamperFade(0.5)),
+        "fading-damper": ("all struts", lambda: outside.DamperFade(0.25)),
         "one-sided-play": (
             "all struts",
-            lambda: special.OneSidedPlay(0.3 * travel, 0.4 * travel),
+            lambda: special.OneSidedPlay(0.3 * travel, 0.15 * travel),
         ),
-        "bump-rubber": ("all struts", lambda: special.BumpRubber(0.4 * travel, 0.6 * load)),
+        "bump-rubber": ("all struts", lambda: special.BumpRubber(0.4 * travel, 0.15 * load)),
         "cracked-weld": ("front left strut", lambda: special.CrackedWeld(1.0, 0.4)),
         "blow-off-valve": (
             "all struts",
-            lambda: special.BlowOffValve(0.35 * rate, 0.2 * rate, 0.2),
+            lambda: special.BlowOffValve(0.35 * rate, 0.2 * rate, 0.7),
         ),
         "stick-slip-seat": (
             "driver's seat",
             lambda: special.StickSlipSeat(70.0, 3.5, 0.2, -0.1, 0.0, 60.0),
         ),
-        "load-friction": ("all struts", lambda: special.LoadFriction(0.08, 0.08)),
+        "load-friction": ("all struts", lambda: special.LoadFriction(0.04, 0.04)),
         "tyre-hysteresis": ("all tyres", lambda: outside.TyreHysteresis(0.15, 0.6)),
         "orifice-damping": ("all struts", lambda: outside.OrificeDamping(0.3, rate)),
         "bypass-damping": ("all struts", lambda: outside.BypassDamping(0.6, travel)),

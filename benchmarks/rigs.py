@@ -29,6 +29,7 @@ LIBRARY = load_effects()
 OF_VEHICLES = {name: effect for name, effect in LIBRARY.items() if effect.on_vehicle}
 EXPECTED = {
     **{name: case.effect for name, case in {**CASES, **RIG_ONLY}.items()},
+    "strong-friction": "dry-friction",
     "clean": "none",
     "bypass-damper": "unknown",
 }
@@ -47,6 +48,9 @@ def component(name: str, rng: np.random.Generator) -> rig.Component:
     )
     if name == "clean":
         return base
+    if name == "strong-friction":
+        numbers = {"coulomb_N": drawn(250.0), "joint_N_m": drawn(4e5)}
+        return replace(base, hidden="dry-friction", numbers=numbers)
     if name == "bypass-damper":
         numbers = {"share": drawn(1.0), "travel_m": 0.02}
         return replace(base, hidden=name, numbers=numbers)

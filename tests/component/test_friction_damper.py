@@ -14,9 +14,10 @@ DATA = Path(__file__).parents[3] / "shared/realdata/friction-damper"
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
 def test_friction_with_play_is_named_and_a_cubic_spring_is_not():
-    """As the authors describe it: after every reversal the force rests near zero. Residual over force by least squares, fitted and held-out runs, as the data's README has
-    them: spring and damper 0.66 and 0.64, one elastic slip element 0.25 and 0.21, two 0.23 and
-    0.19. The authors' plateaus are +13 and −9 kN, reached after about 5 mm."""
+    """As the authors describe it: after every reversal the force rests near zero. Residual over
+    force by least squares, fitted and held-out runs, as the data's README has them: spring and
+    damper 0.66 and 0.64, one elastic slip element 0.25 and 0.21, two 0.23 and 0.19. The authors'
+    plateaus are +13 and −9 kN, reached after about 5 mm."""
     campaign = read_campaign(DATA)
     library = load_effects()
     found = diagnose(campaign, read_nominal(campaign), library, jobs=1, max_effects=1)

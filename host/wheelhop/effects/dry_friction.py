@@ -173,7 +173,7 @@ class DryFriction(Effect):
             return (CREEP,)
         if self.form == "smooth":
             return YIELDS
-        soft, stiff = (5, 40) if self.form == "sticking" else (20, 150)
+        starts = {"sticking": (5, 40), "elastic": (20, 150) if on_car else (2, 20, 150)}[self.form]
         presliding = Parameter(
             "presliding_N_m",
             "N/m",
@@ -181,7 +181,7 @@ class DryFriction(Effect):
             100 * spring_N_m,
             lower=spring_N_m,
             upper=300 * spring_N_m if on_car else np.inf,  # a rig may hold it rigidly
-            starts=(soft * spring_N_m, stiff * spring_N_m),
+            starts=tuple(start * spring_N_m for start in starts),
         )
         return (presliding, *STICKS) if self.form == "sticking" else (presliding,)
 
