@@ -36,7 +36,7 @@ from wheelhop.vehicle import read_vehicle
 
 Array = NDArray[np.float64]
 PRESET, NOISE_M_S2 = "atv", 0.1
-CLEAN = 3
+CLEAN = 2
 
 
 def _hidden(car: Car) -> dict[str, tuple[str, Callable[[], Effect]]]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Progress, Rung, fit_baseline
 from wheelhop.diagnose.added import fit_with
-from wheelhop.diagnose.confirm import confirm
+from wheelhop.diagnose.confirm import confirm, refit
 from wheelhop.diagnose.judge import at_noise
 from wheelhop.diagnose.promising import least_gain
 from wheelhop.diagnose.screen import Screened, screen
@@ -103,6 +103,9 @@ def find_law(
     where = best.where
     progress(f"fitting a free law at the {where.name}")
     rung = confirm(workshop, base, best.screened)
+    if not gives_force_at_once(campaign) and not at_noise(rung, workshop.noise):
+        # A strong law moves everything else elsewhere: its derivatives are not those without it.
+        rung = min(rung, refit(workshop, rung), key=lambda rung: rung.fit.cost)
     moved = motion_of(workshop, base.model, where)
     formula = _formula(workshop, base, rung, where, moved, progress) if moved is not None else None
     # Where one run alone went far, a spline knows nothing without it; a formula may.
