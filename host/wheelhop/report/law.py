@@ -11,27 +11,44 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from wheelhop.diagnose.judge import at_noise
 from wheelhop.law import Formula, Found, Rival, look
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
+from wheelhop.report.law_surface import draw_surface
 from wheelhop.report.svg import STYLE
+from wheelhop.vehicle import is_component
 
 Array = NDArray[np.float64]
 SHOWN = 4000  # points of the motion, at most
 
+ELSEWHERE = {
+    "rig": "It may follow time or temperature (record it as an input), or the sensors.",
+    "vehicle": "It may follow time or temperature, as a damper that fades, act where no sensor is,"
+    " as under a seat or an engine, or lie in the road, the speed or the sensors.",
+}
+"""What is left to suspect where no place has the missing force."""
+
 
 def law_figure(found: Found) -> Figure:
     """Force–extension and force–rate of the free law with two standard deviations, grey
-    where little was recorded; below it each other law with the error it leaves of held-out runs."""
+    where little was recorded; below it each other law with the error it leaves of held-out runs,
+    and last the free law as a surface."""
     assert found.free is not None and found.moved is not None
     rivals = [r for r in (found.formula, *found.named) if r is not None][:3]
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 1.9 * (1 + len(rivals)) + 0.6), layout="constrained")
-        panels = figure.subplots(1 + len(rivals), 2, sharex="col", sharey=True, squeeze=False)
+        rows = 1 + len(rivals)
+        figure = Figure(figsize=(WIDTH, 1.9 * rows + 3.0), layout="constrained")
+        ratios = (1.9 * rows + 0.6, 2.4)
+        halves = figure.subfigures(2, 1, height_ratios=ratios)
+        assert isinstance(halves, np.ndarray)
+        along, over = halves
+        panels = along.subplots(rows, 2, sharex="col", sharey=True, squeeze=False)
         for row, rival in zip(panels, [found.free, *rivals], strict=True):
             _draw(row, found, rival)
         panels[-1, 0].set_xlabel("extension, mm")
         panels[-1, 1].set_xlabel("rate, m/s")
+        draw_surface(tuple(over.subplots(1, 2)), found, found.free)
     return figure
 
 
@@ -70,7 +87,12 @@ def law_lines(found: Found) -> list[str]:
     first; a table in a fixed pitch."""
     free, where = found.free, found.where
     if free is None or where is None:
-        return ["Nothing to find: no force at any place explains what these runs leave."]
+        if at_noise(found.base, found.workshop.noise):
+            return ["Nothing to find: the model explains these runs down to the noise."]
+        return [
+            "Nothing found: more than noise is left, but no force at any place explains it.",
+            ELSEWHERE["rig" if is_component(found.base.model.values) else "vehicle"],
+        ]
     lines = [f"A force is missing at the {where.name}."]
     lines.append(f"{'law':22} {'fitted':>8} {'held out':>9}")
     lines.append(_line("without it", found.base.error_fit, found.base.error))

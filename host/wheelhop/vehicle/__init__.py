@@ -2,7 +2,7 @@
 
 from wheelhop.vehicle.aboard import ABOARD, node_of, on_mounts, place_of
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, between
-from wheelhop.vehicle.component import component, is_component
+from wheelhop.vehicle.component import component, inputs_of, is_component
 from wheelhop.vehicle.flexible_frame import car_on_frame, frame_values
 from wheelhop.vehicle.full_car import (
     Drive,
@@ -62,6 +62,7 @@ __all__ = [
     "ends",
     "frame_values",
     "ground",
+    "inputs_of",
     "is_component",
     "motions",
     "mounted",
