@@ -97,6 +97,11 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         page.screenshot(path=pictures / "model.png", full_page=True)
         turn(page, "Compare")
         page.screenshot(path=pictures / "compare.png")
+        page.get_by_role("button", name="Play it back").click()
+        page.get_by_role("button", name="Play", exact=True).click()
+        page.wait_for_function("document.querySelector('[data-part=time]').value > 0.2")
+        page.get_by_role("button", name="Pause").click()
+        page.screenshot(path=pictures / "playback.png")
 
         turn(page, "Axle to body")
         page.get_by_role("button", name="Identify it").click()

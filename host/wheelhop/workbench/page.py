@@ -43,6 +43,8 @@ def lay_out(bench: Workbench) -> None:
     """Build the page for one tab of a browser: the campaign on the bench, or how to get one."""
     for room, name in (("wheelhop.report", "style.css"), ("wheelhop.workbench", "workbench.css")):
         ui.add_css((files(room) / name).read_text(encoding="utf-8"))
+    script = (files("wheelhop.workbench") / "playback.js").read_text(encoding="utf-8")
+    ui.add_head_html(f"<script>{script}</script>")
     ui.colors(primary=AFTER)
     if bench.desk is None:
         from wheelhop.workbench.start import Start  # it knows every format of recordings

@@ -76,21 +76,49 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
         at_floor=not step.above_floor,
         runs=grid.rows,
         channels=grid.columns,
+        points=_points(campaign, grid.columns),
+        shape=_shape(step),
         ratio=grid.ratio,
         noise_rms=comparison.floor.noise_rms,
-        signals={run: _signals(record) for run, record in records_of(step.rung).items()},
+        signals=_all_signals(step),
         sentences=tuple(describe(comparison.breakdown)),
         html=html,
     )
 
 
-def _signals(record: Record) -> shown.Signals:
+def _points(campaign: Campaign, channels: Sequence[str]) -> tuple[str, ...]:
+    point = {channel.name: channel.point for channel in campaign.channels}
+    return tuple(point[name] for name in channels)
+
+
+def _shape(step: Step) -> shown.Shape | None:
+    values = step.rung.model.values
+    if "geometry.wheelbase_m" not in values:
+        return None
+    names = ("geometry.wheelbase_m", "geometry.track_width_m", "wheel.front.radius_m")
+    return shown.Shape(*(float(values[name]) for name in names))
+
+
+def _all_signals(step: Step) -> dict[str, shown.Signals]:
+    positions = {record.run.id: record.position_m for record in step.comparison.records}
+    records = records_of(step.rung).items()
+    return {run: _signals(record, positions.get(run)) for run, record in records}
+
+
+def _signals(record: Record, position_m: Array | None) -> shown.Signals:
     band = record.band
 
     def samples(coefficients: Array) -> shown.Samples:
         return band.from_coefficients(coefficients).astype(np.float32)
 
-    return shown.Signals(band.rate_hz, samples(record.measured), samples(record.model))
+    return shown.Signals(
+        band.rate_hz,
+        samples(record.measured),
+        samples(record.model),
+        samples(band.integrated_twice(record.measured)),
+        samples(band.integrated_twice(record.model)),
+        None if position_m is None else position_m.astype(np.float32),
+    )
 
 
 def ranking(workshop: Workshop, look: Look) -> shown.Ranking:
