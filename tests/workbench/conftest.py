@@ -1,5 +1,6 @@
 """A workbench in a process of its own, and a browser that looks at it."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -11,14 +12,31 @@ import pytest
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 PATIENCE_MS = 180_000
+VEHICLE = {"front wheels": 130, "rear wheels": 160, "wheelbase": 1.42, "track width": 1.18}
+
+
+def describe_vehicle(page: object) -> None:
+    """Fill in the four numbers that the guide needs."""
+    for words, number in VEHICLE.items():
+        page.get_by_label(words).first.fill(str(number))
 
 
 @contextmanager
-def workbench(*arguments: object) -> Iterator[tuple[str, subprocess.Popen]]:
-    """`wheelhop workbench` as a user starts it: its address, and the process."""
+def workbench(
+    *arguments: object, home: Path | None = None
+) -> Iterator[tuple[str, subprocess.Popen]]:
+    """`wheelhop workbench` as a user starts it: its address, and the process. With a `home`, no
+    other program's emulated logger is in the way."""
+    environment = dict(os.environ)
+    if home is not None:
+        environment |= {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
     command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser"]
     process = subprocess.Popen(
-        [*command, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*command, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
     )
     try:
         line = process.stdout.readline()

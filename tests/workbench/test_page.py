@@ -14,8 +14,9 @@ from tests.component.cases import CASES as RIG_CASES
 from tests.component.cases import DAMPER
 from tests.component.rig import make_campaign as make_rig_campaign
 from tests.truth.campaign import make_campaign
-from tests.workbench.conftest import workbench
+from tests.workbench.conftest import describe_vehicle, workbench
 from tests.workbench.test_draft import NAMES, write_foreign
+from wheelhop.campaign import read_campaign
 
 FINDING_MS = 240_000
 ROUND = re.compile(r"(\d+\.\d+|\d+)")
@@ -208,15 +209,32 @@ def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
     with workbench() as (address, _):
         page = open_page(address)
         page.set_input_files("input[type=file]", [str(file) for file in files])
-        page.get_by_role("button", name="Read them").click()
-        page.get_by_role("button", name="Make the campaign").wait_for()
+        speeds = page.get_by_label("speed, km/h")
+        speeds.nth(2).wait_for()  # all that could be guessed was: they are read at once
+        for i in range(3):
+            speeds.nth(i).fill("10")
+
+        begin = page.locator(".stretches [data-edge=from]").first
+        box, whole = begin.bounding_box(), page.locator(".stretches").first.bounding_box()
+        page.mouse.move(box["x"] + 2, box["y"] + 20)
+        page.mouse.down()
+        page.mouse.move(whole["x"] + 0.4 * whole["width"], box["y"] + 20, steps=3)
+        page.mouse.up()
+        begin.press("ArrowRight")
+        page.wait_for_function("document.querySelector('[aria-label=\"from, s\"]').value > 8.05")
+
+        page.get_by_role("button", name="Make the campaign").click()
+        page.get_by_text("this one is needed: weight on both front wheels").wait_for()
+        describe_vehicle(page)
         page.screenshot(path=pictures / "guide.png", full_page=True)
         page.get_by_label("new folder").fill(str(tmp_path / "made"))
         page.get_by_role("button", name="Make the campaign").click()
         page.get_by_role("tab", name="Overview").wait_for()
         for point in NAMES:
             assert page.locator("svg.plan text", has_text=point).count() >= 1
-    assert (tmp_path / "made/campaign.toml").is_file()
+    first, *others = read_campaign(tmp_path / "made").runs
+    assert len(others) == 2
+    assert len(first.time_s) == pytest.approx((15.5 - 8.1) * 100, abs=15)
 
 
 NASTY = '<img src=x onerror="document.title=1"> "quoted" & ' + "long " * 200

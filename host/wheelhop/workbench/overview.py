@@ -19,6 +19,13 @@ from wheelhop.workbench.view import Looking, acting
 PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
 PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
 """Where the eight points stand in the drawing, forward up."""
+WORDS = (
+    "<p class='soft'>How many times the sensors' noise the model leaves, in band: 1 is as good as"
+    " it gets. Click a number, a run or a sensor to look at it; a role to fit a run or to hold it"
+    " out; a channel to leave it out. Grey numbers need no attention.</p>"
+    '<p><button class="primary" data-act="where">Where does it fail?</button>'
+    ' <button class="primary" data-act="missing">What is missing?</button></p>'
+)
 PROFILE_M = 6.0  # of a track, in its small drawing
 
 
@@ -45,7 +52,7 @@ class Overview:
             return
         self._seen = seen
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
-        self._runs.set_content(self._table(rung) + heat_legend())
+        self._runs.set_content(self._table(rung) + heat_legend() + WORDS)
         found = (*desk.findings, *desk.criticism)
         items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
         heading = "<h2>Before you believe it</h2>"
@@ -64,6 +71,8 @@ class Overview:
             case "role" if run is not None:
                 now = desk.choice.roles.get(run.id, run.role)
                 desk.set_role(run.id, "fit" if now == "validate" else "validate")
+            case "where" | "missing" as view:
+                self._looking.go(view)
             case "leave channel":
                 desk.toggle_channel(desk.campaign.channels[int(data["channel"])].name)
 

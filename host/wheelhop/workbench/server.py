@@ -5,10 +5,12 @@ from __future__ import annotations
 import secrets
 import socket
 import sys
+import time
 import webbrowser
 from collections.abc import Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING
 
 import uvicorn
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 LOCAL = "127.0.0.1"
+AHEAD_S = 2.0
 PATIENCE_S = 3600.0
 """So long a page that lost its connection, on a closed laptop, finds what it showed."""
 
@@ -32,6 +35,7 @@ def serve(
     folder: Path | None,
     *,
     effects_file: Path | None = None,
+    emulated: bool = False,
     host: str = LOCAL,
     port: int = 0,
     browse: bool = True,
@@ -39,13 +43,16 @@ def serve(
 ) -> None:
     """Open a campaign on the workbench, or none yet, and serve it until interrupted.
 
-    ``port`` 0 takes any that is free; ``tell`` is given the address. Raises CampaignError for a
+    ``port`` 0 takes any that is free; ``tell`` is given the address; ``emulated`` switches on an
+    emulated logger. Raises CampaignError for a
     campaign that cannot be read, a folder that has a workbench already, and an address that is
     taken.
     """
     bench = Workbench(effects_file)
     if folder is not None:
         bench.put(folder)
+    if emulated:
+        bench.recorder.emulate()
     with _bound(host, port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
@@ -66,8 +73,9 @@ def make_app(bench: Workbench) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         if bench.desk is not None:
             bench.desk.begin()
+        Thread(target=_load_ahead, daemon=True).start()
         yield
-        bench.clear()
+        bench.close()
 
     app = FastAPI(lifespan=lifespan)
 
@@ -77,6 +85,12 @@ def make_app(bench: Workbench) -> FastAPI:
 
     ui.run_with(app, title="wheelhop", dark=None, reconnect_timeout=PATIENCE_S, tailwind=False)
     return app
+
+
+def _load_ahead() -> None:
+    """What only some views need is loaded after the first page is there, before it is asked for."""
+    time.sleep(AHEAD_S)
+    import wheelhop.workbench.log_in_view  # noqa: F401
 
 
 def _bound(host: str, port: int) -> socket.socket:

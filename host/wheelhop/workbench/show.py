@@ -65,7 +65,7 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
     if drawn:
         html = {
             "ladder": sections.ladder(steps),
-            "where": sections.where(steps),
+            "where": sections.where(steps) + sections.where_else(steps),
             "model": sections.model(campaign, steps),
         }
     return shown.Rung(
