@@ -30,6 +30,9 @@ from wheelhop.workbench.view import Looking
 Array = NDArray[np.float64]
 
 ALL_RUNS = -1
+WHOLE = (0.0, 100.0)
+STEP = 0.2  # of what is shown, for one press of a key
+CLOSEST = 0.5  # per cent of a record
 
 
 class CompareView:
@@ -61,10 +64,13 @@ class CompareView:
         self._time = ui.echart({}).classes("bench-chart").props('aria-label="against time"')
         self._lines: list[Line] = []
         self._time.on("chart:datazoom", self._zoomed, throttle=0.3, leading_events=False)
+        self._time.props("tabindex=0").on("keydown", self._pressed, args=["key"])
+        self._window = WHOLE
         self._spectrum = ui.echart({}).classes("bench-spectrum").props('aria-label="spectrum"')
         ui.html(
-            "<p class='soft'>In band. Scroll to zoom, drag to move; both panels go together. Grey"
-            " band: ±2 standard deviations of the noise. Dashed: the noise floor.</p>",
+            "<p class='soft'>In band. Scroll to zoom, drag to move, or + − and the arrow keys, 0"
+            " for all; both panels go together. Grey band: ±2 standard deviations of the noise."
+            " Dashed in grey: the noise floor.</p>",
             sanitize=False,
         )
         self._run.on_value_change(self._chosen)
@@ -143,6 +149,8 @@ class CompareView:
         options = chart(panels, (66, 34) if lower else (90, 10), (0, 1))
         if keep_zoom:
             options.pop("dataZoom")
+        else:
+            self._window = WHOLE
         self._time.options.update(options)
         self._time.update()
         self._draw_spectrum(curves, rate_hz, noise, channel.unit)
@@ -151,14 +159,23 @@ class CompareView:
 
     def _zoomed(self, event: GenericEventArguments) -> None:
         """Fetch the detail of what is looked at, where not every sample was drawn."""
+        zoom = dict(event.args)
+        zoom = zoom.get("batch", [zoom])[0]
+        self._window = float(zoom["start"]), float(zoom["end"])
         count = len(np.asarray(self._lines[0].y)) if self._lines else 0
         if count <= MOST:
             return
-        zoom = dict(event.args)
-        zoom = zoom.get("batch", [zoom])[0]
-        first, last = (int(count * float(zoom[key]) / 100) for key in ("start", "end"))
+        first, last = (int(count * percent / 100) for percent in self._window)
         series = [{"data": line.points(first, last)} for line in self._lines]
         self._time.run_chart_method("setOption", {"series": series})
+
+    def _pressed(self, event: GenericEventArguments) -> None:
+        """The keyboard's way to zoom and to move."""
+        window = moved(self._window, str(event.args["key"]))
+        if window != self._window:
+            self._window = window
+            zoom = {"type": "dataZoom", "start": window[0], "end": window[1]}
+            self._time.run_chart_method("dispatchAction", zoom)
 
     def _draw_spectrum(
         self, curves: list[tuple[str, Array, str]], rate_hz: float, noise: float, unit: str
@@ -224,3 +241,18 @@ class CompareView:
 def _model_name(rung: Rung) -> str:
     """What is added to the baseline, or the baseline itself."""
     return f"with {' + '.join(rung.added)}" if rung.added else "baseline"
+
+
+def moved(window: tuple[float, float], key: str) -> tuple[float, float]:
+    """What of a record is looked at, per cent, after a key: + − zoom, arrows move, 0 shows all."""
+    first, last = window
+    width = last - first
+    if key == "0":
+        return WHOLE
+    if key in ("+", "="):
+        width = max(width * (1 - 2 * STEP), CLOSEST)
+    elif key in ("-", "−"):
+        width = min(width / (1 - 2 * STEP), 100.0)
+    by = {"ArrowLeft": -STEP, "ArrowRight": STEP}.get(key, 0.0) * width
+    middle = min(max((first + last) / 2 + by, width / 2), 100.0 - width / 2)
+    return middle - width / 2, middle + width / 2

@@ -25,6 +25,11 @@ ENDINGS = (
     *(".csv", ".txt", ".tsv", ".dat", ".asc", ".mf4", ".tdms", ".uff", ".unv", ".lvm", ".hop"),
     ".parquet",
 )
+TAKEN = (
+    "CSV or text of any layout, MDF4, TDMS, UFF, LVM, Parquet, or the logger's .HOP. They must hold"
+    " vertical accelerations of axles or body."
+)
+DROPPED = "(event) => runMethod(ID, 'addFiles', [event.dataTransfer.files])"
 CORNERS = ("front left", "front right", "rear left", "rear right")
 PLACE_WORDS = {
     **{f"A{i}": f"A{i}: axle, {corner}" for i, corner in enumerate(CORNERS, start=1)},
@@ -65,16 +70,17 @@ class Guide:
         self._draft, self._done, self._say = draft, done, say
         self._uploads = tempfile.TemporaryDirectory(prefix="wheelhop-", ignore_cleanup_errors=True)
         self._drawn: dict[Path, tuple[object, ...]] = {}
-        ui.html(
-            "<p>Drop recordings on the box, or choose them with its +: CSV or text of any layout,"
-            " MDF4, TDMS, UFF, LVM, Parquet, or the logger's .HOP. They must hold vertical"
-            " accelerations of axles or body.</p>",
-            sanitize=False,
-        )
-        upload = ui.upload(
-            multiple=True, auto_upload=True, on_upload=self._upload, label="recordings"
-        )
-        upload.props(f'accept="{",".join(ENDINGS)}"')
+        upload = ui.upload(multiple=True, auto_upload=True, on_upload=self._upload)
+        upload.props(f'accept="{",".join(ENDINGS)}"').classes("hidden")
+        button = ui.element("button").classes("bench-drop")
+        button.on("click", js_handler=f"() => runMethod({upload.id}, 'pickFiles', [])")
+        button.on("dragover.prevent", js_handler="() => {}")
+        button.on("drop.prevent", js_handler=DROPPED.replace("ID", str(upload.id)))
+        with button:
+            ui.html(
+                "<strong>Drop recordings here, or press to choose them</strong>", sanitize=False
+            )
+            ui.label(TAKEN)
         self._columns = ui.element("div")
         self._runs = ui.element("div")
         self._vehicle = ui.element("div")

@@ -49,6 +49,7 @@ def lay_out(bench: Workbench) -> None:
     for name in ("playback.js", "stretches.js"):
         script = (files("wheelhop.workbench") / name).read_text(encoding="utf-8")
         ui.add_head_html(f"<script>{script}</script>")
+    ui.add_head_html("<script>document.documentElement.lang = 'en'</script>")
     ui.colors(primary=AFTER)
     if bench.desk is None:
         from wheelhop.workbench.start import Start  # it knows every format of recordings

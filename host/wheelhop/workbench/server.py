@@ -14,19 +14,24 @@ from threading import Thread
 from typing import TYPE_CHECKING
 
 import uvicorn
-from fastapi import FastAPI
+from fastapi import FastAPI, HTTPException
+from fastapi.responses import FileResponse
 from nicegui import ui
 
 from wheelhop.campaign import CampaignError
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.guard import Guard
+from wheelhop.workbench.out_view import REPORT_ADDRESS
 from wheelhop.workbench.page import lay_out
+from wheelhop.workbench.takeaway import REPORT
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 LOCAL = "127.0.0.1"
 AHEAD_S = 2.0
+REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+"""A report may have come with somebody's campaign: it shows, and does nothing."""
 PATIENCE_S = 3600.0
 """So long a page that lost its connection, on a closed laptop, finds what it showed."""
 
@@ -82,6 +87,14 @@ def make_app(bench: Workbench) -> FastAPI:
     @ui.page("/")
     def index() -> None:
         lay_out(bench)
+
+    @app.get(REPORT_ADDRESS)
+    def report() -> FileResponse:
+        desk = bench.desk
+        if desk is None or not (desk.campaign.folder / REPORT).is_file():
+            raise HTTPException(404, "there is no report yet")
+        headers = {"content-security-policy": REPORT_POLICY}
+        return FileResponse(desk.campaign.folder / REPORT, headers=headers)
 
     ui.run_with(app, title="wheelhop", dark=None, reconnect_timeout=PATIENCE_S, tailwind=False)
     return app

@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 
 OPEN = "screened; it may still be simulated in full"
 
-TRACED = 8
-"""For so many effects, the best, the signature is laid over the residual."""
+Traced = set[tuple[tuple[str, ...], str]]
+"""Which effects, beside which others, have been shown laid over the residual."""
 
 
 def findings(found: Iterable[Finding]) -> tuple[tuple[str, str], ...]:
@@ -78,6 +78,10 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
         channels=grid.columns,
         points=_points(campaign, grid.columns),
         shape=_shape(step),
+        numbers={
+            free.name: shown.Number(free.mean, free.sigma, *step.parameters[free.name])
+            for free in step.rung.fit.shared
+        },
         ratio=grid.ratio,
         noise_rms=comparison.floor.noise_rms,
         signals=_all_signals(step),
@@ -121,14 +125,17 @@ def _signals(record: Record, position_m: Array | None) -> shown.Signals:
     )
 
 
-def ranking(workshop: Workshop, look: Look) -> shown.Ranking:
-    """What a look has found by now."""
+def ranking(workshop: Workshop, look: Look, traced: Traced) -> shown.Ranking:
+    """What a look has found by now; signatures come once, `traced` keeps which did."""
     ranked = ranked_so_far(look, Angles(look.rung.fit, look.screened, look.candidates))
     beside = tuple(effect.id for effect in look.rung.model.effects)
-    best = [item.effect for item in ranked[:TRACED]]
-    screened = [s for s in look.screened if s.variant.effect.id in best]
     fit = look.rung.fit
-    traces = {s.variant.effect.id: _trace(workshop, fit, s) for s in screened if _shows(s)}
+    traces = {}
+    for screened in look.screened:
+        name = screened.variant.effect.id
+        if (beside, name) not in traced and _shows(screened):
+            traces[name] = _trace(workshop, fit, screened)
+            traced.add((beside, name))
     rows = tuple(_row(item) for item in ranked)
     if look.chosen is None:  # nothing is settled yet
         rows = tuple(replace(row, reason=OPEN) if row.confirmed is None else row for row in rows)

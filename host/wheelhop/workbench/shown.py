@@ -39,13 +39,24 @@ class Shape:
     radius_m: float
 
 
+@dataclass(frozen=True)
+class Number:
+    """One of the vehicle's numbers: nominal and fitted, each with one standard deviation, SI."""
+
+    nominal: float
+    believed: float
+    fitted: float
+    known: float
+
+
 @dataclass(frozen=True, eq=False)
 class Rung:
     """One model of the ladder: which effects it has, the error E it leaves, and where.
 
     ``error`` is E on the runs that judge, ``floor`` what the sensors' noise alone leaves of them;
     ``ratio`` (runs, channels) is residual over floor, NaN where the model predicts nothing.
-    ``points`` say where the channels sit. ``shape`` is the vehicle's, None of a component.
+    ``points`` say where the channels sit. ``shape`` is the vehicle's, None of a component;
+    ``numbers`` are its numbers, by their dotted names.
     ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
     """
 
@@ -58,6 +69,7 @@ class Rung:
     channels: tuple[str, ...]
     points: tuple[str, ...]
     shape: Shape | None
+    numbers: Mapping[str, Number]
     ratio: Array
     noise_rms: Array
     signals: Mapping[str, Signals]

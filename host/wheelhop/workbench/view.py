@@ -14,6 +14,13 @@ ACTED = """(event) => {
   if (target) emit({...target.dataset});
 }"""
 """Sends what the element clicked, or one around it, says it does."""
+PRESSED = """(event) => {
+  const target = event.target.closest("[role=button][data-act]");
+  if (!target || (event.key !== "Enter" && event.key !== " ")) return;
+  event.preventDefault();
+  emit({...target.dataset});
+}"""
+"""The same from the keyboard, for what the browser does not take for a button."""
 
 
 @dataclass
@@ -41,4 +48,5 @@ def acting(content: str, handle: Callable[[dict[str, str]], Awaitable[None] | No
     def handled(event: GenericEventArguments) -> Awaitable[None] | None:
         return handle({key: str(value) for key, value in dict(event.args).items()})
 
-    return ui.html(content, sanitize=False).on("click", handled, js_handler=ACTED)
+    element = ui.html(content, sanitize=False).on("click", handled, js_handler=ACTED)
+    return element.on("keydown", handled, js_handler=PRESSED)
