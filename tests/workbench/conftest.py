@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.truth.campaign import make_campaign
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 PATIENCE_MS = 180_000
 VEHICLE = {"front wheels": 130, "rear wheels": 160, "wheelbase": 1.42, "track width": 1.18}
@@ -84,3 +86,15 @@ def pictures(tmp_path_factory) -> Path:
     folder = Path(tmp_path_factory.getbasetemp()) / "workbench-pictures"
     folder.mkdir(exist_ok=True)
     return folder
+
+
+@pytest.fixture(scope="session")
+def friction(tmp_path_factory):
+    hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
+    folder = tmp_path_factory.mktemp("friction")
+    return make_campaign(folder, seed=101, effects=hidden, short=True)
+
+
+@pytest.fixture(scope="session")
+def clean(tmp_path_factory):
+    return make_campaign(tmp_path_factory.mktemp("clean"), seed=102, effects={}, short=True)

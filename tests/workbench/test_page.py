@@ -22,18 +22,6 @@ FINDING_MS = 240_000
 ROUND = re.compile(r"(\d+\.\d+|\d+)")
 
 
-@pytest.fixture(scope="session")
-def friction(tmp_path_factory):
-    hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
-    folder = tmp_path_factory.mktemp("friction")
-    return make_campaign(folder, seed=101, effects=hidden, short=True)
-
-
-@pytest.fixture(scope="session")
-def clean(tmp_path_factory):
-    return make_campaign(tmp_path_factory.mktemp("clean"), seed=102, effects={}, short=True)
-
-
 def figure(page, name):
     """A number of the head, such as "error / floor"."""
     found = page.locator("dl.key div", has_text=name).locator("dd").inner_text()
@@ -67,7 +55,7 @@ def assert_script_repeats(folder):
 
 
 def test_from_a_campaign_to_a_report(friction, open_page, pictures):
-    with workbench(friction) as (address, _):
+    with workbench(friction) as (address, process):
         page = open_page(address)
         page.wait_for_selector("table.heat td.h4")
         assert figure(page, "error / floor") > 3
@@ -86,6 +74,12 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         assert "dry-friction" in page.locator(".verdict h2").inner_text()
         assert page.locator("tr.accepted").inner_text().split()[1] == "dry-friction"
         page.screenshot(path=pictures / "verdict.png", full_page=True)
+        for effect in ("anti-roll-bar", "bump-stop"):  # every card lays its signature over
+            page.get_by_role("button", name=effect, exact=True).click()
+            page.locator(".card").get_by_text("to first order, where that shows best").wait_for()
+        turn(page, "Where it fails")
+        assert "dry-friction" in page.locator("ol.chain .link", has_text="strut").inner_text()
+        turn(page, "What is missing")
 
         second = open_page(address)  # another tab: the same state
         turn(second, "What is missing")
@@ -114,7 +108,12 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         turn(page, "Take away")
         page.get_by_role("button", name="Write the report").click()
         page.get_by_text("report.html", exact=False).first.wait_for()
-        page.get_by_role("button", name="Look at the report").wait_for()
+        with page.context.expect_page() as opened:
+            page.get_by_role("link", name="Look at the report").click()
+        assert "dry-friction" in opened.value.locator("h1").inner_text()
+        page.get_by_role("button", name="Write the report as PDF").click()
+        page.get_by_text(f"written: {friction / 'report.pdf'}").wait_for()
+        assert (friction / "report.pdf").read_bytes().startswith(b"%PDF")
         assert "dry-friction" in (friction / "report.html").read_text()
         for name, file in (("figures", "typical.png"), ("tables", "signals.parquet")):
             page.get_by_role("button", name=f"Write the {name}").click()
@@ -129,8 +128,9 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         page.locator("dl.key dd", has_text=re.compile("^baseline$")).wait_for()
         page.get_by_role("button", name="Redo").click()
         page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
+        process.kill()
 
-    with workbench(friction) as (address, _):  # the server is gone, nothing is lost
+    with workbench(friction) as (address, _):  # the server was killed, nothing is lost
         page = open_page(address)
         page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
         turn(page, "What is missing")

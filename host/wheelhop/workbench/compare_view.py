@@ -142,11 +142,15 @@ class CompareView:
             for name, y, colour in curves[1:]
         ]
         panels = [
-            Panel("", f"{channel.quantity}, {channel.unit}", upper),
-            Panel("time, s", f"residual, {channel.unit}", lower, band=2 * noise),
+            Panel("" if lower else "time, s", f"{channel.quantity}, {channel.unit}", upper),
+            *(
+                [Panel("time, s", f"residual, {channel.unit}", lower, band=2 * noise)]
+                if lower
+                else []
+            ),
         ]
         self._lines = [*upper, *lower]
-        options = chart(panels, (66, 34) if lower else (90, 10), (0, 1))
+        options = chart(panels, (66, 34)[: len(panels)], range(len(panels)))
         if keep_zoom:
             options.pop("dataZoom")
         else:
