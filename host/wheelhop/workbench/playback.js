@@ -43,7 +43,8 @@ wheelhop.playback = (root, data) => {
       pen.restore();
     });
     slider.value = now;
-    clock.textContent = `${now.toFixed(2)} of ${duration.toFixed(2)} s`;
+    const last_s = data.start_s + duration;
+    clock.textContent = `${(data.start_s + now).toFixed(2)} of ${last_s.toFixed(2)} s`;
   };
 
   const panel = (pen, view, width, height) => {

@@ -19,8 +19,9 @@ SIDES = {"left": ("1", "3"), "right": ("2", "4")}
 BODY_RADII = 2.0  # of a wheel: so high stands the body where it is drawn at rest
 SHOWN_M = 0.3  # of the drawing's height, for the largest motion
 EXAGGERATIONS = (1, 2, 5, 10, 20, 50)
+END_S = 1.0
 STEP_M = 0.01
-DIGITS = 4
+DIGITS, PLACE_DIGITS = 4, 6
 
 PARTS = """\
 <div class="playback"><canvas data-part="canvas" role="img"
@@ -65,19 +66,22 @@ def scene_of(run: Run, rung: Rung, side: str) -> dict[str, Any] | None:
     signals = rung.signals.get(run.id)
     if rung.shape is None or signals is None:
         return None
-    measured = _heights(signals, signals.measured_m, rung, side)
-    modelled = _heights(signals, signals.modelled_m, rung, side)
+    kept = slice(*_kept(len(signals.measured), signals.rate_hz))
+    measured = _heights(signals, signals.measured_m[kept], rung, side)
+    modelled = _heights(signals, signals.modelled_m[kept], rung, side)
     if not any(part for end in measured.values() for part in end.values()):
         return None
     position = signals.position_m
     if position is None:
         position = (run.time_s - run.time_s[0]) * run.speed_m_s
     shape = rung.shape
+    position = position[kept]
     first, ground = _ground(run, position, shape, side)
     heights = [y for view in (measured, modelled) for end in view.values() for y in end.values()]
     return {
         "rate_hz": signals.rate_hz,
-        "position_m": _short(position),
+        "start_s": kept.start / signals.rate_hz,
+        "position_m": _short(position, PLACE_DIGITS),
         "ground_from_m": first,
         "ground_step_m": STEP_M,
         "ground_m": _short(ground),
@@ -90,6 +94,12 @@ def scene_of(run: Run, rung: Rung, side: str) -> dict[str, Any] | None:
             {"name": _name(rung), "colour": "after", **modelled, "behind": measured},
         ],
     }
+
+
+def _kept(count: int, rate_hz: float) -> tuple[int, int]:
+    """The samples that are played: not the ends, where what is in band is that of both."""
+    margin = round(min(END_S * rate_hz, count / 8))
+    return margin, count - margin
 
 
 def _heights(
@@ -130,6 +140,6 @@ def _name(rung: Rung) -> str:
     return f"modelled, with {' + '.join(rung.added)}" if rung.added else "modelled, baseline"
 
 
-def _short(values: NDArray[Any]) -> list[float]:
+def _short(values: NDArray[Any], digits: int = DIGITS) -> list[float]:
     """With as many digits as a screen shows."""
-    return [float(f"{x:.{DIGITS}g}") for x in values.tolist()]
+    return [float(f"{x:.{digits}g}") for x in values.tolist()]
