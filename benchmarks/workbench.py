@@ -42,7 +42,7 @@ SHOWN = """async (view) => {
 """From a click on a tab to its view on the screen, ms; the server is asked in between."""
 
 FRAMES = """async ([seconds]) => {
-  const canvas = document.querySelector('[data-view=compare] canvas');
+  const canvas = document.querySelector('.bench-chart canvas');
   const box = canvas.getBoundingClientRect();
   const at = {clientX: box.x + box.width / 2, clientY: box.y + box.height / 3, bubbles: true};
   const times = [];

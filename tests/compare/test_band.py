@@ -88,3 +88,14 @@ def test_a_record_too_short_for_the_band_and_a_wrong_length_are_refused():
         InBand(10, 100.0, (0.5, 2.0))
     with pytest.raises(ValueError, match="128 samples"):
         band_of(128).coefficients(np.zeros((64, 3)))
+
+
+def test_a_sine_integrated_twice_is_the_motion_it_accelerates():
+    n, rate_hz, frequency_hz, height_m = 1000, 100.0, 4.0, 0.012
+    phase = 2 * np.pi * frequency_hz * np.arange(n) / rate_hz + 0.3
+    band = InBand(n, rate_hz, (0.5, 30.0))
+    acceleration = -((2 * np.pi * frequency_hz) ** 2) * height_m * np.sin(phase)
+    both = band.coefficients(np.stack([acceleration, 2 * acceleration], axis=1))
+    found = band.from_coefficients(band.integrated_twice(both))
+    np.testing.assert_allclose(found[:, 0], height_m * np.sin(phase), atol=1e-12)
+    np.testing.assert_allclose(found[:, 1], 2 * found[:, 0], atol=1e-12)

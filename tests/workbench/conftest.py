@@ -1,5 +1,6 @@
 """A workbench in a process of its own, and a browser that looks at it."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -9,16 +10,35 @@ from pathlib import Path
 
 import pytest
 
+from tests.truth.campaign import make_campaign
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 PATIENCE_MS = 180_000
+VEHICLE = {"front wheels": 130, "rear wheels": 160, "wheelbase": 1.42, "track width": 1.18}
+
+
+def describe_vehicle(page: object) -> None:
+    """Fill in the four numbers that the guide needs."""
+    for words, number in VEHICLE.items():
+        page.get_by_label(words).first.fill(str(number))
 
 
 @contextmanager
-def workbench(*arguments: object) -> Iterator[tuple[str, subprocess.Popen]]:
-    """`wheelhop workbench` as a user starts it: its address, and the process."""
+def workbench(
+    *arguments: object, home: Path | None = None
+) -> Iterator[tuple[str, subprocess.Popen]]:
+    """`wheelhop workbench` as a user starts it: its address, and the process. With a `home`, no
+    other program's emulated logger is in the way."""
+    environment = dict(os.environ)
+    if home is not None:
+        environment |= {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
     command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser"]
     process = subprocess.Popen(
-        [*command, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*command, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
     )
     try:
         line = process.stdout.readline()
@@ -66,3 +86,15 @@ def pictures(tmp_path_factory) -> Path:
     folder = Path(tmp_path_factory.getbasetemp()) / "workbench-pictures"
     folder.mkdir(exist_ok=True)
     return folder
+
+
+@pytest.fixture(scope="session")
+def friction(tmp_path_factory):
+    hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
+    folder = tmp_path_factory.mktemp("friction")
+    return make_campaign(folder, seed=101, effects=hidden, short=True)
+
+
+@pytest.fixture(scope="session")
+def clean(tmp_path_factory):
+    return make_campaign(tmp_path_factory.mktemp("clean"), seed=102, effects={}, short=True)

@@ -7,6 +7,7 @@ import pytest
 
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.files import InputError
+from wheelhop.vehicle import read_vehicle
 from wheelhop.workbench.draft import NOT_USED, Draft
 
 NAMES = {
@@ -16,6 +17,7 @@ NAMES = {
 G = 9.80665
 RATE = 100.0
 REST_S, DRIVE_S = 4.0, 12.0
+KNOWN = {"front_kg": 130.0, "rear_kg": 160.0, "wheelbase_m": 1.42, "track_width_m": 1.18}
 
 
 def write_foreign(folder: Path, count: int = 3) -> list[Path]:
@@ -45,6 +47,9 @@ def draft(tmp_path) -> Draft:
     for file in write_foreign(tmp_path):
         draft.add(file)
     draft.read()
+    for piece in draft.pieces:
+        piece.speed_kmph = 10.0
+    draft.answers |= KNOWN
     return draft
 
 
@@ -62,7 +67,7 @@ def test_the_campaign_holds_what_was_recorded(draft, tmp_path):
         piece.choose("washboard")
         piece.track |= {"amplitude_mm": 15.0, "pitch_mm": 400.0}
         piece.speed_kmph = 7.5
-    draft.vehicle["body.mass_kg"] = 250.0
+    draft.better["body.mass_kg"] = 250.0
     draft.make(tmp_path / "made", "My car")
     campaign = read_campaign(tmp_path / "made")
     assert [run.role for run in campaign.runs] == ["fit", "fit", "validate"]
@@ -72,7 +77,9 @@ def test_the_campaign_holds_what_was_recorded(draft, tmp_path):
     assert run.speed_m_s == pytest.approx(7.5 / 3.6)
     a1 = [c.point for c in campaign.channels].index("A1")
     assert run.record[:, a1].std() == pytest.approx(0.3 * G / np.sqrt(2), rel=0.02)
-    assert "mass_kg = 250.0" in (tmp_path / "made/vehicle.toml").read_text()
+    vehicle = read_vehicle(tmp_path / "made/vehicle.toml")
+    assert vehicle.values["body.mass_kg"] == 250.0
+    assert vehicle.values["geometry.wheelbase_m"] == 1.42
 
 
 def test_a_column_that_is_not_used_is_no_channel(draft, tmp_path):
@@ -99,12 +106,25 @@ def mistakes():
         draft.pieces[2].track |= {"amplitude_mm": 500.0, "pitch_mm": 100.0}
 
     def no_mass(draft):
-        draft.vehicle["body.mass_kg"] = 0.0
+        draft.better["body.mass_kg"] = 0.0
+
+    def no_weight(draft):
+        draft.answers["front_kg"] = None
+
+    def in_millimetres(draft):
+        draft.answers["wheelbase_m"] = 1420.0
+
+    def no_speed(draft):
+        draft.pieces[0].speed_kmph = None
+
+    def no_wavelength(draft):
+        draft.pieces[0].choose("washboard")
 
     def outside(draft):
         draft.pieces[1].from_s, draft.pieces[1].to_s = 100.0, 120.0
 
-    return [nothing_taken, one_name, slash, steep, no_mass, outside]
+    wrong = [nothing_taken, one_name, slash, steep, no_mass, outside]
+    return [*wrong, no_weight, in_millimetres, no_speed, no_wavelength]
 
 
 @pytest.mark.parametrize("spoil", mistakes(), ids=lambda f: f.__name__)
@@ -120,6 +140,48 @@ def test_two_sensors_in_one_place_are_refused(draft):
     draft.columns[1].place = draft.columns[0].place
     with pytest.raises(InputError):
         draft.read()
+
+
+def test_what_a_file_s_name_tells_is_not_asked(tmp_path):
+    for file, name in zip(
+        write_foreign(tmp_path),
+        ("washboard 7,5 km_h.csv", "One-sided Washboard 13kmh.csv", "lawn.csv"),
+        strict=True,
+    ):
+        file.rename(tmp_path / name.replace("km_h", "kmh"))
+    draft = Draft()
+    for file in sorted(tmp_path.glob("*.csv")):
+        draft.add(file)
+    draft.read()
+    found = {(piece.kind, piece.speed_kmph) for piece in draft.pieces}
+    assert found == {("washboard", 7.5), ("one-sided-washboard", 13.0), ("unknown", None)}
+
+
+def test_runs_join_a_campaign_or_none_does(draft, tmp_path):
+    folder = tmp_path / "made"
+    draft.make(folder, "My car")
+    more = Draft(folder)
+    for file in write_foreign(tmp_path):
+        more.add(file)
+    more.read()
+    for i, piece in enumerate(more.pieces):
+        piece.id, piece.speed_kmph = f"again-{i}", 12.0
+    more.pieces[2].id = draft.pieces[0].id  # is there already
+    before = {path: path.read_bytes() for path in folder.rglob("*.*")}
+    with pytest.raises(CampaignError, match="there is a run"):
+        more.join(folder)
+    assert {path: path.read_bytes() for path in folder.rglob("*.*")} == before
+    more.pieces[2].id = "again-2"
+    more.join(folder)
+    assert len(read_campaign(folder).runs) == 6
+
+
+def test_a_stretch_can_be_added_by_hand(draft):
+    file = draft.files[0]
+    piece = draft.new_piece(file)
+    span = 2 * REST_S + DRIVE_S
+    assert 0 < piece.from_s < span / 2 < piece.to_s < span
+    assert piece.id not in {other.id for other in draft.pieces if other is not piece}
 
 
 def test_a_campaign_that_is_there_stays(draft, tmp_path):

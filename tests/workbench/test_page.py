@@ -14,23 +14,12 @@ from tests.component.cases import CASES as RIG_CASES
 from tests.component.cases import DAMPER
 from tests.component.rig import make_campaign as make_rig_campaign
 from tests.truth.campaign import make_campaign
-from tests.workbench.conftest import workbench
+from tests.workbench.conftest import describe_vehicle, workbench
 from tests.workbench.test_draft import NAMES, write_foreign
+from wheelhop.campaign import read_campaign
 
 FINDING_MS = 240_000
 ROUND = re.compile(r"(\d+\.\d+|\d+)")
-
-
-@pytest.fixture(scope="session")
-def friction(tmp_path_factory):
-    hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
-    folder = tmp_path_factory.mktemp("friction")
-    return make_campaign(folder, seed=101, effects=hidden, short=True)
-
-
-@pytest.fixture(scope="session")
-def clean(tmp_path_factory):
-    return make_campaign(tmp_path_factory.mktemp("clean"), seed=102, effects={}, short=True)
 
 
 def figure(page, name):
@@ -66,7 +55,7 @@ def assert_script_repeats(folder):
 
 
 def test_from_a_campaign_to_a_report(friction, open_page, pictures):
-    with workbench(friction) as (address, _):
+    with workbench(friction) as (address, process):
         page = open_page(address)
         page.wait_for_selector("table.heat td.h4")
         assert figure(page, "error / floor") > 3
@@ -85,6 +74,12 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         assert "dry-friction" in page.locator(".verdict h2").inner_text()
         assert page.locator("tr.accepted").inner_text().split()[1] == "dry-friction"
         page.screenshot(path=pictures / "verdict.png", full_page=True)
+        for effect in ("anti-roll-bar", "bump-stop"):  # every card lays its signature over
+            page.get_by_role("button", name=effect, exact=True).click()
+            page.locator(".card").get_by_text("to first order, where that shows best").wait_for()
+        turn(page, "Where it fails")
+        assert "dry-friction" in page.locator("ol.chain .link", has_text="strut").inner_text()
+        turn(page, "What is missing")
 
         second = open_page(address)  # another tab: the same state
         turn(second, "What is missing")
@@ -97,6 +92,11 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         page.screenshot(path=pictures / "model.png", full_page=True)
         turn(page, "Compare")
         page.screenshot(path=pictures / "compare.png")
+        page.get_by_role("button", name="Play it back").click()
+        page.get_by_role("button", name="Play", exact=True).click()
+        page.wait_for_function("document.querySelector('[data-part=time]').value > 0.2")
+        page.get_by_role("button", name="Pause").click()
+        page.screenshot(path=pictures / "playback.png")
 
         turn(page, "Axle to body")
         page.get_by_role("button", name="Identify it").click()
@@ -108,7 +108,12 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         turn(page, "Take away")
         page.get_by_role("button", name="Write the report").click()
         page.get_by_text("report.html", exact=False).first.wait_for()
-        page.get_by_role("button", name="Look at the report").wait_for()
+        with page.context.expect_page() as opened:
+            page.get_by_role("link", name="Look at the report").click()
+        assert "dry-friction" in opened.value.locator("h1").inner_text()
+        page.get_by_role("button", name="Write the report as PDF").click()
+        page.get_by_text(f"written: {friction / 'report.pdf'}").wait_for()
+        assert (friction / "report.pdf").read_bytes().startswith(b"%PDF")
         assert "dry-friction" in (friction / "report.html").read_text()
         for name, file in (("figures", "typical.png"), ("tables", "signals.parquet")):
             page.get_by_role("button", name=f"Write the {name}").click()
@@ -123,8 +128,9 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         page.locator("dl.key dd", has_text=re.compile("^baseline$")).wait_for()
         page.get_by_role("button", name="Redo").click()
         page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
+        process.kill()
 
-    with workbench(friction) as (address, _):  # the server is gone, nothing is lost
+    with workbench(friction) as (address, _):  # the server was killed, nothing is lost
         page = open_page(address)
         page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
         turn(page, "What is missing")
@@ -203,15 +209,32 @@ def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
     with workbench() as (address, _):
         page = open_page(address)
         page.set_input_files("input[type=file]", [str(file) for file in files])
-        page.get_by_role("button", name="Read them").click()
-        page.get_by_role("button", name="Make the campaign").wait_for()
+        speeds = page.get_by_label("speed, km/h")
+        speeds.nth(2).wait_for()  # all that could be guessed was: they are read at once
+        for i in range(3):
+            speeds.nth(i).fill("10")
+
+        begin = page.locator(".stretches [data-edge=from]").first
+        box, whole = begin.bounding_box(), page.locator(".stretches").first.bounding_box()
+        page.mouse.move(box["x"] + 2, box["y"] + 20)
+        page.mouse.down()
+        page.mouse.move(whole["x"] + 0.4 * whole["width"], box["y"] + 20, steps=3)
+        page.mouse.up()
+        begin.press("ArrowRight")
+        page.wait_for_function("document.querySelector('[aria-label=\"from, s\"]').value > 8.05")
+
+        page.get_by_role("button", name="Make the campaign").click()
+        page.get_by_text("this one is needed: weight on both front wheels").wait_for()
+        describe_vehicle(page)
         page.screenshot(path=pictures / "guide.png", full_page=True)
         page.get_by_label("new folder").fill(str(tmp_path / "made"))
         page.get_by_role("button", name="Make the campaign").click()
         page.get_by_role("tab", name="Overview").wait_for()
         for point in NAMES:
             assert page.locator("svg.plan text", has_text=point).count() >= 1
-    assert (tmp_path / "made/campaign.toml").is_file()
+    first, *others = read_campaign(tmp_path / "made").runs
+    assert len(others) == 2
+    assert len(first.time_s) == pytest.approx((15.5 - 8.1) * 100, abs=15)
 
 
 NASTY = '<img src=x onerror="document.title=1"> "quoted" & ' + "long " * 200

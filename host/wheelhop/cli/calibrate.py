@@ -2,7 +2,6 @@
 
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from rich import box
@@ -10,10 +9,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from wheelhop.calibration import CalibrationError, Constants, Value, read_constants, write_constants
+from wheelhop.calibration import CalibrationError, Constants, Value, read_constants
 from wheelhop.calibration.flip import CANNOT_TELL, GUIDE, Flip, flip_calibration
 from wheelhop.calibration.flip_figure import draw_flip
-from wheelhop.calibration.merge import merged
+from wheelhop.calibration.merge import put_constants
 from wheelhop.calibration.session import Session, read_session
 from wheelhop.calibration.shaker.comparison import compare_with_reference
 from wheelhop.calibration.shaker.figure import draw
@@ -25,7 +24,6 @@ from wheelhop.calibration.shaker.result import (
 )
 from wheelhop.cli.console import open_console
 from wheelhop.cli.progress import stages
-from wheelhop.files import locked
 from wheelhop.logger.recording import CODE
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -83,14 +81,10 @@ def _compare(session: Session, path: Path, stage: Callable[[str], None]) -> Comp
 
 
 def _write(console: Console, constants: Constants, out: Path) -> None:
-    new = [sensor.channel for sensor in constants.sensors]
-    with locked(out.parent):
-        if out.exists():
-            constants = merged(read_constants(out), replace(constants, source=str(out)))
-        write_constants(constants, out)
-    kept = [s.channel for s in constants.sensors if s.channel not in new]
+    kept = put_constants(constants, out)
     note = f"; kept as they were: {', '.join(kept)}" if kept else ""
-    console.print(Text(f"{out}: constants of {', '.join(new)}{note}"))
+    new = ", ".join(sensor.channel for sensor in constants.sensors)
+    console.print(Text(f"{out}: constants of {new}{note}"))
 
 
 def _guide(console: Console) -> None:

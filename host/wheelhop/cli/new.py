@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
-from collections.abc import Mapping
 
 from wheelhop.campaign.types import CampaignError
 from wheelhop.campaign.write import marked_numbers
-from wheelhop.cli.parser_new import QUESTIONS, Question
 from wheelhop.files import made_folder, write_text
 from wheelhop.vehicle import read_vehicle
-from wheelhop.vehicle.estimate import ESTIMATED, Axle, Known, vehicle_toml
-
-Answers = Mapping[str, float | None]
+from wheelhop.vehicle.estimate import ESTIMATED, vehicle_toml
+from wheelhop.workbench.questions import QUESTIONS, Answers, Question, known
 
 
 def run(arguments: Namespace) -> int:
@@ -30,7 +27,7 @@ def run(arguments: Namespace) -> int:
     missing = [q for q in QUESTIONS if q.needed and given[q.name] is None]
     if missing:
         raise CampaignError(f"say {', '.join(f'{q.option} {q.unit.upper()}' for q in missing)}")
-    text = vehicle_toml(_known(arguments.name or arguments.folder.resolve().name, given))
+    text = vehicle_toml(known(arguments.name or arguments.folder.resolve().name, given))
     with made_folder(arguments.folder):
         write_text(file, text, CampaignError)
     numbers, guessed = read_vehicle(file).values, marked_numbers(file, ESTIMATED)
@@ -65,29 +62,3 @@ def _ask(question: Question) -> float | None:
             return question.read(text)
         except ValueError as error:
             print(f"  {error if text else 'this one is needed'}")
-
-
-def _known(name: str, given: Answers) -> Known:
-    def number(key: str) -> float:
-        value = given[key]
-        assert value is not None  # all that are needed are there
-        return value
-
-    def axle(end: str) -> Axle:
-        spring = given[f"{end}_spring_n_mm"]
-        return Axle(
-            number(f"{end}_kg"),
-            None if spring is None else spring * 1e3,
-            given[f"{end}_motion_ratio"] or 1.0,
-            given[f"{end}_ride_hz"],
-        )
-
-    return Known(
-        name,
-        axle("front"),
-        axle("rear"),
-        number("wheelbase_m"),
-        number("track_width_m"),
-        given["wheel_radius_m"],
-        given["driver_kg"],
-    )

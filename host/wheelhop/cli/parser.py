@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
-from wheelhop.cli.parser_more import add_completion, add_emulate
+from wheelhop.cli.parser_more import add_completion, add_emulate, add_workbench
 from wheelhop.cli.parser_new import add_new
 from wheelhop.cli.parser_rates import add_rates
 from wheelhop.cli.parser_simulate import add_prediction
@@ -33,7 +33,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
     _make_analysis(commands)
-    _make_workbench(commands)
+    _library(add_workbench(commands))
     add_identify(commands)
     add_prediction(commands)
     demo = commands.add_parser("demo", help="from simulated sensors through a logger to a verdict")
@@ -126,24 +126,6 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _campaign(add)
     add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")
     _library(add, "effects_file")  # "effects" are those to add
-
-
-def _make_workbench(commands: "argparse._SubParsersAction[_Parser]") -> None:
-    workbench = commands.add_parser("workbench", help="see, ask and add in the browser")
-    workbench.add_argument(
-        "campaign", metavar="CAMPAIGN", nargs="?", type=Path, help="the folder (default: ask)"
-    )
-    _library(workbench)
-    workbench.add_argument(
-        "--port", metavar="N", type=int, default=0, help="where it listens (default: any)"
-    )
-    workbench.add_argument(
-        "--host",
-        metavar="ADDRESS",
-        default="127.0.0.1",
-        help="who may reach it (default: this computer alone)",
-    )
-    workbench.add_argument("--no-browser", action="store_true", help="only print the address")
 
 
 def _make_recording(commands: "argparse._SubParsersAction[_Parser]") -> None:

@@ -1,9 +1,31 @@
-"""What `wheelhop emulate` and `wheelhop completion` take."""
+"""What `wheelhop workbench`, `emulate` and `completion` take."""
 
 from pathlib import Path
 from typing import Any
 
 FACTOR = 10.0
+
+
+def add_workbench(commands: Any) -> Any:
+    """Add the command and return it; makes it without loading any room."""
+    workbench = commands.add_parser("workbench", help="see, ask and add in the browser")
+    workbench.add_argument(
+        "campaign", metavar="CAMPAIGN", nargs="?", type=Path, help="the folder (default: ask)"
+    )
+    workbench.add_argument(
+        "--port", metavar="N", type=int, default=0, help="where it listens (default: any)"
+    )
+    workbench.add_argument(
+        "--host",
+        metavar="ADDRESS",
+        default="127.0.0.1",
+        help="who may reach it (default: this computer alone)",
+    )
+    workbench.add_argument(
+        "--emulated", action="store_true", help="with a logger that is none, to record from"
+    )
+    workbench.add_argument("--no-browser", action="store_true", help="only print the address")
+    return workbench
 
 
 def add_emulate(commands: Any) -> None:

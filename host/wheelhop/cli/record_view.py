@@ -11,11 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from wheelhop.cli.console import open_console
-from wheelhop.logger.live import Live
+from wheelhop.logger.live import CLIPPED, CODES, Live
 
 BAR = 48  # characters, for the converter's range
-CODES = 1024
-CLIPPED = (4, CODES - 5)  # the sensor or the converter is at its end
 REFRESH_S = 0.1
 PLAIN_S = 5.0
 WINDOW_S = 1.0

@@ -19,6 +19,7 @@ def run(arguments: Namespace) -> int:
     serve(
         arguments.campaign,
         effects_file=arguments.effects,
+        emulated=arguments.emulated,
         host=arguments.host,
         port=arguments.port,
         browse=not arguments.no_browser,

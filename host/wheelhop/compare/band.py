@@ -84,6 +84,13 @@ class InBand:
         spectrum[self._bins] = np.sqrt(self.n / 2.0) * (c[:half] + 1j * c[half:])
         return np.asarray(fft.irfft(spectrum, self.n, axis=0))
 
+    def integrated_twice(self, c: ArrayLike) -> Array:
+        """Coefficients (2 n_bins, …) of what has ``c`` as its second derivative in time: of the
+        motion in band, m, if ``c`` is of an acceleration, m/s²."""
+        c = np.asarray(c, dtype=float)
+        omega = 2.0 * np.pi * np.tile(self.frequency_hz, 2)
+        return np.asarray(-c / (omega**2).reshape(-1, *[1] * (c.ndim - 1)))
+
     def _checked(self, y: ArrayLike) -> Array:
         y = np.asarray(y, dtype=float)
         if y.shape[:1] != (self.n,):

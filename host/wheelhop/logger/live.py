@@ -24,6 +24,9 @@ from wheelhop.logger.clock import ClockError
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.frames import Acknowledgement
 
+CODES = 1024
+CLIPPED = (4, CODES - 5)
+"""Beyond these codes the sensor or the converter is at its end."""
 KEPT_SCANS = 8192  # 20 s at the highest rate
 RATE_WINDOW_S = 2.0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.metadata import version
+from math import isfinite
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
@@ -128,6 +129,26 @@ def where(steps: Sequence[Step]) -> str:
         ),
         paragraph("What the last model leaves:", "soft") if compared else "",
         bullets(describe(last.breakdown)) if compared else "",
+    )
+
+
+def where_else(steps: Sequence[Step]) -> str:
+    """The residual by band and motion at once, and whether it grows with the motion."""
+    found = tables.motion_map(steps)
+    maps = figure(found, "Residual / noise floor, third-octave bands × motions.") if found else ""
+    growth = steps[0].comparison.breakdown.growth
+    words = (
+        f"The baseline’s excess residual grows with the motion to the power {growth:.1f}: 1 is what"
+        " a wrong number of a linear model leaves, less is what friction leaves, more what stops"
+        " and progressive springs leave."
+        if isfinite(growth)
+        else ""
+    )
+    return section(
+        "By band and motion, and by how large the motion is",
+        maps,
+        tables.size_table(steps),
+        paragraph(words) if words else "",
     )
 
 

@@ -53,6 +53,49 @@ def heat_map(steps: Sequence[Step]) -> str:
     )
 
 
+def motion_map(steps: Sequence[Step]) -> str:
+    """Residual over noise floor, third-octave bands × motions, for the first model and the last
+    beside it; "" where the channels determine no motion."""
+    models = [steps[0]] if len(steps) == 1 else [steps[0], steps[-1]]
+    grids = [step.comparison.breakdown.bands_motions for step in models]
+    names = grids[0].columns
+    if not names:
+        return ""
+    heads = "".join(f'<th class="r">{escape(name)}</th>' for name in names)
+    groups = "".join(
+        f'<th class="gap"></th><th class="group" colspan="{len(names)}">'
+        f"{escape(f'with {listed(step.added)}' if step.added else 'baseline')}</th>"
+        for step in models
+    )
+    rows = [
+        _heat_row(f"{band} Hz", [grid.ratio[i].tolist() for grid in grids])
+        for i, band in enumerate(grids[0].rows)
+    ]
+    second = f'<th class="gap"></th>{heads}' * len(models)
+    return (
+        f'<table class="heat"><thead><tr><th></th>{groups}</tr><tr><th></th>{second}</tr></thead>'
+        f"<tbody>{chr(10).join(rows)}</tbody></table>"
+    )
+
+
+def size_table(steps: Sequence[Step]) -> str:
+    """Error and floor in quarters of all samples by how large the motion is, first and last
+    model."""
+    models = [steps[0]] if len(steps) == 1 else [steps[0], steps[-1]]
+    cuts = [step.comparison.breakdown.amplitude for step in models]
+    rows = [
+        [
+            escape(cuts[0][i].name),
+            *(percent(cut[i].error) for cut in cuts),
+            percent(cuts[0][i].floor),
+        ]
+        for i in range(len(cuts[0]))
+    ]
+    names = [listed(step.added) or "baseline" for step in models]
+    heads = ["motion", *(f"E, {escape(name)}" for name in names), "floor"]
+    return table(heads, rows, "l" + "r" * (len(heads) - 1))
+
+
 def _heat_row(name: str, blocks: Sequence[Sequence[float]]) -> str:
     cells = "".join('<td class="gap"></td>' + "".join(map(_heat_cell, b)) for b in blocks)
     return f'<tr><td class="name">{escape(name)}</td>{cells}</tr>'

@@ -92,10 +92,10 @@ def estimate(known: Known) -> dict[str, Number]:
     return found | dict(_driver(known))
 
 
-def vehicle_toml(known: Known) -> str:
-    """The text of a vehicle.toml; the numbers that are estimated are marked so. Raises as
-    `estimate` does."""
-    numbers = estimate(known)
+def vehicle_toml(known: Known, better: Mapping[str, Number] | None = None) -> str:
+    """The text of a vehicle.toml; the numbers that are estimated are marked so. Those known
+    `better`, by their dotted names, replace them. Raises as `estimate` does."""
+    numbers = estimate(known) | dict(better or {})
     lines = [
         "format = 1",
         f"name = {quoted(known.name)}",

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError, read_campaign
 from wheelhop.files import claimed
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.recorder import Recorder
+
+if TYPE_CHECKING:
+    from wheelhop.workbench.draft import Draft
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -17,8 +22,19 @@ class Workbench:
 
     def __init__(self, effects_file: Path | None = None) -> None:
         self.desk: Desk | None = None
+        self.recorder = Recorder()
+        self._draft: Draft | None = None
         self._effects_file = effects_file
         self._claims = ExitStack()
+
+    @property
+    def draft(self) -> Draft:
+        """The runs in the making: of a new campaign, or for the one that is open."""
+        from wheelhop.workbench.draft import Draft  # it knows every format of recordings
+
+        if self._draft is None:
+            self._draft = Draft(None if self.desk is None else self.desk.campaign.folder)
+        return self._draft
 
     def put(self, folder: Path) -> None:
         """Open a campaign in place of the one that is there; raises CampaignError, and then that
@@ -32,13 +48,20 @@ class Workbench:
         elif self.desk is not None:
             self.desk.close()
         self.desk = Desk(campaign, self._effects_file)
+        self._draft = None
 
     def clear(self) -> None:
         """Put the campaign away."""
         if self.desk is not None:
             self.desk.close()
             self.desk = None
+        self._draft = None
         self._claims.close()
+
+    def close(self) -> None:
+        """Put everything away, at the end."""
+        self.recorder.close()
+        self.clear()
 
 
 def same(one: Campaign, other: Campaign) -> bool:

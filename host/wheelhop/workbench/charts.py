@@ -15,6 +15,11 @@ Options = dict[str, Any]
 MEASURED, BEFORE, AFTER, FLOOR = "#8d95a0", "#c8540a", "#0b66a8", "#6f7782"
 """As in the report: told apart by every kind of colour vision. Readable on white and on black."""
 INK = "#7a828c"
+MORE = ("#7a4fb5", "#2e7d4f", "#b0357f")
+"""Of the models between the first and the last one; they are dashed, too."""
+DECADES = 7  # at most of a logarithmic axis: what lies lower matters to nobody
+DASHES = "path://M0 0h8v3h-8zM11 0h8v3h-8z"
+LABEL = "value => value >= 1e-3 && value < 1e4 ? String(value) : value.toExponential(0)"
 DIGITS = 5  # significant ones that a point on a screen can show
 MOST = 1200
 """So many points of a curve are drawn where it is looked at, two a pixel on a wide screen."""
@@ -53,12 +58,13 @@ def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]
     """Panels below each other, `heights` in per cent; those in `zoom` pan and zoom together."""
     total, gap = sum(heights), 9.0
     room = 100.0 - 6.0 - gap * len(panels)
-    names = list(dict.fromkeys(line.name for panel in panels for line in panel.lines))
+    lines = {line.name: line for panel in panels for line in panel.lines}
+    names = [{"name": n, "icon": DASHES if lines[n].dashed else "rect"} for n in lines]
     options: Options = {
         "animation": False,
         "textStyle": {"color": INK},
         "legend": {
-            **{"top": 0, "left": 60, "icon": "rect", "itemWidth": 18, "itemHeight": 3},
+            **{"top": 0, "left": 60, "itemWidth": 18, "itemHeight": 3},
             **{"textStyle": {"color": INK}, "data": names, "show": len(names) > 1},
         },
         "tooltip": {"trigger": "axis", "axisPointer": {"type": "line"}, "confine": True},
@@ -95,6 +101,13 @@ def _add_axes(options: Options, panel: Panel, index: int) -> None:
     kind = "log" if panel.log else "value"
     soft = {"lineStyle": {"color": INK}}
     grid = {"lineStyle": {"color": INK, "opacity": 0.18}}
+    labels: Options = {"hideOverlap": True, "color": INK}
+    if panel.log:
+        labels[":formatter"] = LABEL
+    else:  # a record ends anywhere, and its end is no number to read
+        ends = [np.asarray(line.x)[0] for line in panel.lines if len(np.asarray(line.x))]
+        begins_round = all(float(x).is_integer() for x in ends)
+        labels |= {"showMinLabel": begins_round, "showMaxLabel": False}
     options["xAxis"].append(
         {
             "gridIndex": index,
@@ -102,6 +115,7 @@ def _add_axes(options: Options, panel: Panel, index: int) -> None:
             "name": panel.x_name,
             "nameLocation": "middle",
             "nameGap": 22,
+            "axisLabel": labels,
             "axisLine": soft,
             "min": "dataMin",
             "max": "dataMax",
@@ -116,11 +130,24 @@ def _add_axes(options: Options, panel: Panel, index: int) -> None:
             "nameLocation": "middle",
             "nameGap": 46,
             "axisLine": soft,
+            "axisLabel": {":formatter": LABEL, "color": INK} if panel.log else {"color": INK},
             "scale": True,
             "splitLine": grid,
-            "splitNumber": 4,
+            "splitNumber": 10 if panel.log else 4,
+            **(_decades(panel) if panel.log else {}),
         }
     )
+
+
+def _decades(panel: Panel) -> Options:
+    """The ends of a logarithmic axis: powers of ten."""
+    values = np.concatenate([np.zeros(0), *(np.asarray(line.y, float) for line in panel.lines)])
+    values = values[np.isfinite(values) & (values > 0)]
+    if not len(values):
+        return {}
+    top = np.ceil(np.log10(values.max()))
+    bottom = max(np.floor(np.log10(values.min())), top - DECADES)
+    return {"min": 10.0**bottom, "max": 10.0 ** max(top, bottom + 1)}
 
 
 def _series(line: Line, index: int) -> Options:
@@ -132,7 +159,7 @@ def _series(line: Line, index: int) -> Options:
         "type": "line",
         "xAxisIndex": index,
         "yAxisIndex": index,
-        "showSymbol": False,
+        "symbol": "none",
         "lineStyle": style,
         "itemStyle": {"color": line.colour},
         "data": line.points(0, len(np.asarray(line.y))),

@@ -20,6 +20,7 @@ from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files import InputError
 from wheelhop.workbench.order import Order, obey_orders
 from wheelhop.workbench.session import (
+    MOST_RUNS,
     Choice,
     Session,
     read_session,
@@ -87,6 +88,7 @@ class Desk:
         self._orders: Connection | None = None
         self._next: Order | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._effects_before: tuple[Path | None, tuple[str, ...]] | None = None
         if self._session.ranking:
             self.rankings[()] = Ranking((), self._session.ranking, {})
 
@@ -115,7 +117,9 @@ class Desk:
     def begin(self) -> None:
         """Fit what the session chose."""
         self._loop = asyncio.get_running_loop()
+        notice = self.notice
         self._work()
+        self.notice = notice
 
     def add(self, effect: str) -> None:
         """Make an effect part of the model."""
@@ -163,6 +167,12 @@ class Desk:
         """Find out which effects are missing."""
         self.rankings = {}
         self._work(diagnose=True)
+
+    def use_effects(self, file: Path) -> None:
+        """Load effects of the user's own, who has seen the file and wants it to run."""
+        self._effects_before = self.effects_file, tuple(self.cards)
+        self.effects_file = file
+        self._work()
 
     def find_law(self) -> None:
         """Find the force that is missing beside the effects in the model."""
@@ -212,13 +222,14 @@ class Desk:
             self.rankings = {}
         self.law = self.between = None
         self._session = replace(kept, choice=choice)
-        self._keep()
         self._work()
+        self._keep()
 
     def _work(
         self, diagnose: bool = False, law: bool = False, axles: bool = False, write: str = ""
     ) -> None:
         """Order the work; one that is going on is given up, unless it is the same data's fit."""
+        self.notice = ""
         data = (self.campaign.folder, self.choice, self.effects_file)
         order = Order(*data, diagnose, law, axles, write)
         if self.job is not None:
@@ -234,8 +245,8 @@ class Desk:
         if self._process is None or not self._process.is_alive():
             self._hire()
         assert self._orders is not None
-        wishes = {"diagnosing": order.diagnose, "finding a law": order.law}
-        wishes["identifying"] = order.axles
+        wishes: dict[str, bool] = {"diagnosing": order.diagnose, "finding a law": order.law}
+        wishes |= {"identifying": order.axles, f"writing {order.write}": bool(order.write)}
         title = next((title for title, wish in wishes.items() if wish), "fitting")
         long = order.diagnose or order.law
         self.job = Job(title, "starting", time.monotonic(), order.diagnose, long)
@@ -286,7 +297,7 @@ class Desk:
             case Findings(found):
                 self.findings, self.criticism = found, ()
             case Library(cards):
-                self.cards = {card.effect: card for card in cards}
+                self._take_cards(cards)
             case Climbed(rungs):
                 self._climbed(rungs)
             case Ranking():
@@ -301,10 +312,19 @@ class Desk:
             case AxleToBody():
                 self.between = message
             case Refused(line):
+                if self._effects_before is not None:  # it was the user's file that failed
+                    self.effects_file, self._effects_before = self._effects_before[0], None
                 self._finished(line)
             case Done(line):
                 self._finished(line)
         self._changed()
+
+    def _take_cards(self, cards: tuple[Card, ...]) -> None:
+        self.cards = {card.effect: card for card in cards}
+        if self._effects_before is not None:
+            new = [name for name in self.cards if name not in self._effects_before[1]]
+            self.notice = f"loaded: {', '.join(new) or 'nothing new'}; find out again to rank it"
+            self._effects_before = None
 
     def _climbed(self, rungs: tuple[Rung, ...]) -> None:
         assert self.job is not None
@@ -319,7 +339,7 @@ class Desk:
 
     def _finished(self, line: str) -> None:
         self.job = None
-        self.notice = line
+        self.notice = line or self.notice
         if self._next is not None:
             order, self._next = self._next, None
             self._send(order)
@@ -331,7 +351,14 @@ class Desk:
 
     def _read(self) -> Session:
         try:
-            return read_session(self.campaign)
+            session = read_session(self.campaign)
+            left_out, count = len(session.choice.without_runs), len(self.campaign.runs)
+            if count > MOST_RUNS and count - left_out <= MOST_RUNS:
+                self.notice = (
+                    f"{count} runs: {count - left_out} of them are taken, the others are left out"
+                    " until you take them in"
+                )
+            return session
         except InputError as error:
             self.notice = f"{error}; a new session begins, the file stays until something is chosen"
             return Session()

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,12 +12,14 @@ from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.tracks import KINDS
-from wheelhop.campaign.write import VEHICLE, NewRun, add_run, cut, new_campaign
-from wheelhop.files import parse_toml, quoted, remove
+from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
+from wheelhop.files import read_text, remove, write_text
 from wheelhop.formats import Map, Pick, draft_mapping, read, read_mapping
 from wheelhop.formats.places import likely_point
 from wheelhop.logger.recording import Recording
+from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
+from wheelhop.workbench.questions import QUESTIONS, known
 
 UNITS = ("m/s²", "g", "mg", "mm/s²", "cm/s²")
 NOT_USED = "not used"
@@ -27,12 +28,6 @@ PLACES = (*POINTS, "body", NOT_USED)
 FREE_FORM = (".csv", ".txt", ".tsv", ".dat", ".asc")
 TRACKS = tuple(kind for kind in KINDS if kind not in ("profile", "iso8608", "cobblestone"))
 """Kinds of track that need no file and no drawing of lots."""
-USUAL = {
-    **{"amplitude_mm": 10.0, "pitch_mm": 500.0, "angle_deg": 20.0, "width_mm": 4000.0},
-    **{"lateral_offset_mm": 0.0, "pitch_start_mm": 2000.0, "pitch_end_mm": 500.0},
-    **{"length_mm": 500.0, "height_mm": 30.0},
-}
-"""Where a field begins, to be replaced."""
 
 
 @dataclass
@@ -56,32 +51,39 @@ class Piece:
     id: str
     taken: bool = True
     role: str = "fit"
-    speed_kmph: float = 10.0
+    speed_kmph: float | None = None
     kind: str = "unknown"
-    track: dict[str, float] = field(default_factory=dict)
+    track: dict[str, float | None] = field(default_factory=dict)
 
     def choose(self, kind: str) -> None:
         """Another kind of track; what it shares with the last one stays."""
-        keys = [key for key in KINDS[kind] if key in USUAL]
+        numbers = {key: value for key, value in KINDS[kind].items() if not isinstance(value, str)}
         self.kind = kind
-        self.track = {key: self.track.get(key, USUAL[key]) for key in keys}
+        self.track = {key: self.track.get(key, value) for key, value in numbers.items()}
 
 
 class Draft:
-    """What the guided page fills in."""
+    """What the guided page fills in: a new campaign, or more runs for the one in folder `into`.
 
-    def __init__(self) -> None:
+    `constants` are those of the logger's sensors, None: nominal ones. `answers` are to `QUESTIONS`,
+    `better` are numbers of the vehicle known better than estimated, by their dotted names; None:
+    not known.
+    """
+
+    def __init__(self, into: Path | None = None) -> None:
+        self.into = into
+        self.constants: Path | None = None
         self.files: list[Path] = []
         self.columns: list[Column] = []
         self.pieces: list[Piece] = []
         self.recordings: dict[Path, Recording] = {}
-        self.relative_uncertainty = 0.3
-        self.vehicle = _template()
+        self.answers: dict[str, float | None] = dict.fromkeys(q.name for q in QUESTIONS)
+        self.better: dict[str, float | None] = {}
         self._map: Map | None = None
 
     def add(self, file: Path) -> None:
         """One more recording; the first one says what the columns are. Raises InputError."""
-        if not self.files and file.suffix.lower() != ".hop":
+        if self._map is None and file.suffix.lower() != ".hop":
             self._look_at(file)
         self.files = sorted({*self.files, file})
 
@@ -92,29 +94,39 @@ class Draft:
             self._map = read_mapping(written)
         self.columns = [_column(pick) for pick in self._map.picks]
 
+    @property
+    def all_placed(self) -> bool:
+        """Whether every sensor's place was guessed, each one once."""
+        places = [c.place for c in self.columns if c.place != NOT_USED]
+        return len(set(places)) == len(places) == len(self.columns)
+
     def read(self) -> None:
-        """Read every recording and find the stretches that were driven. Raises InputError."""
+        """Read every recording and find the stretches that were driven; what was said of those
+        found before stays. Raises InputError."""
         self.recordings = {file: self._read(file) for file in self.files}
-        self.pieces = []
+        known = {piece.file for piece in self.pieces}
         for file, recording in self.recordings.items():
+            if file in known:
+                continue
             found = stretches(recording)
             time_s = recording.time_s
             for i, piece in enumerate(found, start=1):
-                name = re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem).strip("-") or "run"
-                self.pieces.append(
-                    Piece(
-                        file,
-                        float(time_s[piece.first]),
-                        float(time_s[piece.last - 1]),
-                        piece.rms,
-                        id=name if len(found) == 1 else f"{name}-{i}",
-                        role="validate" if len(self.pieces) % 3 == 2 else "fit",
-                    )
+                name = _name(file)
+                new = Piece(
+                    file,
+                    float(time_s[piece.first]),
+                    float(time_s[piece.last - 1]),
+                    piece.rms,
+                    id=name if len(found) == 1 else f"{name}-{i}",
+                    role="validate" if len(self.pieces) % 3 == 2 else "fit",
+                    speed_kmph=_speed_in(file.stem),
                 )
+                new.choose(_track_in(file.stem))
+                self.pieces.append(new)
 
     def _read(self, file: Path) -> Recording:
         if file.suffix.lower() == ".hop":
-            return read_recording(file, None, True)
+            return read_recording(file, self.constants, True)
         used = [column for column in self.columns if column.place != NOT_USED]
         if not used:
             raise CampaignError(f"{file.name}: no column has a place: say where each sensor sits")
@@ -125,13 +137,19 @@ class Draft:
         assert self._map is not None
         return read(file, replace(self._map, picks=picks))
 
+    def new_piece(self, file: Path) -> Piece:
+        """One more stretch of a recording: its middle fifth."""
+        time_s = self.recordings[file].time_s
+        first, last = float(time_s[0]), float(time_s[-1])
+        number = 1 + sum(piece.file == file for piece in self.pieces)
+        middle, half = (first + last) / 2, (last - first) / 10
+        piece = Piece(file, middle - half, middle + half, 0.0, id=f"{_name(file)}-{number}")
+        self.pieces.append(piece)
+        return piece
+
     def make(self, folder: Path, title: str) -> None:
         """Write the campaign, or nothing. Raises InputError."""
-        taken = [piece for piece in self.pieces if piece.taken]
-        if not taken:
-            raise CampaignError(f"{folder}: no stretch is taken: take one that was driven")
-        if len({piece.id for piece in taken}) < len(taken):
-            raise CampaignError(f"{folder}: two runs have the same name: give each its own")
+        taken = self._taken(folder)
         if (folder / "campaign.toml").exists():
             raise CampaignError(f"{folder}: there is a campaign already: choose another folder")
         taken.sort(key=lambda piece: piece.role)  # the first one has to be fitted
@@ -141,7 +159,8 @@ class Draft:
                 vehicle = Path(other) / "vehicle.toml"
                 vehicle.write_text(self._vehicle_text(title), encoding="utf-8")
                 read_vehicle(vehicle)  # a number that cannot be is said now
-                new_campaign(folder, title, self.recordings[taken[0].file], {}, vehicle)
+                like = self.recordings[taken[0].file]
+                new_campaign(folder, title, like, {}, vehicle, self.constants)
             for piece in taken:
                 self._add(folder, piece)
         except BaseException:
@@ -149,44 +168,83 @@ class Draft:
                 _remove_all(folder)
             raise
 
-    def _add(self, folder: Path, piece: Piece) -> None:
+    def join(self, folder: Path) -> None:
+        """Add the runs to the campaign that is in the folder, all or none. Raises InputError."""
+        taken, made = self._taken(folder), []
+        toml = folder / "campaign.toml"
+        before = read_text(toml, CampaignError)
+        try:
+            for piece in taken:
+                made.append(self._add(folder, piece))
+        except BaseException:
+            write_text(toml, before, CampaignError)
+            remove(made)
+            raise
+
+    def _taken(self, folder: Path) -> list[Piece]:
+        taken = [piece for piece in self.pieces if piece.taken]
+        if not taken:
+            raise CampaignError(f"{folder}: no stretch is taken: take one that was driven")
+        if len({piece.id for piece in taken}) < len(taken):
+            raise CampaignError(f"{folder}: two runs have the same name: give each its own")
+        return taken
+
+    def _add(self, folder: Path, piece: Piece) -> Path:
+        if piece.speed_kmph is None:
+            raise CampaignError(f"run {piece.id}: how fast was it driven? Fill in its speed")
+        empty = [key for key, value in piece.track.items() if value is None]
+        if empty:
+            raise CampaignError(f"run {piece.id}: fill in what its track's {', '.join(empty)} is")
         recording = cut(self.recordings[piece.file], piece.from_s, piece.to_s)
-        track: dict[str, str | float] = {"kind": piece.kind, **piece.track}
+        numbers = {key: value for key, value in piece.track.items() if value is not None}
+        track: dict[str, str | float] = {"kind": piece.kind, **numbers}
         source = f"from {piece.file.name}"
-        add_run(folder, recording, NewRun(piece.id, piece.role, piece.speed_kmph, track, source))
+        new = NewRun(piece.id, piece.role, piece.speed_kmph, track, source)
+        return add_run(folder, recording, new)
 
     def _vehicle_text(self, name: str) -> str:
-        lines = ["format = 1", f"name = {quoted(name)}"]
-        lines.append(f"relative_uncertainty = {self.relative_uncertainty!r}")
-        tables: dict[str, list[str]] = {}
-        for key, value in self.vehicle.items():
-            table, _, last = key.rpartition(".")
-            tables.setdefault(table, []).append(f"{last} = {float(value)!r}")
-        for table, rows in tables.items():
-            lines += ["", f"[{table}]", *rows]
-        return "\n".join(lines) + "\n"
+        missing = [q for q in QUESTIONS if q.needed and self.answers.get(q.name) is None]
+        if missing:
+            words = "; ".join(f"{q.words}, {q.unit}" for q in missing)
+            raise CampaignError(f"the vehicle: this one is needed: {words}")
+        for question in QUESTIONS:
+            value = self.answers.get(question.name)
+            if value is not None:
+                try:
+                    question.read(f"{value:.9g}")
+                except ValueError as error:
+                    raise CampaignError(f"the vehicle: {question.words}: {error}") from None
+        given = {question.name: self.answers.get(question.name) for question in QUESTIONS}
+        better = {
+            key: Number(value, SPRING * abs(value), "given")
+            for key, value in self.better.items()
+            if value is not None
+        }
+        return vehicle_toml(known(name, given), better)
+
+
+def _speed_in(name: str) -> float | None:
+    """The speed that a file's name tells, km/h: "washboard 7,5kmh"."""
+    found = re.search(r"(\d+(?:[.,]\d+)?)\s*-?(?:km-?/?h|kmph|kph)", name, re.IGNORECASE)
+    return float(found[1].replace(",", ".")) if found else None
+
+
+def _track_in(name: str) -> str:
+    """The kind of track that a file's name tells; "unknown" where it tells none."""
+    words = re.sub(r"[^a-z0-9]+", "-", name.lower())
+    kinds = sorted(TRACKS, key=len, reverse=True)
+    return next((kind for kind in kinds if kind in words), "unknown")
+
+
+def _name(file: Path) -> str:
+    """A run's name, from a recording's."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem).strip("-_") or "run"
 
 
 def _column(pick: Pick) -> Column:
     name = pick.name or str(pick.column)
     unit = pick.unit if pick.unit in UNITS else UNITS[0]
     return Column(pick.column, name, unit, pick.point or likely_point(name) or NOT_USED)
-
-
-def _template() -> dict[str, float]:
-    """The numbers of the sample vehicle under dotted keys: to be replaced."""
-    top = parse_toml(VEHICLE.format(title='"template"'), Path("vehicle.toml"))
-    numbers: dict[str, float] = {}
-
-    def walk(values: object, path: Sequence[str]) -> None:
-        if isinstance(values, dict):
-            for key, value in values.items():
-                walk(value, [*path, key])
-        elif isinstance(values, float) and len(path) > 1:
-            numbers[".".join(path)] = values
-
-    walk(dict(top.values), [])
-    return numbers
 
 
 def _remove_all(folder: Path) -> None:

@@ -11,6 +11,7 @@ from wheelhop.files.words import chance, percent, signed
 from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
+from wheelhop.workbench.own_effects import OwnEffects
 from wheelhop.workbench.shown import Card, Law, Ranking, Row, Trace, Verdict
 from wheelhop.workbench.view import Looking, acting
 
@@ -44,7 +45,9 @@ class MissingView:
         self._verdict = acting("", self._act)
         self._law = ui.html("", sanitize=False)
         with ui.element("div").classes("bench-split wide"):
-            self._table = acting("", self._act)
+            with ui.element("div"):
+                self._table = acting("", self._act)
+                OwnEffects(desk)
             with ui.element("aside").classes("card"):
                 self._card = acting("", self._act)
                 self._chart = ui.echart({}).classes("bench-trace")
@@ -162,6 +165,8 @@ class MissingView:
                 f"<p class='soft'>What it would make of the residual, to first order, where that"
                 f" shows best: {escape(trace.channel)} in {escape(trace.run)}.</p>"
             )
+        elif row and row.screened is not None:
+            parts.append("<p class='soft'>Its signature is drawn when you find out again.</p>")
         return "".join(parts)
 
     def _act(self, data: dict[str, str]) -> None:

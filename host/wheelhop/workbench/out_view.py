@@ -11,10 +11,26 @@ from nicegui import ui
 from wheelhop.files import InputError, write_text
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.session import FILE, Choice
-from wheelhop.workbench.takeaway import FIGURES, MODEL, REPORT, SCRIPT, TABLES, commands, script
+from wheelhop.workbench.takeaway import (
+    FIGURES,
+    MODEL,
+    PDF,
+    REPORT,
+    SCRIPT,
+    TABLES,
+    commands,
+    script,
+)
 from wheelhop.workbench.view import Looking
 
-WRITTEN = {"report": REPORT, "model": MODEL, "figures": FIGURES, "tables": TABLES}
+REPORT_ADDRESS = "/report"
+WRITTEN = {
+    "report": REPORT,
+    "report as PDF": PDF,
+    "model": MODEL,
+    "figures": FIGURES,
+    "tables": TABLES,
+}
 
 
 class OutView:
@@ -37,8 +53,7 @@ class OutView:
             self._buttons.append(ui.button("Write a script", on_click=self._script))
             for button in self._buttons:
                 button.props("no-caps outline")
-            self._open = ui.button("Look at the report", on_click=self._look)
-            self._open.props("no-caps flat")
+            self._open = ui.link("Look at the report", REPORT_ADDRESS, new_tab=True)
         self._commands = ui.html("", sanitize=False)
 
     def show(self) -> None:
@@ -62,9 +77,6 @@ class OutView:
             desk.say(f"script: {desk.campaign.folder / SCRIPT}")
         except InputError as error:
             desk.say(str(error))
-
-    def _look(self) -> None:
-        ui.download.file(self._desk.campaign.folder / REPORT)
 
 
 def _left(choice: Choice) -> str:

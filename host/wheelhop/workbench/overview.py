@@ -19,6 +19,14 @@ from wheelhop.workbench.view import Looking, acting
 PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
 PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
 """Where the eight points stand in the drawing, forward up."""
+WORDS = (
+    "<p class='soft'>How many times the sensors' noise the model leaves, in band: 1 is as good as"
+    " it gets. Click a number, a run or a sensor to look at it; a role to fit a run or to hold it"
+    " out; a channel to leave it out. Grey numbers need no attention.</p>"
+    '<p><button class="primary" data-act="where">Where does it fail?</button>'
+    ' <button class="primary" data-act="missing">What is missing?</button></p>'
+)
+ROWS = 100  # of runs at a time
 PROFILE_M = 6.0  # of a track, in its small drawing
 
 
@@ -27,7 +35,7 @@ class Overview:
 
     def __init__(self, desk: Desk, looking: Looking) -> None:
         self._desk, self._looking = desk, looking
-        self._profiles = [_profile(run) for run in desk.campaign.runs]
+        self._first = 0  # of the runs on this page of the table
         self._seen: object = None
         self._on_rig = isinstance(desk.campaign, ComponentCampaign)
         with ui.element("div").classes("" if self._on_rig else "bench-split"):
@@ -40,12 +48,12 @@ class Overview:
         """Bring it up to date."""
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
-        seen = (rung, desk.choice, desk.findings, desk.criticism)
+        seen = (rung, desk.choice, desk.findings, desk.criticism, self._first)
         if seen == self._seen:
             return
         self._seen = seen
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
-        self._runs.set_content(self._table(rung) + heat_legend())
+        self._runs.set_content(self._table(rung) + heat_legend() + WORDS)
         found = (*desk.findings, *desk.criticism)
         items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
         heading = "<h2>Before you believe it</h2>"
@@ -64,6 +72,11 @@ class Overview:
             case "role" if run is not None:
                 now = desk.choice.roles.get(run.id, run.role)
                 desk.set_role(run.id, "fit" if now == "validate" else "validate")
+            case "page":
+                self._first = int(data["first"])
+                self.show()
+            case "where" | "missing" as view:
+                self._looking.go(view)
             case "leave channel":
                 desk.toggle_channel(desk.campaign.channels[int(data["channel"])].name)
 
@@ -74,12 +87,13 @@ class Overview:
             f'<th class="r">{_button("leave channel", c.name, c.name in left_out, channel=i)}</th>'
             for i, c in enumerate(campaign.channels)
         )
-        rows = [self._row(i, run, rung) for i, run in enumerate(campaign.runs)]
+        shown = range(self._first, min(self._first + ROWS, len(campaign.runs)))
+        rows = [self._row(i, campaign.runs[i], rung) for i in shown]
         drive = "" if self._on_rig else "<th>track</th><th>km/h</th>"
         return (
             f'<div class="scroll"><table class="heat runs"><thead><tr><th>run</th>{drive}'
             f"<th>role</th>{heads}<th></th></tr></thead>"
-            f"<tbody>{''.join(rows)}</tbody></table></div>"
+            f"<tbody>{''.join(rows)}</tbody></table></div>{_pages(shown, len(campaign.runs))}"
         )
 
     def _row(self, i: int, run: Run, rung: Rung | None) -> str:
@@ -91,7 +105,7 @@ class Overview:
             for k, channel in enumerate(self._desk.campaign.channels)
         )
         speed = f'<td class="r">{run.speed_m_s * 3.6:.3g}</td>'
-        drive = "" if self._on_rig else f"<td>{self._profiles[i]}</td>{speed}"
+        drive = "" if self._on_rig else f"<td>{_profile(run)}</td>{speed}"
         words = "fitted" if role == "fit" else "held out"
         leave = _button("leave run", "take in" if out else "leave out", False, run=i)
         return (
@@ -100,6 +114,19 @@ class Overview:
             f"<td>{_button('role', words, False, run=i)}</td>"
             f"{cells}<td>{leave}</td></tr>"
         )
+
+
+def _pages(shown: range, count: int) -> str:
+    """From one page of a long table to the next."""
+    if count <= ROWS:
+        return ""
+    steps = ((shown.start - ROWS, "earlier runs"), (shown.start + ROWS, "later runs"))
+    buttons = " ".join(
+        f'<button data-act="page" data-first="{first}">{words}</button>'
+        for first, words in steps
+        if 0 <= first < count
+    )
+    return f"<p class='soft'>runs {shown.start + 1} to {shown.stop} of {count} {buttons}</p>"
 
 
 def _button(act: str, text: str, struck: bool, **data: int) -> str:

@@ -37,12 +37,19 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("vehicle", "Vehicle", VehicleView),
     ("out", "Take away", OutView),
 )
+LOG_IN = "record"
+TABS = ((LOG_IN, "Record"), *((key, label) for key, label, _ in VIEWS))
+"""In the order of the work: what is recorded comes first."""
 
 
 def lay_out(bench: Workbench) -> None:
     """Build the page for one tab of a browser: the campaign on the bench, or how to get one."""
     for room, name in (("wheelhop.report", "style.css"), ("wheelhop.workbench", "workbench.css")):
         ui.add_css((files(room) / name).read_text(encoding="utf-8"))
+    for name in ("playback.js", "stretches.js"):
+        script = (files("wheelhop.workbench") / name).read_text(encoding="utf-8")
+        ui.add_head_html(f"<script>{script}</script>")
+    ui.add_head_html("<script>document.documentElement.lang = 'en'</script>")
     ui.colors(primary=AFTER)
     if bench.desk is None:
         from wheelhop.workbench.start import Start  # it knows every format of recordings
@@ -64,13 +71,13 @@ class Page:
             self._top()
         self._notice = ui.element("div").classes("bench-notice").props('role="status"')
         with ui.tabs().classes("bench-tabs").props("align=left no-caps dense") as self._tabs:
-            for key, label, _ in VIEWS:
+            for key, label in TABS:
                 ui.tab(key, label=label)
         self._tabs.on_value_change(self._turned)
         self._views: dict[str, View] = {}
         self._panels = {}
         with ui.element("div").classes("bench-main"):
-            for key, _, _ in VIEWS:
+            for key, _ in TABS:
                 self._panels[key] = ui.element("div").props(f"data-view={key}")
         self._tabs.set_value("overview")
         ui.timer(LOOK_S, self._look)
@@ -98,10 +105,17 @@ class Page:
         for key, panel in self._panels.items():
             panel.set_visibility(key == chosen)
         if chosen not in self._views:
-            make = next(make for key, _, make in VIEWS if key == chosen)
             with self._panels[chosen]:
-                self._views[chosen] = make(self._desk, self._looking)
+                self._views[chosen] = self._made(chosen)
         self._views[chosen].show()
+
+    def _made(self, chosen: str) -> View:
+        if chosen == LOG_IN:
+            from wheelhop.workbench.log_in_view import LogInView  # it knows every format
+
+            return LogInView(self._bench, self._desk)
+        make = next(make for key, _, make in VIEWS if key == chosen)
+        return make(self._desk, self._looking)
 
     def _look(self) -> None:
         desk = self._desk

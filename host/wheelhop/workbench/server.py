@@ -5,25 +5,33 @@ from __future__ import annotations
 import secrets
 import socket
 import sys
+import time
 import webbrowser
 from collections.abc import Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING
 
 import uvicorn
-from fastapi import FastAPI
+from fastapi import FastAPI, HTTPException
+from fastapi.responses import FileResponse
 from nicegui import ui
 
 from wheelhop.campaign import CampaignError
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.guard import Guard
+from wheelhop.workbench.out_view import REPORT_ADDRESS
 from wheelhop.workbench.page import lay_out
+from wheelhop.workbench.takeaway import REPORT
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 LOCAL = "127.0.0.1"
+AHEAD_S = 2.0
+REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+"""A report may have come with somebody's campaign: it shows, and does nothing."""
 PATIENCE_S = 3600.0
 """So long a page that lost its connection, on a closed laptop, finds what it showed."""
 
@@ -32,6 +40,7 @@ def serve(
     folder: Path | None,
     *,
     effects_file: Path | None = None,
+    emulated: bool = False,
     host: str = LOCAL,
     port: int = 0,
     browse: bool = True,
@@ -39,13 +48,16 @@ def serve(
 ) -> None:
     """Open a campaign on the workbench, or none yet, and serve it until interrupted.
 
-    ``port`` 0 takes any that is free; ``tell`` is given the address. Raises CampaignError for a
+    ``port`` 0 takes any that is free; ``tell`` is given the address; ``emulated`` switches on an
+    emulated logger. Raises CampaignError for a
     campaign that cannot be read, a folder that has a workbench already, and an address that is
     taken.
     """
     bench = Workbench(effects_file)
     if folder is not None:
         bench.put(folder)
+    if emulated:
+        bench.recorder.emulate()
     with _bound(host, port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
@@ -66,8 +78,9 @@ def make_app(bench: Workbench) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         if bench.desk is not None:
             bench.desk.begin()
+        Thread(target=_load_ahead, daemon=True).start()
         yield
-        bench.clear()
+        bench.close()
 
     app = FastAPI(lifespan=lifespan)
 
@@ -75,8 +88,22 @@ def make_app(bench: Workbench) -> FastAPI:
     def index() -> None:
         lay_out(bench)
 
+    @app.get(REPORT_ADDRESS)
+    def report() -> FileResponse:
+        desk = bench.desk
+        if desk is None or not (desk.campaign.folder / REPORT).is_file():
+            raise HTTPException(404, "there is no report yet")
+        headers = {"content-security-policy": REPORT_POLICY}
+        return FileResponse(desk.campaign.folder / REPORT, headers=headers)
+
     ui.run_with(app, title="wheelhop", dark=None, reconnect_timeout=PATIENCE_S, tailwind=False)
     return app
+
+
+def _load_ahead() -> None:
+    """What only some views need is loaded after the first page is there, before it is asked for."""
+    time.sleep(AHEAD_S)
+    import wheelhop.workbench.log_in_view  # noqa: F401
 
 
 def _bound(host: str, port: int) -> socket.socket:

@@ -12,6 +12,8 @@ from wheelhop.workbench.shown import Row, Verdict
 
 FILE = "session.toml"
 ROLES = ("fit", "validate")
+MOST_RUNS = 200
+"""As many runs are fitted in minutes."""
 
 
 @dataclass(frozen=True)
@@ -60,14 +62,14 @@ class Session:
 
 
 def read_session(campaign: Campaign) -> Session:
-    """The session of a campaign; an empty one where there is no file.
+    """The session of a campaign; `first_session` where there is no file.
 
     Names the campaign does not have any more are left out. Raises CampaignError for a file that is
     not a session.
     """
     path = campaign.folder / FILE
     if not path.is_file():
-        return Session()
+        return first_session(campaign)
     top = read_toml(path, CampaignError)
     top.format()
     runs = {run.id for run in campaign.runs}
@@ -82,6 +84,20 @@ def read_session(campaign: Campaign) -> Session:
     verdict = _verdict(top.table("diagnosis")) if "diagnosis" in top else None
     rows = top.tables("ranking", "effect") if "ranking" in top else []
     return Session(choice, verdict, tuple(map(_row, rows)))
+
+
+def first_session(campaign: Campaign) -> Session:
+    """That of a campaign nobody has opened: of very many runs, `MOST_RUNS` evenly spaced ones of
+    either role are taken, and the others left out until somebody takes them in."""
+    if len(campaign.runs) <= MOST_RUNS:
+        return Session()
+    kept: set[str] = set()
+    for role in ROLES:
+        runs = [run.id for run in campaign.runs if run.role == role]
+        count = min(len(runs), max(MOST_RUNS * len(runs) // len(campaign.runs), 1))
+        kept |= {runs[i * len(runs) // count] for i in range(count)}
+    left_out = tuple(run.id for run in campaign.runs if run.id not in kept)
+    return Session(Choice(without_runs=left_out))
 
 
 def write_session(campaign: Campaign, session: Session, written_by: str) -> None:

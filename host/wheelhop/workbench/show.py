@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 
 OPEN = "screened; it may still be simulated in full"
 
-TRACED = 8
-"""For so many effects, the best, the signature is laid over the residual."""
+Traced = set[tuple[tuple[str, ...], str]]
+"""Which effects, beside which others, have been shown laid over the residual."""
 
 
 def findings(found: Iterable[Finding]) -> tuple[tuple[str, str], ...]:
@@ -65,7 +65,7 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
     if drawn:
         html = {
             "ladder": sections.ladder(steps),
-            "where": sections.where(steps),
+            "where": sections.where(steps) + sections.where_else(steps),
             "model": sections.model(campaign, steps),
         }
     return shown.Rung(
@@ -76,31 +76,66 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
         at_floor=not step.above_floor,
         runs=grid.rows,
         channels=grid.columns,
+        points=_points(campaign, grid.columns),
+        shape=_shape(step),
+        numbers={
+            free.name: shown.Number(free.mean, free.sigma, *step.parameters[free.name])
+            for free in step.rung.fit.shared
+        },
         ratio=grid.ratio,
         noise_rms=comparison.floor.noise_rms,
-        signals={run: _signals(record) for run, record in records_of(step.rung).items()},
+        signals=_all_signals(step),
         sentences=tuple(describe(comparison.breakdown)),
         html=html,
     )
 
 
-def _signals(record: Record) -> shown.Signals:
+def _points(campaign: Campaign, channels: Sequence[str]) -> tuple[str, ...]:
+    point = {channel.name: channel.point for channel in campaign.channels}
+    return tuple(point[name] for name in channels)
+
+
+def _shape(step: Step) -> shown.Shape | None:
+    values = step.rung.model.values
+    if "geometry.wheelbase_m" not in values:
+        return None
+    names = ("geometry.wheelbase_m", "geometry.track_width_m", "wheel.front.radius_m")
+    return shown.Shape(*(float(values[name]) for name in names))
+
+
+def _all_signals(step: Step) -> dict[str, shown.Signals]:
+    positions = {record.run.id: record.position_m for record in step.comparison.records}
+    records = records_of(step.rung).items()
+    return {run: _signals(record, positions.get(run)) for run, record in records}
+
+
+def _signals(record: Record, position_m: Array | None) -> shown.Signals:
     band = record.band
 
     def samples(coefficients: Array) -> shown.Samples:
         return band.from_coefficients(coefficients).astype(np.float32)
 
-    return shown.Signals(band.rate_hz, samples(record.measured), samples(record.model))
+    return shown.Signals(
+        band.rate_hz,
+        samples(record.measured),
+        samples(record.model),
+        samples(band.integrated_twice(record.measured)),
+        samples(band.integrated_twice(record.model)),
+        None if position_m is None else position_m.astype(np.float32),
+    )
 
 
-def ranking(workshop: Workshop, look: Look) -> shown.Ranking:
-    """What a look has found by now."""
+def ranking(workshop: Workshop, look: Look, traced: Traced) -> shown.Ranking:
+    """What a look has found by now; signatures come once, `traced` keeps which did."""
     ranked = ranked_so_far(look, Angles(look.rung.fit, look.screened, look.candidates))
     beside = tuple(effect.id for effect in look.rung.model.effects)
-    best = [item.effect for item in ranked[:TRACED]]
-    screened = [s for s in look.screened if s.variant.effect.id in best]
     fit = look.rung.fit
-    traces = {s.variant.effect.id: _trace(workshop, fit, s) for s in screened if _shows(s)}
+    traces = {}
+    for screened in look.screened:
+        name = screened.variant.effect.id
+        if (beside, name) not in traced and _shows(screened):
+            traces[name] = _trace(workshop, fit, screened)
+            traced.add((beside, name))
     rows = tuple(_row(item) for item in ranked)
     if look.chosen is None:  # nothing is settled yet
         rows = tuple(replace(row, reason=OPEN) if row.confirmed is None else row for row in rows)

@@ -18,11 +18,35 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class Signals:
     """One run in band: measured and modelled (n, channels), in the channels' units. Channels the
-    model does not predict are zero in both."""
+    model does not predict are zero in both. `measured_m` and `modelled_m` are those of
+    accelerations as heights, `position_m` (n,) is the modelled place of the front axle, None where
+    it has none."""
 
     rate_hz: float
     measured: Samples
     modelled: Samples
+    measured_m: Samples
+    modelled_m: Samples
+    position_m: Samples | None
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The size of a fitted vehicle: what a drawing of it needs."""
+
+    wheelbase_m: float
+    track_width_m: float
+    radius_m: float
+
+
+@dataclass(frozen=True)
+class Number:
+    """One of the vehicle's numbers: nominal and fitted, each with one standard deviation, SI."""
+
+    nominal: float
+    believed: float
+    fitted: float
+    known: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +55,8 @@ class Rung:
 
     ``error`` is E on the runs that judge, ``floor`` what the sensors' noise alone leaves of them;
     ``ratio`` (runs, channels) is residual over floor, NaN where the model predicts nothing.
+    ``points`` say where the channels sit. ``shape`` is the vehicle's, None of a component;
+    ``numbers`` are its numbers, by their dotted names.
     ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
     """
 
@@ -41,6 +67,9 @@ class Rung:
     at_floor: bool
     runs: tuple[str, ...]
     channels: tuple[str, ...]
+    points: tuple[str, ...]
+    shape: Shape | None
+    numbers: Mapping[str, Number]
     ratio: Array
     noise_rms: Array
     signals: Mapping[str, Signals]

@@ -9,6 +9,7 @@ from nicegui import ui
 from wheelhop.files import InputError
 from wheelhop.workbench.bench import Workbench, examples
 from wheelhop.workbench.guide import Guide
+from wheelhop.workbench.record_view import RecordView
 
 LOOK_S = 0.5
 
@@ -31,8 +32,13 @@ class Start:
                     ui.button("Open", on_click=self._open).props("no-caps unelevated")
                 self._list_examples()
             with ui.element("section"):
-                ui.html("Make one of recordings", sanitize=False, tag="h2")
-                Guide(self.put, self._say)
+                ui.html("Record with the logger", sanitize=False, tag="h2")
+                recording = ui.element("div")
+            with ui.element("section"):
+                ui.html("Make a campaign of recordings", sanitize=False, tag="h2")
+                guide = Guide(bench.draft, self.put, self._say)
+            with recording:
+                RecordView(bench.recorder, Path.home() / "wheelhop", guide.take)
         ui.timer(LOOK_S, self._look)
 
     def put(self, folder: Path) -> None:

@@ -7,7 +7,7 @@ import shlex
 from wheelhop.campaign import Campaign
 from wheelhop.workbench.session import Choice
 
-REPORT, MODEL, SCRIPT = "report.html", "model.toml", "repeat.py"
+REPORT, PDF, MODEL, SCRIPT = "report.html", "report.pdf", "model.toml", "repeat.py"
 FIGURES, TABLES = "figures", "tables"
 
 

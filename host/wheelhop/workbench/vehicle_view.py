@@ -1,7 +1,9 @@
-"""The vehicle: its nominal numbers, and what other ones would make of its ride."""
+"""The vehicle: its numbers, where each one is, what holds it, and what other ones would make of its
+ride."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
@@ -13,6 +15,8 @@ from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign
 from wheelhop.files.words import interval, label_of, unit_of
 from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.shown import Number
+from wheelhop.workbench.vehicle_drawing import SYMBOLS, drawing
 from wheelhop.workbench.view import Looking
 
 SLIDERS = {
@@ -23,49 +27,63 @@ SLIDERS = {
     "sprung mass": ("body.mass_kg", "body.pitch_inertia_kg_m2", "body.roll_inertia_kg_m2"),
 }
 """What a slider scales, front and rear alike."""
-ENDS = (0.25, 4.0)
+SPEED_KMPH = (3, 60, 15)  # least, most, first
 FREQUENCY_HZ = np.geomspace(0.3, 30.0, 240)
+HELD = 0.5  # of what the belief leaves open: a number known so much better is held by the data
+NO_RIDE = "A component on a rig has no ride; its numbers stand under “The model”."
+WORDS = (
+    "<p class='soft'>The linear vehicle, effects left out. Above: height of the body over height of"
+    " the ground, all wheels alike. Below: acceleration of the body on waves 1 mm high, met at the"
+    " speed chosen: the rear wheels come later.</p>"
+)
 
 
 class VehicleView:
-    """A table of numbers, and sliders with the ride they would give."""
+    """A drawing, a table of numbers, and sliders with the ride they would give."""
 
     def __init__(self, desk: Desk, looking: Looking) -> None:
         self._desk = desk
         self._seen: object = None
         self._nominal: dict[str, float] = {}
+        self._believed: dict[str, float] = {}
         self._sliders: dict[str, Any] = {}
         if isinstance(desk.campaign, ComponentCampaign):
-            ui.label("A component on a rig has no ride; its numbers stand under “The model”.")
+            ui.label(NO_RIDE)
             return
         with ui.element("div").classes("bench-split wide"):
-            self._table = ui.html("", sanitize=False)
+            with ui.element("div"):
+                ui.html(drawing(), sanitize=False)
+                self._table = ui.html("<p class='soft'>Reading it.</p>", sanitize=False)
             with ui.element("div"):
                 ui.html("<h2>What if</h2>", sanitize=False)
                 for name in SLIDERS:
-                    with ui.row().classes("bench-slider"):
-                        ui.label(name)
-                        slider = ui.slider(min=-2, max=2, step=0.05, value=0)
-                        slider.props(f'aria-label="{name}, powers of two"')
-                        value = ui.label("× 1.00")
-                        slider.on_value_change(
-                            lambda event, value=value: value.set_text(f"× {2**event.value:.2f}")
-                        )
-                        slider.on_value_change(self._draw)
-                        self._sliders[name] = slider
+                    self._sliders[name] = self._slider(name, -2, 2, 0, 0.05, _times)
+                low, high, first = SPEED_KMPH
+                self._speed = self._slider("speed", low, high, first, 0.5, _kmph)
                 ui.button("Back to nominal", on_click=self._reset).props("flat dense no-caps")
-                self._chart = ui.echart({}).classes("bench-chart")
-                ui.html(
-                    "<p class='soft'>Heave of the body over heave of the ground, all wheels alike:"
-                    " the linear vehicle, effects left out.</p>",
-                    sanitize=False,
-                )
+                self._chart = ui.echart({}).classes("bench-ride")
+                ui.html(WORDS, sanitize=False)
 
     def show(self) -> None:
         """Bring it up to date."""
-        if self._sliders and self._seen is None:
-            self._seen = True
-            ui.timer(0.01, self._begin, once=True)
+        if not self._sliders:
+            return
+        rung = self._desk.rungs[-1] if self._desk.rungs else None
+        if self._seen is None or rung is not self._seen:
+            first, self._seen = self._seen is None, rung or self
+            ui.timer(0.01, self._begin if first else self._show_table, once=True)
+
+    def _slider(
+        self, name: str, low: float, high: float, value: float, step: float, words: Any
+    ) -> Any:
+        with ui.row().classes("bench-slider"):
+            ui.label(name)
+            slider = ui.slider(min=low, max=high, step=step, value=value)
+            slider.props(f'aria-label="{name}"')
+            shown = ui.label(words(value))
+        slider.on_value_change(lambda event: shown.set_text(words(event.value)))
+        slider.on_value_change(self._draw)
+        return slider
 
     async def _begin(self) -> None:
         try:
@@ -75,10 +93,15 @@ class VehicleView:
             return
         if found is None:  # the server is going down
             return
-        await run.io_bound(ride, found[0])  # what computes is loaded outside the page's loop
-        self._nominal, table = found
-        self._table.set_content(table)
+        await run.io_bound(ride, found[0], None)  # what computes is loaded outside the page's loop
+        self._nominal, self._believed = found
+        self._show_table()
         await self._draw()
+
+    def _show_table(self) -> None:
+        rungs = self._desk.rungs
+        numbers = rungs[-1].numbers if rungs else {}
+        self._table.set_content(table(self._nominal, self._believed, numbers))
 
     def _reset(self) -> None:
         for slider in self._sliders.values():
@@ -91,40 +114,62 @@ class VehicleView:
         for name, slider in self._sliders.items():
             for key in changed.keys() & set(SLIDERS[name]):
                 changed[key] *= 2.0**slider.value
-        nominal, now = ride(self._nominal), ride(changed)
-        lines = [
-            Line("nominal", FREQUENCY_HZ, nominal, MEASURED, 2.2),
-            Line("with these numbers", FREQUENCY_HZ, now, AFTER),
+        speed = self._speed.value / 3.6
+        both = (("nominal", self._nominal, MEASURED, 2.2), ("with these", changed, AFTER, 1.2))
+        felt = 1e-3 * (2 * np.pi * FREQUENCY_HZ) ** 2
+        upper = [Line(n, FREQUENCY_HZ, ride(v, None), c, w) for n, v, c, w in both]
+        lower = [Line(n, FREQUENCY_HZ, felt * ride(v, speed), c, w) for n, v, c, w in both]
+        panels = [
+            Panel("", "transmissibility, heave", upper, log=True),
+            Panel("frequency, Hz", "body, m/s² per mm", lower, log=True),
         ]
-        panel = Panel("frequency, Hz", "transmissibility, heave", lines, log=True)
-        self._chart.options.update(chart([panel], (100,), (0,)))
+        self._chart.options.update(chart(panels, (50, 50), (0, 1)))
         self._chart.update()
 
 
-def read(campaign: Campaign) -> tuple[dict[str, float], str]:
-    """The nominal numbers, and a table of them; raises CampaignError."""
+def read(campaign: Campaign) -> tuple[dict[str, float], dict[str, float]]:
+    """The nominal numbers and their standard deviations; raises CampaignError."""
     from wheelhop.vehicle import read_vehicle
 
     vehicle = read_vehicle(campaign.vehicle_file)
+    return dict(vehicle.values), dict(vehicle.uncertainty)
+
+
+def table(
+    nominal: Mapping[str, float], believed: Mapping[str, float], numbers: Mapping[str, Number]
+) -> str:
+    """Every number: its sign in the drawing, nominal, as fitted, and what holds it."""
     rows = "".join(
-        f"<tr><td>{escape(label_of(key))}</td>"
-        f'<td class="r">{escape(interval(value, vehicle.uncertainty[key]))}</td>'
-        f"<td>{escape(unit_of(key))}</td></tr>"
-        for key, value in vehicle.values.items()
+        f"<tr><td>{escape(label_of(key))}</td><td><i>{SYMBOLS.get(key, '')}</i></td>"
+        f'<td class="r">{escape(interval(value, believed.get(key, 0.0)))}</td>'
+        f"{_fitted(numbers.get(key))}<td>{escape(unit_of(key))}</td></tr>"
+        for key, value in nominal.items()
     )
-    head = '<tr><th></th><th class="r">nominal ± 2 sd</th><th>unit</th></tr>'
-    return dict(vehicle.values), (
-        f"<h2>{escape(vehicle.name)}</h2><table><thead>{head}</thead><tbody>{rows}</tbody></table>"
+    heads = (
+        "<th></th><th></th><th class='r'>nominal ± 2 sd</th><th class='r'>fitted ± 2 sd</th>"
+        "<th title='the fit knows it better than half its nominal uncertainty: data'>held by</th>"
+        "<th>unit</th>"
     )
+    return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-def ride(values: dict[str, float]) -> NDArray[np.float64]:
-    """Transmissibility of heave: body over ground, every wheel lifted alike."""
-    from wheelhop.simulate import frequency_response
-    from wheelhop.vehicle import Body, baseline, body_inertia
+def _fitted(number: Number | None) -> str:
+    if number is None:
+        return "<td></td><td></td>"
+    held = "data" if number.known < HELD * number.believed else "belief"
+    return f"<td class='r'>{escape(interval(number.fitted, number.known))}</td><td>{held}</td>"
 
-    parts = baseline(values, (), "road")
-    parts.add_output(((1.0, Body(0.0, 0.0)),))
-    response = frequency_response(parts.system(body_inertia(values)), FREQUENCY_HZ)
-    heave = response[:, 0, :].sum(axis=1) / -((2 * np.pi * FREQUENCY_HZ) ** 2)
-    return np.asarray(np.abs(heave))
+
+def ride(values: Mapping[str, float], speed_m_s: float | None) -> NDArray[np.float64]:
+    """Heave of the body over heave of the ground at `FREQUENCY_HZ`."""
+    from wheelhop.simulate.heave import heave_transmissibility
+
+    return heave_transmissibility(values, FREQUENCY_HZ, speed_m_s)
+
+
+def _times(value: float) -> str:
+    return f"× {2**value:.2f}"
+
+
+def _kmph(value: float) -> str:
+    return f"{value:g} km/h"

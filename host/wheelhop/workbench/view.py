@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -14,6 +14,13 @@ ACTED = """(event) => {
   if (target) emit({...target.dataset});
 }"""
 """Sends what the element clicked, or one around it, says it does."""
+PRESSED = """(event) => {
+  const target = event.target.closest("[role=button][data-act]");
+  if (!target || (event.key !== "Enter" && event.key !== " ")) return;
+  event.preventDefault();
+  emit({...target.dataset});
+}"""
+"""The same from the keyboard, for what the browser does not take for a button."""
 
 
 @dataclass
@@ -35,10 +42,11 @@ class View(Protocol):
         """Make what is shown fit the desk, if anything it shows has changed."""
 
 
-def acting(content: str, handle: Callable[[dict[str, str]], None]) -> ui.html:
+def acting(content: str, handle: Callable[[dict[str, str]], Awaitable[None] | None]) -> ui.html:
     """HTML of ours whose elements with data-act call `handle` with their data-… values."""
 
-    def handled(event: GenericEventArguments) -> None:
-        handle({key: str(value) for key, value in dict(event.args).items()})
+    def handled(event: GenericEventArguments) -> Awaitable[None] | None:
+        return handle({key: str(value) for key, value in dict(event.args).items()})
 
-    return ui.html(content, sanitize=False).on("click", handled, js_handler=ACTED)
+    element = ui.html(content, sanitize=False).on("click", handled, js_handler=ACTED)
+    return element.on("keydown", handled, js_handler=PRESSED)

@@ -6,8 +6,10 @@ To give up an order the process is killed; the next one begins anew.
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from wheelhop.api import ComparisonResult
 from wheelhop.campaign import Campaign, read_campaign
@@ -20,13 +22,14 @@ from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import Linearity, linearity
 from wheelhop.law import find_law
+from wheelhop.report.pdf import write_pdf
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
 from wheelhop.workbench.export import write_figures, write_tables
 from wheelhop.workbench.order import Order
 from wheelhop.workbench.shown import Climbed, Concluded, Done, Findings, Message, Refused, Said
-from wheelhop.workbench.takeaway import FIGURES, MODEL, TABLES
+from wheelhop.workbench.takeaway import FIGURES, MODEL, PDF, REPORT, TABLES
 
 Say = Callable[[Message], None]
 
@@ -108,14 +111,14 @@ class Worker:
                 self._show(work, here)
 
     def _diagnose(self, work: Work) -> None:
-        base = work.base
+        base, traced = work.base, show.Traced()
         work.diagnosis = diagnose_from(
             work.gated,
             work.vehicle,
             base,
             work.library,
             progress=self._progress,
-            watch=lambda look: self._say(show.ranking(base.workshop, look)),
+            watch=lambda look: self._say(show.ranking(base.workshop, look, traced)),
         )
         work.linearity = work.diagnosis.axle_to_body or work.linearity
         for step in work.diagnosis.ladder:
@@ -151,11 +154,22 @@ class Worker:
             write_tables(target, result)
         elif order.write == MODEL:
             result.write_model(target)
-        elif (found := work.diagnosis) and found.ladder[-1].added == tuple(order.choice.added):
-            write_diagnosis_report(target, campaign, found, work.library)
+        elif order.write == PDF:
+            with tempfile.TemporaryDirectory() as other:
+                page = Path(other) / REPORT
+                self._report(work, order, page, result)
+                write_pdf(page, target)
+        else:
+            self._report(work, order, target, result)
+        return f"written: {target}"
+
+    def _report(self, work: Work, order: Order, target: Path, result: ComparisonResult) -> None:
+        """That of the diagnosis, if the model is the one it came to."""
+        found = work.diagnosis
+        if found and found.ladder[-1].added == tuple(order.choice.added):
+            write_diagnosis_report(target, result.campaign, found, work.library)
         else:
             result.write_report(target)
-        return f"written: {target}"
 
     def _show(self, work: Work, added: Sequence[str]) -> None:
         steps = work.ladder(added)

@@ -1,0 +1,44 @@
+"""Record with the logger, or take other recordings: their stretches join the campaign."""
+
+from __future__ import annotations
+
+from nicegui import ui
+
+from wheelhop.campaign import ComponentCampaign
+from wheelhop.files import InputError
+from wheelhop.workbench.bench import Workbench
+from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.guide import Guide
+from wheelhop.workbench.record_view import RecordView
+
+ON_RIG = "<p class='soft'>Recordings of a rig are added to campaign.toml by hand.</p>"
+
+
+class LogInView:
+    """The recorder above, the guide of the campaign's draft beneath."""
+
+    def __init__(self, bench: Workbench, desk: Desk) -> None:
+        if isinstance(desk.campaign, ComponentCampaign):
+            ui.html(ON_RIG, sanitize=False)
+            return
+
+        def done(_: object) -> None:
+            try:
+                bench.put(desk.campaign.folder)
+            except InputError as error:
+                desk.say(str(error))
+                return
+            assert bench.desk is not None
+            bench.desk.begin()
+
+        with ui.element("section"):
+            ui.html("Record with the logger", sanitize=False, tag="h2")
+            recording = ui.element("div")
+        with ui.element("section"):
+            ui.html("More runs for this campaign", sanitize=False, tag="h2")
+            guide = Guide(bench.draft, done, desk.say)
+        with recording:
+            RecordView(bench.recorder, desk.campaign.folder, guide.take)
+
+    def show(self) -> None:
+        """It looks after itself."""

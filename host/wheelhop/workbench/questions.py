@@ -1,0 +1,95 @@
+"""What a user may know of a vehicle: asked on the page, and by `wheelhop new`. Loads no room."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wheelhop.vehicle.estimate import Known
+
+Answers = Mapping[str, float | None]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A number that a user may know; what lies outside `low` … `high` is in another unit."""
+
+    name: str
+    words: str
+    unit: str
+    low: float
+    high: float
+    needed: bool = False
+
+    @property
+    def option(self) -> str:
+        """As it is written on the command line."""
+        return f"--{self.name.replace('_', '-')}"
+
+    def read(self, text: str) -> float:
+        """The answer as a number. Raises ValueError with a line for the user."""
+        try:
+            value = float(text.replace(",", "."))
+        except ValueError:
+            raise ValueError(f"'{text}' is not a number") from None
+        if not self.low <= value <= self.high:
+            raise ValueError(f"{value:g} {self.unit}: vehicles have {self.low:g} to {self.high:g}")
+        return value
+
+
+WEIGHT = "weight on both {} wheels, ready to drive, driver aboard"
+SPRING = "{} springs: rate of one of them"
+RATIO = "{} motion ratio: travel of the spring over travel of the wheel"
+RIDE = "{} ride frequency: how often the body bounces a second, pushed down above that axle"
+QUESTIONS = (
+    *(
+        Question(f"{end}_kg", WEIGHT.format(end), "kg", 5.0, 50e3, True)
+        for end in ("front", "rear")
+    ),
+    Question("wheelbase_m", "wheelbase, from axle to axle", "m", 0.3, 15.0, True),
+    Question(
+        "track_width_m", "track width, from tyre's middle to tyre's middle", "m", 0.2, 5.0, True
+    ),
+    *(
+        question
+        for end in ("front", "rear")
+        for question in (
+            Question(f"{end}_spring_n_mm", SPRING.format(end), "N/mm", 0.2, 5000.0),
+            Question(f"{end}_motion_ratio", RATIO.format(end), "", 0.1, 3.0),
+            Question(f"{end}_ride_hz", RIDE.format(end), "Hz", 0.3, 10.0),
+        )
+    ),
+    Question("wheel_radius_m", "radius of the wheels, from hub to ground", "m", 0.03, 2.0),
+    Question("driver_kg", "weight of the driver", "kg", 20.0, 250.0),
+)
+
+
+def known(name: str, given: Answers) -> Known:
+    """What is known of a vehicle from the answers, those that are needed among them."""
+    from wheelhop.vehicle.estimate import Axle, Known
+
+    def number(key: str) -> float:
+        value = given[key]
+        assert value is not None  # all that are needed are there
+        return value
+
+    def axle(end: str) -> Axle:
+        spring = given[f"{end}_spring_n_mm"]
+        return Axle(
+            number(f"{end}_kg"),
+            None if spring is None else spring * 1e3,
+            given[f"{end}_motion_ratio"] or 1.0,
+            given[f"{end}_ride_hz"],
+        )
+
+    return Known(
+        name,
+        axle("front"),
+        axle("rear"),
+        number("wheelbase_m"),
+        number("track_width_m"),
+        given["wheel_radius_m"],
+        given["driver_kg"],
+    )

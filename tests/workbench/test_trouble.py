@@ -1,0 +1,60 @@
+"""What goes wrong around the page costs nothing that was done, and gets a line."""
+
+import shutil
+import signal
+import sys
+import time
+
+import pytest
+
+from tests.workbench.conftest import workbench
+
+FITTED = "table.heat td:is(.h0, .h1, .h2, .h3, .h4)"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
+def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(clean, tmp_path, open_page):
+    folder = tmp_path / "campaign"
+    shutil.copytree(clean, folder)
+    (folder / "session.toml").mkdir()  # as of a folder that may not be written to
+    with workbench(folder) as (address, process):
+        page = open_page(address)
+        page.wait_for_selector(FITTED)
+        page.evaluate("window.same = true")
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(3.0)
+        process.send_signal(signal.SIGCONT)
+        page.get_by_role("button", name="leave out").first.click()
+        page.wait_for_selector("tr.out")
+        page.get_by_text("the session is not kept").wait_for()
+        page.wait_for_selector(FITTED)
+        assert page.evaluate("window.same")  # no reload was needed
+
+        folder.rename(tmp_path / "elsewhere")
+        page.get_by_role("button", name="take in").first.click()
+        page.get_by_text("no such folder").wait_for()
+        page.get_by_role("tab", name="Compare").click()  # and the page lives
+        page.get_by_role("button", name="Next run").wait_for()
+
+
+def test_an_effect_s_file_is_shown_before_it_runs(clean, tmp_path, open_page):
+    ran, file = tmp_path / "ran", clean / "my_effects.py"
+    file.write_text(f"open({str(ran)!r}, 'w')\nraise RuntimeError('not an effect')\n")
+    with workbench(clean) as (address, _):
+        page = open_page(address)
+        page.wait_for_selector(FITTED)
+        page.get_by_role("tab", name="What is missing").click()
+        page.get_by_text("An effect of your own").click()
+        page.get_by_label("file, such as my_effects.py").fill(str(file))
+        page.get_by_role("button", name="Look at it").click()
+        page.locator("pre", has_text="not an effect").wait_for()
+        page.get_by_role("button", name="Leave it").click()
+        page.get_by_role("button", name="Look at it").click()
+        assert not ran.exists()
+        page.get_by_role("button", name="Load it").click()
+        page.locator(".bench-notice", has_text="my_effects.py").wait_for()
+        assert ran.exists()
+        page.get_by_role("tab", name="Overview").click()
+        page.get_by_role("button", name="leave out").first.click()  # without it the work goes on
+        page.wait_for_selector(FITTED)
+    file.unlink()
