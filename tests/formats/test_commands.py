@@ -80,7 +80,6 @@ def test_import_never_writes_over_what_it_reads(tmp_path):
 @pytest.mark.parametrize(
     ("suffix", "module", "extra"),
     [
-        (".parquet", "pyarrow", "parquet"),
         (".mf4", "asammdf", "mdf"),
         (".uff", "pyuff", "uff"),
         (".tdms", "nptdms", "tdms"),

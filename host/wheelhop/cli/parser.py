@@ -45,8 +45,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="FOLDER",
         nargs="?",
         type=Path,
-        default=Path("wheelhop-demo"),
-        help="where to put it (default ./wheelhop-demo)",
+        help="a new folder to put it in (default ./wheelhop-demo, -2, …)",
     )
     demo.add_argument("--workbench", action="store_true", help="then open it in the browser")
     flash = commands.add_parser("flash", help="write the firmware into the logger")
@@ -218,6 +217,7 @@ def _make_logs(commands: "argparse._SubParsersAction[_Parser]") -> None:
         type=_positive,
         help="undo the sensors' low-pass (default: that of the calibration)",
     )
+    decode.add_argument("--force", action="store_true", help="replace files that exist")
     decode.add_argument("--raw", action="store_true", help="undo nothing")
     decode.add_argument("--scans", metavar="FIRST:STOP", type=_scans, help="only these")
     recover = commands.add_parser("recover", help="save what is whole of a damaged log or card")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.console import open_console
-from wheelhop.files import check_target
+from wheelhop.files import check_new
 from wheelhop.predict import read_drives
 from wheelhop.track import Track, make_track
 from wheelhop.track.roughness import roughness
@@ -27,6 +27,8 @@ MOST_STATIONS = 1_000_000
 
 def run(arguments: Namespace) -> int:
     """Analyse a track and write it if wanted; raises CampaignError."""
+    if arguments.out is not None:
+        check_new(arguments.out, CampaignError)
     (drive, *_) = read_drives([arguments.track], [1.0])
     track = make_track(drive.track)
     x = _stations(arguments, track)
@@ -74,7 +76,6 @@ def _across(track: Track, half_m: float) -> list[float]:
 
 
 def _write(file: Path, track: Track, x: Array, half_m: float) -> None:
-    check_target(file, CampaignError)
     suffix = file.suffix.lower()
     if suffix == ".csv":
         write_paths(file, x, track.elevation(x, half_m), track.elevation(x, -half_m))

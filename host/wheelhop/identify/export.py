@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, CampaignError
+from wheelhop.files import replacing
 from wheelhop.identify.identify import TransferMatrix
 from wheelhop.identify.statespace import StateSpace, of_fractions
 
@@ -119,15 +120,14 @@ def write_mat(model: TransferMatrix, path: Path) -> None:
     numerators, denominator = polynomials(model)
     poles, residues, direct = poles_and_residues(model)
     names = ([AXLE_POINTS[c] for c in model.inputs], [BODY_POINTS[c] for c in model.outputs])
-    try:
+    with replacing(path, CampaignError) as draft:
         savemat(
-            path,
+            draft,
             {
                 **{"A": system.a, "B": system.b, "C": system.c, "D": system.d},
                 **{"num": numerators, "den": denominator},
                 **{"poles": poles, "residues": residues, "direct": direct},
                 **{"inputs": np.array(names[0], object), "outputs": np.array(names[1], object)},
             },
+            appendmat=False,
         )
-    except OSError as error:
-        raise CampaignError(f"{path}: cannot be written: {error.strerror}") from None

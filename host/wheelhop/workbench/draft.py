@@ -135,7 +135,7 @@ class Draft:
         if (folder / "campaign.toml").exists():
             raise CampaignError(f"{folder}: there is a campaign already: choose another folder")
         taken.sort(key=lambda piece: piece.role)  # the first one has to be fitted
-        existed = folder.exists()
+        before = {folder, *folder.rglob("*")} if folder.exists() else set()
         try:
             with tempfile.TemporaryDirectory() as other:
                 vehicle = Path(other) / "vehicle.toml"
@@ -145,8 +145,7 @@ class Draft:
             for piece in taken:
                 self._add(folder, piece)
         except BaseException:
-            if not existed:
-                _remove_all(folder)
+            remove([path for path in (folder, *sorted(folder.rglob("*"))) if path not in before])
             raise
 
     def _add(self, folder: Path, piece: Piece) -> None:
@@ -187,8 +186,3 @@ def _template() -> dict[str, float]:
 
     walk(dict(top.values), [])
     return numbers
-
-
-def _remove_all(folder: Path) -> None:
-    """What an attempt that failed has written: files, then folders."""
-    remove([folder, *sorted(folder.rglob("*"))])
