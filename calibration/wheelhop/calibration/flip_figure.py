@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2
 from wheelhop.calibration.flip import Flip
 from wheelhop.files import write_picture
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.logger.recording import Recording
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from wheelhop.calibration.constants import (
     NOMINAL_CODES_PER_G,
     NOMINAL_CORNER_HZ,
-    STANDARD_GRAVITY_M_S2,
     Constants,
     nominal_constants,
 )
@@ -21,6 +20,7 @@ from wheelhop.campaign.write import DEFAULT_BAND_HZ
 from wheelhop.compare.band import InBand
 from wheelhop.effects.transfer import transferred
 from wheelhop.files import replacing
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.hil_sim.double.card import Card
 from wheelhop.hil_sim.double.device import Device
 from wheelhop.hil_sim.double.faults import DoubleFaults
