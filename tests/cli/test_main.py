@@ -49,6 +49,21 @@ def test_a_mistake_is_one_line_on_stderr_and_status_2(folder):
 
 
 @pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["diagnos", "x"], "did you mean 'diagnose'"),
+        (["fly"], "choose from check, compare,"),
+        (["decode", "x", "--format", "cvs"], "did you mean 'csv'"),
+    ],
+)
+def test_who_mistypes_is_told_what_there_is(words, said, capsys):
+    with pytest.raises(SystemExit):
+        main(words)
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
     "words",
     [
         [],

@@ -23,7 +23,7 @@ from wheelhop.calibration.shaker.result import (
     ChannelCalibration,
     Comparison,
 )
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.files import check_picture, check_target, locked
 from wheelhop.logger.recording import CODE

@@ -11,7 +11,6 @@ from rich.text import Text
 
 from wheelhop.api import MODEL_FILE
 from wheelhop.campaign import Campaign, CampaignError, read_campaign
-from wheelhop.cli.console import open_console
 from wheelhop.cli.demo_field import (
     DRIVEN,
     TURNED,
@@ -20,6 +19,7 @@ from wheelhop.cli.demo_field import (
     make_campaign,
     record,
 )
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters, print_ranking, print_verdict
 from wheelhop.compare import describe

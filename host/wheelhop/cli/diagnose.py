@@ -7,9 +7,8 @@ from argparse import Namespace
 from rich.console import Console
 
 from wheelhop.api import diagnose
-from wheelhop.cli.console import open_console
 from wheelhop.cli.diagnose_fleet import run_fleet
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import (
     print_findings,

@@ -7,7 +7,7 @@ from collections import Counter
 
 from wheelhop.api.fleet import diagnose_fleet
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.report.fleet import write_fleet_report
 

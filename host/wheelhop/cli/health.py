@@ -9,8 +9,7 @@ from rich.table import Table
 
 from wheelhop.calibration.health.checklist import PASS, check_commissioning
 from wheelhop.calibration.health.examine import Health, examine, examine_relations
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.formats import read
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.recording import Recording

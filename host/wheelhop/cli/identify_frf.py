@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign, CampaignError
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import write_json
 from wheelhop.files import replacing
 from wheelhop.identify import Frf, Measured, frf, not_excited
 from wheelhop.identify.figure import draw_frf

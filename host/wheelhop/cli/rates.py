@@ -12,8 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.vehicle import Vehicle, read_vehicle
 from wheelhop.vehicle.rates import WheelRates, wheel_rates

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.files import check_new
 from wheelhop.predict import read_drives
 from wheelhop.track import Track, make_track

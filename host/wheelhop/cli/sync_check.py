@@ -9,8 +9,7 @@ from wheelhop.calibration.error import CalibrationError
 from wheelhop.calibration.sync.beam_file import read_beam
 from wheelhop.calibration.sync.check import SyncCheck, check_synchronicity
 from wheelhop.calibration.sync.delay import align
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.files import check_new
 from wheelhop.formats import read, write
 from wheelhop.logger.error import LoggerError

@@ -8,8 +8,7 @@ from math import isnan
 from rich import box
 from rich.table import Table
 
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import Row, thesis_rows
 from wheelhop.identify.thesis_figures import draw_thesis
 
