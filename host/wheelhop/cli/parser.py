@@ -118,6 +118,9 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "--out", metavar="TABLE.parquet", type=Path, help="table of several; goes on where it was"
     )
     diagnose.add_argument(
+        "--cluster", metavar="ADDRESS", help="diagnose several on a Dask cluster: tcp://HOST:PORT"
+    )
+    diagnose.add_argument(
         "--max-effects", metavar="N", type=_count, default=4, help="longest ladder (default 4)"
     )
     diagnose.add_argument(
