@@ -35,7 +35,9 @@ class Part:
 
 
 PARTS = {
-    "formats": Part(("formats/*.py", "files/units.py"), ("tests/formats",)),
+    "formats": Part(
+        ("formats/*.py", "files/units.py"), ("tests/files/test_units.py", "tests/formats")
+    ),
     "judge": Part(
         ("diagnose/judge.py",), ("tests/diagnose/test_judge.py", "tests/diagnose/test_rotate.py")
     ),
