@@ -36,7 +36,8 @@ class Part:
 
 PARTS = {
     "formats": Part(
-        ("formats/*.py", "files/units.py"), ("tests/files/test_units.py", "tests/formats")
+        ("formats/*.py", "files/units.py"),
+        ("tests/files/test_units.py", "tests/campaign/test_mistakes.py", "tests/formats"),
     ),
     "judge": Part(
         ("diagnose/judge.py",), ("tests/diagnose/test_judge.py", "tests/diagnose/test_rotate.py")
