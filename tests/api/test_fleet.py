@@ -119,6 +119,23 @@ def test_the_command_writes_the_overview(folders, tmp_path, capsys, monkeypatch)
         assert why in capsys.readouterr().err
 
 
+def test_a_cluster_does_the_work(folders, tmp_path, capsys):
+    distributed = pytest.importorskip("distributed")
+    table = tmp_path / "t.parquet"
+    words = ["diagnose", *map(str, folders), "--out", str(table)]
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as made:
+        words += ["--cluster", made.scheduler_address]
+        assert main([*words, "--jobs", "2"]) == 2
+        assert "its own workers" in capsys.readouterr().err and not table.exists()
+        assert main(words) == 1  # one of them cannot be read
+    verdicts = pandas.read_parquet(table)["verdict"].tolist()
+    assert verdicts == ["dry-friction", "", "dry-friction + driver-seat"]
+    assert main(["diagnose", str(folders[0]), "--cluster", "tcp://127.0.0.1:9"]) == 2
+    assert "several campaigns" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_processes_give_what_one_diagnosis_gives(tmp_path):
     clean = Path(__file__).parents[2] / "examples/open-dry-friction"

@@ -101,7 +101,7 @@ def test_turning_over_needs_the_log_alone(tmp_path, capsys):
     ("out", "figure", "words"),
     [
         ("no/calibration.toml", None, "there is no folder"),
-        ("calibration.toml", "picture.doc", "ends in .png"),
+        ("calibration.toml", "picture.doc", "a picture is .png"),
         ("log.csv", "picture.png", "not valid TOML"),
     ],
 )

@@ -1,4 +1,4 @@
-"""A real sensor against a real reference on a shaker, where the recordings are at hand."""
+"""A real sensor against a real reference on a shaker."""
 
 import datetime as dt
 from pathlib import Path
@@ -11,13 +11,12 @@ from wheelhop.calibration.shaker.comparison import compare_with_reference
 from wheelhop.formats import read
 from wheelhop.logger.recording import Channel, Recording
 
-FOLDER = Path(__file__).parents[3] / "shared/realdata/accelerometer-calibration"
-pytestmark = pytest.mark.skipif(not FOLDER.exists(), reason="the recordings are not in the tree")
+FOLDER = Path(__file__).parents[1] / "data/accelerometer-calibration"
 DAY = dt.date(2026, 1, 1)
 
 
 def sweep(name, **conditions):
-    values = read(FOLDER / f"sweep-{name}hz.csv").values
+    values = read(FOLDER / f"sweep-{name}hz.parquet").values
     reference, sensor = (
         Recording(values[:, [k]], 400.0, (Channel(word, "m/s²"),))
         for k, word in enumerate(("reference", "sensor"))

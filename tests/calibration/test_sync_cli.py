@@ -58,7 +58,7 @@ def test_sync_check_fails_what_is_not_and_mends_it(files, capsys):
 
 def test_sync_check_does_not_overwrite_its_input(files):
     same = (files / "plain.csv", files / "plain.csv")
-    with pytest.raises(InputError, match="overwrite"):
+    with pytest.raises(InputError, match="is there already"):
         sync_check.run(arguments(files, "plain", correct=same))
 
 

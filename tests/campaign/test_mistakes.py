@@ -221,13 +221,6 @@ def test_no_folder_no_campaign_toml_or_a_file(folder):
     assert_says(complaint(folder), "campaign.toml", "no such file", "'Campaign.tml'?")
 
 
-def test_parquet_without_pyarrow(folder, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    (folder / "runs/slow.csv").rename(folder / "runs/slow.parquet")
-    edit(folder / "campaign.toml", "slow.csv", "slow.parquet")
-    assert_says(complaint(folder), "slow.parquet", "pip install 'wheelhop[parquet]'")
-
-
 def test_parquet_that_is_none_or_holds_no_numbers(folder):
     arrow = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")

@@ -6,8 +6,8 @@ import pytest
 from tests.campaign.build import POINTS, edit, write_campaign
 from tests.logger.session import NAMES, session
 from wheelhop.calibration import nominal_constants, write_constants
-from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2
 from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.formats import write
 from wheelhop.logger.recording import Channel, Recording
 

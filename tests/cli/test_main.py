@@ -49,6 +49,21 @@ def test_a_mistake_is_one_line_on_stderr_and_status_2(folder):
 
 
 @pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["diagnos", "x"], "did you mean 'diagnose'"),
+        (["fly"], "choose from check, compare,"),
+        (["decode", "x", "--format", "cvs"], "did you mean 'csv'"),
+    ],
+)
+def test_who_mistypes_is_told_what_there_is(words, said, capsys):
+    with pytest.raises(SystemExit):
+        main(words)
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
     "words",
     [
         [],
@@ -147,17 +162,15 @@ def test_help_answers_at_once_because_it_loads_no_room():
     assert best < 1.0  # 0.1 s on a laptop core
 
 
-def test_the_demo_takes_its_own_folder_afresh_and_no_other(tmp_path):
-    from wheelhop.cli.demo import make_folder
+def test_the_demo_deletes_nothing(tmp_path, monkeypatch):
+    """A campaign of one's own has the names that a demo leaves."""
+    from wheelhop.cli.demo import begin, free_folder
 
-    folder = tmp_path / "demo"
-    make_folder(folder)
-    (folder / "turned.hop").write_bytes(b"")
-    (folder / "campaign.toml").write_text("spoilt")
-    make_folder(folder)
-    assert list(folder.iterdir()) == []
-    (folder / "turned.hop").write_bytes(b"")
-    (folder / "thesis.docx").write_text("precious")
-    with pytest.raises(CampaignError, match="more than a demo leaves"):
-        make_folder(folder)
-    assert (folder / "thesis.docx").exists()
+    monkeypatch.chdir(tmp_path)
+    begin(free_folder())
+    begin(Path("wheelhop-demo"))
+    Path("wheelhop-demo/campaign.toml").write_text("precious")
+    with pytest.raises(CampaignError, match="not empty"):
+        begin(Path("wheelhop-demo"))
+    assert Path("wheelhop-demo/campaign.toml").read_text() == "precious"
+    assert free_folder() == Path("wheelhop-demo-2")

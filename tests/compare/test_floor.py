@@ -9,6 +9,7 @@ import pytest
 
 from wheelhop.campaign import read_campaign
 from wheelhop.compare import compare, estimate_noise, in_band, noise_floor, relative_error
+from wheelhop.compare.floor import estimate_noise_between_samples
 from wheelhop.simulate import Response
 
 ROOT = Path(__file__).parents[2]
@@ -56,6 +57,29 @@ def test_short_records_and_narrow_bands_still_give_a_finite_estimate(bench, n, b
     )
     estimate = estimate_noise(in_band(replace(campaign, band_hz=band), responses))
     assert np.all(np.isfinite(estimate)) and np.all(estimate > 0.0)
+
+
+@pytest.mark.parametrize("band", [(0.5, 30.0), (0.5, 15.0), (15.0, 45.0)])
+def test_white_noise_alone_is_found_in_any_band(bench, band):
+    """Of which a band holds the share of the frequencies in it."""
+    still = np.zeros((1024, 8))
+    campaign, responses = bench.campaign(
+        [2.0] * 8, lambda t, v: bench.noise(0.2), noise=None, motion=lambda t, v: still
+    )
+    records = in_band(replace(campaign, band_hz=band), responses)
+    found = np.sqrt(np.mean(estimate_noise(records) ** 2))
+    assert found == pytest.approx(0.2 * np.sqrt((band[1] - band[0]) / 50.0), rel=0.12)
+
+
+def test_noise_between_samples_is_found_under_smooth_motion(bench):
+    """Each channel's own, though one moves far more than another."""
+    rms = np.linspace(0.05, 0.4, 8)
+    time = np.arange(4000) / 100.0
+    wave = np.sin(2 * np.pi * 1.5 * time)[:, None] * np.linspace(8.0, 1.0, 8)
+    records = [wave + bench.noise(1.0, (4000, 8)) * rms for _ in range(3)]
+    found = estimate_noise_between_samples(records, share=0.6)
+    assert found == pytest.approx(np.sqrt(0.6 * np.mean(rms**2)), rel=0.3)
+    assert estimate_noise_between_samples(records, share=0.15) == pytest.approx(0.5 * found)
 
 
 TRUTHS = sorted((ROOT / "tests" / "data" / "open_truth").glob("*.toml"))

@@ -16,6 +16,7 @@ from wheelhop.diagnose.judge import (
     best_first,
     by_chance,
     holds_against,
+    left,
     log_odds,
     noticeable,
     p_value,
@@ -227,6 +228,32 @@ def test_evidence_decides_between_models_that_leave_alike(more, evidence):
     other = Rung(replace(fit, log_volume=evidence), None)
     expected = [other, one] if evidence > 0.0 and more <= AGREED else [one, other]
     assert best_first([one, other], 1.0) == best_first([other, one], 1.0) == expected
+
+
+def test_heights_that_follow_the_noise_foresee_none_of_it():
+    """A tenth of the directions of noise are taken out of each residual; what is left counts as
+    what those heights would leave of another drive: there they do not fit, and spoil as much."""
+    rng = np.random.default_rng(15)
+    seen, another = (rung(noise(rng), own=0).judging.runs for _ in range(2))
+    counted, foreseen = 0.0, 0.0
+    for run, other in zip(seen, another, strict=True):
+        taken = round(0.1 * run.bench.size)
+        learnt = np.where(np.arange(run.bench.size) < taken, run.residual, 0.0)
+        heights = SimpleNamespace(freedom=float(taken))
+        spare = replace(run, residual=run.residual - learnt, heights=heights)
+        counted += left(spare)
+        foreseen += float(np.sum((other.residual - learnt) ** 2))
+    assert counted == pytest.approx(foreseen, rel=0.05)
+
+
+def test_heights_that_nobody_would_expect_are_evidence_against_a_model():
+    """They cost what the density that they were given says: −2 ln of their probability, the volume
+    that noise leaves them allowed for."""
+    base = rung(noise(np.random.default_rng(16)), own=0)
+    heights = SimpleNamespace(freedom=0.0, penalty=6.0, log_volume=2.0)
+    unlikely = [replace(run, heights=heights) for run in base.judging.runs]
+    rival = Rung(base.fit, fit_of(unlikely))
+    assert log_odds(base, rival, 1.0) == pytest.approx(-0.5 * RUNS * (6.0 - 2.0))
 
 
 def test_a_rival_that_runs_away_has_no_chance_and_makes_no_noise():

@@ -4,6 +4,7 @@ Started with faults.c preloaded: `python fault_driver.py SCENARIO FOLDER`. Each 
 child, so that nothing it leaves in memory helps the next one. Prints how many places were tried.
 """
 
+import contextlib
 import ctypes
 import os
 import shutil
@@ -18,7 +19,7 @@ import numpy as np
 
 from tests.campaign.build import write_campaign
 from wheelhop.campaign import CampaignError, read_campaign
-from wheelhop.cli.main import main, module_of
+from wheelhop.cli.main import main
 from wheelhop.files import is_draft
 from wheelhop.logger.recording import Channel, Recording
 
@@ -44,10 +45,14 @@ class Scenario:
 def recording_in(folder: Path, suffix: str = ".csv", seed: int = 1) -> Path:
     from wheelhop.formats import write
 
-    values = np.random.default_rng(seed).normal(0, 3, (600, 8)).round(3)
     file = folder / f"source{suffix}"
-    write(Recording(values, 100.0, tuple(Channel(p, "m/s²") for p in POINTS)), file)
+    write(recording_of(seed), file)
     return file
+
+
+def recording_of(seed: int) -> Recording:
+    values = np.random.default_rng(seed).normal(0, 3, (600, 8)).round(3)
+    return Recording(values, 100.0, tuple(Channel(p, "m/s²") for p in POINTS))
 
 
 def two_recordings(folder: Path) -> None:
@@ -94,15 +99,76 @@ def logged(folder: Path) -> None:
     (folder / "card.img").write_bytes(session(random_sums()))
 
 
-def calibrated(folder: Path) -> None:
+def plain_picture(self: object, file: Path, **rest: object) -> None:
+    """Drawing takes half a second, and is not what is tested."""
+    with file.open("wb") as out:
+        out.write(b"a picture" * 999)
+
+
+def drawn(folder: Path) -> None:
     from matplotlib.figure import Figure
 
+    Figure.savefig = plain_picture
+
+
+def thesis_drawn(folder: Path) -> None:
+    from matplotlib.figure import Figure
+
+    import wheelhop.cli.thesis as thesis_command
+    from wheelhop.files import write_picture
+    from wheelhop.identify import thesis_figures
+
+    drawn(folder)
+    thesis_command.thesis_rows = list
+    thesis_figures.racing_car = lambda: None
+    thesis_figures.study = thesis_figures.stiffened = lambda *rest: dict.fromkeys(("front", "rear"))
+    thesis_figures.draw_study = lambda variants, varied, path: write_picture(path, Figure())
+
+
+def framed(folder: Path) -> None:
+    drawn(folder)
+    shutil.copy("examples/frame/baja.toml", folder)
+
+
+def measured_on_a_rig(folder: Path) -> None:
+    drawn(folder)
+    shutil.copytree("examples/rig", folder, dirs_exist_ok=True)
+    shutil.copy("examples/clean/vehicle.toml", folder)
+
+
+def surveyed(folder: Path) -> None:
+    x = np.arange(0, 20, 0.1)
+    rows = np.column_stack([x, np.sin(x), np.cos(x)])
+    np.savetxt(folder / "survey.csv", rows, "%.6g", ",", header="x_m,left_m,right_m", comments="")
+
+
+def simulated(folder: Path) -> None:
+    """Each drive is known already, as is what its vehicle does: the folder is what is tested."""
+    import wheelhop.cli.simulate as simulate_command
+    from wheelhop.predict import make
+
+    surveyed(folder)
+    shutil.copy("examples/clean/vehicle.toml", folder)
+    made = recording_of(3)
+    make.recording = lambda *rest: made
+    simulate_command.print_rides = lambda *rest: None
+
+
+def calibrated(folder: Path) -> None:
     from tests.calibration.test_calibrate_command import SENSORS
     from wheelhop.formats import write
     from wheelhop.hil_sim.rig_flip import flip_log
 
+    drawn(folder)
     write(flip_log(SENSORS, np.random.default_rng(1), rest_s=20.0), folder / "flip.csv")
-    Figure.savefig = lambda self, file, **rest: Path(file).write_bytes(b"a picture" * 999)
+
+
+def outputs(folder: Path) -> list[str]:
+    return ["--json", f"{folder}/x.json", "--figure", f"{folder}/x.png"]
+
+
+def survey(folder: Path) -> list[str]:
+    return [f"profile:file={folder}/survey.csv"]
 
 
 SCENARIOS = {
@@ -139,6 +205,41 @@ SCENARIOS = {
     ),
     "add": Scenario(fitted_before, lambda f: ["add", str(f), "dry-friction"]),
     "recover": Scenario(logged, lambda f: ["recover", f"{f}/card.img", "--into", f"{f}/saved"]),
+    "decode": Scenario(logged, lambda f: ["decode", f"{f}/card.img", "--out", f"{f}/run.csv"]),
+    "health": Scenario(
+        lambda f: (drawn(f), recording_in(f)),
+        lambda f: ["health", f"{f}/source.csv", *outputs(f)],
+        whole=False,
+    ),
+    "frame": Scenario(framed, lambda f: ["frame", f"{f}/baja.toml", *outputs(f)], whole=False),
+    "rates": Scenario(
+        measured_on_a_rig,
+        lambda f: [
+            *("rates", f"{f}/front-strut.csv", f"{f}/front-damper.csv"),
+            *("--motion-ratio", "0.7", "--axle", "front", "--into", f"{f}/vehicle.toml"),
+            *outputs(f),
+        ],
+        whole=False,
+    ),
+    "thesis": Scenario(
+        thesis_drawn, lambda f: ["thesis", "--figures", f"{f}/figures"], whole=False
+    ),
+    "new": Scenario(
+        lambda f: None,
+        lambda f: [
+            *("new", f"{f}/deep/car", "--front-kg", "150", "--rear-kg", "180"),
+            *("--wheelbase-m", "1.5", "--track-width-m", "1.2"),
+        ],
+    ),
+    "road-csv": Scenario(surveyed, lambda f: ["road", *survey(f), "--out", f"{f}/road.csv"]),
+    "road-crg": Scenario(surveyed, lambda f: ["road", *survey(f), "--out", f"{f}/road.crg"]),
+    "simulate-campaign": Scenario(
+        simulated,
+        lambda f: [
+            *("simulate", f"{f}/vehicle.toml", "--tracks", *survey(f), "--speed", "10", "20"),
+            *("--out", f"{f}/deep/c"),
+        ],
+    ),
     "calibrate": Scenario(
         calibrated,
         lambda f: [*("calibrate", "--flip", f"{f}/flip.csv", "--out", f"{f}/calibration.toml")],
@@ -154,7 +255,7 @@ def state(folder: Path, drafts: bool = True) -> State:
     return {
         str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
         for path in sorted(folder.rglob("*"))
-        if drafts or not is_draft(path)
+        if drafts or not any(is_draft(Path(part)) for part in path.relative_to(folder).parts)
     }
 
 
@@ -178,8 +279,9 @@ def as_read(folder: Path) -> State:
     }
 
 
-def attempt(words: list[str], mode: int, place: int, said: Path) -> tuple[int, str, int]:
-    """Exit status, what was said on stderr, and how many calls changed the disk."""
+def attempt(words: list[str], mode: int, place: int, said: Path) -> tuple[int, str, list[str]]:
+    """Exit status, what was said on stderr, and, if it came to its end, how many calls changed the
+    disk and which modules it has loaded."""
     counted, count = os.pipe()
     child = os.fork()
     if child == 0:
@@ -191,7 +293,7 @@ def attempt(words: list[str], mode: int, place: int, said: Path) -> tuple[int, s
             disk.fault_arm(mode, ctypes.c_long(place))
             status = main(words)
             disk.fault_calls.restype = ctypes.c_long
-            os.write(count, str(disk.fault_calls()).encode())
+            os.write(count, " ".join([str(disk.fault_calls()), *sys.modules]).encode())
         except BaseException:
             import traceback
 
@@ -200,9 +302,9 @@ def attempt(words: list[str], mode: int, place: int, said: Path) -> tuple[int, s
             sys.stderr.flush()
             os._exit(status)
     os.close(count)
-    calls = int(os.read(counted, 32) or b"0")
-    os.close(counted)
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said.read_text(), calls
+    with os.fdopen(counted) as file:
+        told = file.read().split()
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said.read_text(), told
 
 
 def run(scenario: Scenario, top: Path) -> int:
@@ -212,11 +314,13 @@ def run(scenario: Scenario, top: Path) -> int:
     scenario.prepare(folder)
     shutil.copytree(folder, kept)
     words = scenario.command(folder)
-    for module in (f"wheelhop.cli.{module_of(words[0])}", "pyarrow.parquet", "pyuff"):
-        import_module(module)  # here, and not in every child
     before, before_read = state(folder), as_read(folder)
-    status, error, calls = attempt(words, OFF, 0, said)
+    status, error, (count, *modules) = attempt(words, OFF, 0, said)
     assert status == 0, error
+    for module in modules:  # here, and not in every child
+        with contextlib.suppress(Exception):
+            import_module(module)
+    calls = int(count)
     after, after_read = state(folder), as_read(folder)
     assert after != before and calls > 3, calls
     tried = 0

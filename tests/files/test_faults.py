@@ -11,10 +11,12 @@ import pytest
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
-# convert-parquet is in fault_driver.py, too: it writes in many small pieces and takes a minute.
+# In fault_driver.py, too: convert-parquet, which writes in many small pieces and takes a minute;
+# health and frame, which compute for long and write as rates does.
 SCENARIOS = (
     *("campaign-new", "campaign-add", "convert-csv", "convert-uff"),
-    *("convert-force", "import", "compare", "add", "recover", "calibrate"),
+    *("convert-force", "import", "compare", "add", "recover", "calibrate", "decode"),
+    *("rates", "thesis", "new", "road-csv", "road-crg", "simulate-campaign"),
 )
 
 

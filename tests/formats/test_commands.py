@@ -80,7 +80,6 @@ def test_import_never_writes_over_what_it_reads(tmp_path):
 @pytest.mark.parametrize(
     ("suffix", "module", "extra"),
     [
-        (".parquet", "pyarrow", "parquet"),
         (".mf4", "asammdf", "mdf"),
         (".uff", "pyuff", "uff"),
         (".tdms", "nptdms", "tdms"),
@@ -137,3 +136,13 @@ def test_a_damaged_mdf_leaves_no_traceback_on_stderr_and_is_not_touched(tmp_path
     assert file.read_bytes() == damaged and [path.name for path in Path(tmp_path).iterdir()] == [
         file.name
     ]
+
+
+def test_two_files_of_one_name_are_not_imported_over_each_other(tmp_path):
+    files = [tmp_path / day / "run.csv" for day in ("monday", "tuesday")]
+    for file in files:
+        file.parent.mkdir()
+        write(recording(), file)
+    with pytest.raises(ExchangeError, match="two files"):
+        imported(*files, out=tmp_path / "all", force=True)
+    assert not (tmp_path / "all").exists()

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from wheelhop.files.units import to_si
 from wheelhop.formats import ExchangeError
 from wheelhop.formats.grid import fit_grid
 from wheelhop.formats.labels import name_and_unit
-from wheelhop.formats.units import to_si
 
 RATES = (1.0, 10.0, 50.0, 100.0, 128.0, 200.0, 256.0, 400.0, 1000.0, 1024.0, 51200.0, 99.97)
 

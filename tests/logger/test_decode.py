@@ -13,6 +13,7 @@ from tests.firmware.promises import reader
 from tests.logger.session import NAMES, SESSION, blocks_of, header, random_sums, session
 from wheelhop.calibration import nominal_constants, write_constants
 from wheelhop.cli import decode
+from wheelhop.files import InputError
 from wheelhop.formats import read
 from wheelhop.logger import LoggerError, correct_sensor, correct_window, read_log, survey
 from wheelhop.logger.block import pack_block, pack_scans, pack_text
@@ -260,6 +261,7 @@ def test_a_long_log_needs_little_memory(tmp_path):
 
 def arguments(*files, **changes):
     values = {"files": files, "out": None, "format": None, "calibration": None, "raw": False}
+    values |= {"force": False}
     values |= {"sensor_hz": None, "header_from": None, "scans": None}
     return Namespace(**(values | changes))
 
@@ -338,3 +340,22 @@ def test_scan_numbers_may_pass_two_to_the_thirty_two(first):
     assert np.array_equal(found, sums)
     numbers = np.concatenate([numbers for numbers, _ in log.scans(first)])
     assert numbers[0] == first and set(np.diff(numbers)) == {1, 6}
+
+
+def test_nothing_is_decoded_over_a_file_that_is_there(tmp_path):
+    """Nor are two logs of the same name, from two cards, over each other."""
+    for card in ("a", "b"):
+        (tmp_path / card).mkdir()
+        (tmp_path / card / "HOP00012.HOP").write_bytes(session(SUMS))
+    logs, out = sorted(tmp_path.glob("*/*.HOP")), tmp_path / "out"
+    with pytest.raises(LoggerError, match="two logs"):
+        decode.run(arguments(*logs, out=out))
+    assert not out.exists()
+    decode.run(arguments(logs[0], out=out))
+    table = out / "HOP00012.csv"
+    table.write_text("edited")
+    with pytest.raises(InputError, match="--force"):
+        decode.run(arguments(logs[1], out=out))
+    assert table.read_text() == "edited"
+    decode.run(arguments(logs[1], out=out, force=True))
+    assert len(read(table).values) == len(read_log(logs[1]).recording().values)

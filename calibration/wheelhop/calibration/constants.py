@@ -14,10 +14,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from wheelhop.calibration.error import CalibrationError
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.logger.recording import ACCELERATION, CODE, Channel, Recording
 from wheelhop.logger.supply import supply_change
-
-STANDARD_GRAVITY_M_S2 = 9.80665
 
 # ADXL326, Analog Devices, data sheet rev. 0, table 1, at 3 V; code 1024 is the supply.
 NOMINAL_CODES_PER_G = 57e-3 / 3.0 * 1024

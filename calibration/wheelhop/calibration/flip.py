@@ -17,13 +17,13 @@ from wheelhop.calibration.constants import (
     NOMINAL_GAIN_LIMIT,
     NOMINAL_ZERO_G_CODE,
     NOMINAL_ZERO_G_LIMIT_CODE,
-    STANDARD_GRAVITY_M_S2,
     Constants,
     SensorConstants,
     Value,
     device_of,
 )
 from wheelhop.calibration.error import CalibrationError
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.logger.recording import CODE, Recording
 from wheelhop.logger.supply import supply_change
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2
 from wheelhop.calibration.flip import Flip
-from wheelhop.files import replacing
+from wheelhop.files import write_picture
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.logger.recording import Recording
 
 
 def draw_flip(found: Flip, log: Recording, path: Path) -> None:
-    """Write the picture, its format by the suffix of `path`. Raises OSError."""
+    """Write the picture, its format by the suffix of `path`. Raises InputError."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 5), layout="constrained")
@@ -42,5 +42,4 @@ def draw_flip(found: Flip, log: Recording, path: Path) -> None:
     close.legend(fontsize=8, ncols=8, loc="upper right")
     for axis in axes:
         axis.spines[["top", "right"]].set_visible(False)
-    with replacing(path) as draft:
-        figure.savefig(draft, dpi=150)
+    write_picture(path, figure)

@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.calibration.constants import NOMINAL_CODES_PER_G, STANDARD_GRAVITY_M_S2
+from wheelhop.calibration.constants import NOMINAL_CODES_PER_G
 from wheelhop.calibration.shaker.response import conversion_instants_s
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.hil_sim.signals import CHANNELS, CODES, Signals, from_array
 from wheelhop.logger.recording import CODE, Channel, Recording
 from wheelhop.logger.settings import CONVERSION_S

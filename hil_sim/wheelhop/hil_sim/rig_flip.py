@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.hil_sim.rig import SCAN_S, Rig, Sensor, Shaking
 from wheelhop.hil_sim.signals import CODES
 from wheelhop.logger.recording import Recording

@@ -170,13 +170,8 @@ def _is_number(text: str) -> bool:
 
 
 def _read_parquet(file: Path) -> tuple[list[str], NDArray[np.float64]]:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise CampaignError(
-            f"{file}: reading .parquet needs pyarrow: pip install 'wheelhop[parquet]'"
-        ) from None
+    import pyarrow.parquet  # csv files do without it
+
     try:
         table = pyarrow.parquet.read_table(file)
     except (pyarrow.ArrowException, OSError) as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from wheelhop.api import MODEL_FILE, add
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters
 

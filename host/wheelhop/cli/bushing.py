@@ -13,8 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from wheelhop.cli import bushing_shift
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.files import did_you_mean
 from wheelhop.material import (
     MODELS,

@@ -9,8 +9,7 @@ from pathlib import Path
 from rich import box
 from rich.table import Table
 
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.material import (
     MODELS,
     MaterialError,

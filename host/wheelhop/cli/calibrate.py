@@ -22,11 +22,10 @@ from wheelhop.calibration.shaker.result import (
     ChannelCalibration,
     Comparison,
 )
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
+from wheelhop.files import check_picture, check_target
 from wheelhop.logger.recording import CODE
-
-PICTURES = (".png", ".svg", ".pdf")
 
 
 def run(arguments: Namespace) -> int:
@@ -63,13 +62,10 @@ def run(arguments: Namespace) -> int:
 
 def _check_outputs(out: Path, figure: Path) -> None:
     """Better to know before the work than after it."""
-    for file in (out, figure):
-        if not file.parent.is_dir():
-            raise CalibrationError(f"{file}: cannot be written, there is no folder {file.parent}")
-    if figure.suffix not in PICTURES:
-        raise CalibrationError(f"{figure}: give a name that ends in {', '.join(PICTURES)}")
+    check_picture(figure, CalibrationError)
     if out.exists():
         read_constants(out)
+    check_target(out, CalibrationError)
 
 
 def _compare(session: Session, path: Path, stage: Callable[[str], None]) -> Comparison:

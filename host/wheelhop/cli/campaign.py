@@ -12,7 +12,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.logger.recording import Recording
 
 

@@ -19,7 +19,7 @@ from wheelhop.campaign import (
     read_campaign,
 )
 from wheelhop.campaign.write import SAMPLE, marked_numbers
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
 from wheelhop.files.words import significant

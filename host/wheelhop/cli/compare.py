@@ -5,8 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from wheelhop.api import compare
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings, print_ladder, print_parameters

@@ -6,7 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from wheelhop.calibration import Constants, read_constants
+from wheelhop.cli.convert import check_target
 from wheelhop.cli.progress import stages
+from wheelhop.files import make_folder
 from wheelhop.formats import write
 from wheelhop.logger import (
     Log,
@@ -28,8 +30,13 @@ def run(arguments: Namespace) -> int:
     """Decode one log after the other, and say what was done; raises what the rooms raise."""
     constants = read_constants(arguments.calibration) if arguments.calibration else None
     like = read_log(arguments.header_from) if arguments.header_from else None
-    for file in arguments.files:
-        target = _target(arguments, file)
+    targets = [_target(arguments, file) for file in arguments.files]
+    for target in targets:
+        if targets.count(target) > 1:
+            raise LoggerError(f"{target}: two logs would become this file: decode them apart")
+    if arguments.out is not None and not arguments.out.suffix:
+        make_folder(arguments.out)
+    for file, target in zip(arguments.files, targets, strict=True):
         with stages() as stage:
             stage(f"checking {file}")
             log = read_log(file, header_from=like)
@@ -48,7 +55,6 @@ def _target(arguments: Namespace, file: Path) -> Path:
         if len(arguments.files) > 1 or arguments.format:
             raise LoggerError(f"{out}: one file for several logs or formats: give a folder")
         return out
-    out.mkdir(parents=True, exist_ok=True)
     return out / f"{file.stem}.{arguments.format or 'csv'}"
 
 
@@ -66,6 +72,9 @@ def _parts(
     many = stop - first > PART_SCANS
     for number, begin in enumerate(range(first, stop, PART_SCANS), start=1):
         end = min(begin + PART_SCANS, stop)
+        name = f"{target.stem}-{number:03d}{target.suffix}" if many else target.name
+        path = target.with_name(name)
+        check_target(path, arguments.force)
         stage(f"decoding {log.name}: scans {begin} to {end - 1}")
         from_, to = max(begin - MARGIN, 0), min(end + MARGIN, log.due)
         recording = _corrected(log.recording(from_, to), arguments, constants)
@@ -74,8 +83,7 @@ def _parts(
             values=recording.values[begin - from_ : end - from_],
             start_s=recording.start_s + (begin - from_) / recording.rate_hz,
         )
-        name = f"{target.stem}-{number:03d}{target.suffix}" if many else target.name
-        yield target.with_name(name), part
+        yield path, part
 
 
 def _corrected(

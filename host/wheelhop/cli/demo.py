@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
 from argparse import Namespace
+from itertools import count
 from pathlib import Path
 
 from rich.console import Console
@@ -11,10 +11,7 @@ from rich.text import Text
 
 from wheelhop.api import MODEL_FILE
 from wheelhop.campaign import Campaign, CampaignError, read_campaign
-from wheelhop.campaign.read import CONSTANTS_FILE
-from wheelhop.cli.console import open_console
 from wheelhop.cli.demo_field import (
-    CARD,
     DRIVEN,
     TURNED,
     calibrate,
@@ -22,41 +19,39 @@ from wheelhop.cli.demo_field import (
     make_campaign,
     record,
 )
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters, print_ranking, print_verdict
 from wheelhop.compare import describe
 from wheelhop.diagnose import Step, climb, fit_baseline
 from wheelhop.diagnose.look import step_of
 from wheelhop.effects import load_effects
-from wheelhop.files import is_draft
+from wheelhop.files import make_folder
 from wheelhop.files.words import percent
 from wheelhop.hil_sim.day import read_day
 from wheelhop.report.model_file import write_model
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
-from wheelhop.workbench.session import FILE as SESSION_FILE
 
 REPORT_FILE = "report.html"
-LEAVES = (
-    *(TURNED, DRIVEN, CARD, CONSTANTS_FILE),
-    *("campaign.toml", "vehicle.toml", "runs", MODEL_FILE, REPORT_FILE, SESSION_FILE),
-)
+FOLDER = "wheelhop-demo"
 
 
 def run(arguments: Namespace) -> int:
     """Run the demo in the folder the user chose, and open it on the workbench if he wants."""
-    status = run_demo(arguments.folder)
+    folder = arguments.folder or free_folder()
+    status = run_demo(folder)
     if arguments.workbench and status == 0:
         from wheelhop.workbench.server import serve
 
-        serve(arguments.folder)
+        serve(folder)
     return status
 
 
 def run_demo(folder: Path) -> int:
     """Record a day in the field; compare, diagnose, and add what the diagnosis found."""
     console = open_console()
-    make_folder(folder)
+    begin(folder)
     record_day(folder, console)
     campaign = read_campaign(folder)
     vehicle = read_nominal(campaign)
@@ -87,13 +82,21 @@ def run_demo(folder: Path) -> int:
     return 0
 
 
-def make_folder(folder: Path) -> None:
-    """An empty folder; what an earlier demo left there goes. Raises CampaignError for any other."""
-    if folder.exists():
-        if any(item.name not in LEAVES and not is_draft(item) for item in folder.iterdir()):
-            raise CampaignError(f"{folder}: holds more than a demo leaves: choose another folder")
-        shutil.rmtree(folder)
-    folder.mkdir(parents=True)
+def free_folder() -> Path:
+    """./wheelhop-demo, or with a number behind it where earlier demos are."""
+    folder = Path(FOLDER)
+    for number in count(2):
+        if not folder.exists():
+            break
+        folder = Path(f"{FOLDER}-{number}")
+    return folder
+
+
+def begin(folder: Path) -> None:
+    """Make the folder; nothing that is in one is ever deleted. Raises CampaignError."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise CampaignError(f"{folder}: is there already, and not empty: choose another name")
+    make_folder(folder)
 
 
 def record_day(folder: Path, console: Console) -> None:

@@ -7,9 +7,9 @@ from argparse import Namespace
 from rich.console import Console
 
 from wheelhop.api import diagnose
-from wheelhop.cli.console import open_console
+from wheelhop.campaign import CampaignError
 from wheelhop.cli.diagnose_fleet import run_fleet
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import (
     print_findings,
@@ -30,6 +30,8 @@ def run(arguments: Namespace) -> int:
     """
     if arguments.more or arguments.out is not None:
         return run_fleet(arguments)
+    if arguments.cluster is not None:
+        raise CampaignError("--cluster: is for several campaigns; one is diagnosed here")
     with stages() as progress:
         result = diagnose(
             arguments.campaign,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from argparse import Namespace
 from collections import Counter
+from contextlib import nullcontext
 
 from wheelhop.api.fleet import diagnose_fleet
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
+from wheelhop.predict.workers import cluster
 from wheelhop.report.fleet import write_fleet_report
 
 NO_VERDICT = 1
@@ -21,13 +23,20 @@ def run_fleet(arguments: Namespace) -> int:
         raise CampaignError("several campaigns make a table: say where to with --out TABLE.parquet")
     if arguments.json is not None:
         raise CampaignError("--json: is of one campaign; --out TABLE.parquet has all of them")
-    with stages() as progress:
+    if arguments.jobs is not None and arguments.cluster is not None:
+        raise CampaignError("--jobs: a cluster has its own workers; leave one of the two out")
+    at = arguments.cluster
+    folders = [arguments.campaign, *arguments.more]
+    if at is not None:  # its workers run elsewhere
+        folders = [folder.resolve() for folder in folders]
+    with stages() as progress, cluster(at) if at else nullcontext() as executor:
         rows = diagnose_fleet(
-            (arguments.campaign, *arguments.more),
+            folders,
             arguments.out,
             effects=arguments.effects,
             max_effects=arguments.max_effects,
             jobs=arguments.jobs,
+            executor=executor,
             progress=progress,
         )
     console = open_console()

@@ -11,8 +11,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.files.words import significant
 from wheelhop.frame import (
     FiniteElements,

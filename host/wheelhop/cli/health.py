@@ -9,14 +9,12 @@ from rich.table import Table
 
 from wheelhop.calibration.health.checklist import PASS, check_commissioning
 from wheelhop.calibration.health.examine import Health, examine, examine_relations
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.formats import read
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.recording import Recording
 
 UNHEALTHY = 1
-PICTURES = (".png", ".svg", ".pdf")
 STYLE = {"certain": "bold red", "likely": "red", "possible": "yellow"}
 VERDICT_STYLE = {"pass": "green", "fail": "bold red", "open": "yellow"}
 TOGETHER = "all together"
@@ -32,8 +30,6 @@ def run(arguments: Namespace) -> int:
             raise LoggerError(f"--{option}: is for one recording, give only one")
     if arguments.figure and arguments.checklist:
         raise LoggerError("--figure: not together with --checklist, run health twice")
-    if arguments.figure is not None:
-        check_figure(arguments.figure)
     console = open_console()
     if arguments.checklist:
         return _go_through_checklist(console, arguments)
@@ -72,14 +68,6 @@ def _go_through_checklist(console: Console, arguments: Namespace) -> int:
     if arguments.json is not None:
         write_json(arguments.json, {"passed": passed, "checks": [vars(check) for check in checks]})
     return 0 if passed else UNHEALTHY
-
-
-def check_figure(file: Path) -> None:
-    """Better to know before the work than after it. Raises LoggerError."""
-    if file.suffix.lower() not in PICTURES:
-        raise LoggerError(f"{file}: a picture is {', '.join(PICTURES)}: give it such a name")
-    if not file.parent.is_dir():
-        raise LoggerError(f"{file}: cannot be written, there is no folder {file.parent}")
 
 
 def as_json(health: Health) -> dict[str, object]:

@@ -12,11 +12,10 @@ from rich.console import Console
 from rich.table import Table
 
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, read_campaign
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
 from wheelhop.cli.identify_frf import run_frf
 from wheelhop.cli.identify_steps import run_steps
 from wheelhop.cli.identify_study import print_study
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.fit import initial_model
 from wheelhop.identify import (
     Candidate,

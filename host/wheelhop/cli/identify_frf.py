@@ -12,7 +12,8 @@ from rich.console import Console
 from rich.table import Table
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign, CampaignError
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import write_json
+from wheelhop.files import replacing
 from wheelhop.identify import Frf, Measured, frf, not_excited
 from wheelhop.identify.figure import draw_frf
 
@@ -88,9 +89,9 @@ def _write_mat(path: Path, measured: Measured, found: Frf, inside: Any) -> None:
     from scipy.io import savemat
 
     inputs, outputs = _names(measured)
-    try:
+    with replacing(path, CampaignError) as draft:
         savemat(
-            path,
+            draft,
             {
                 "frequency_hz": found.omega[inside] / (2 * np.pi),
                 # As MATLAB's frd takes it: outputs, inputs, lines.
@@ -100,6 +101,5 @@ def _write_mat(path: Path, measured: Measured, found: Frf, inside: Any) -> None:
                 "inputs": inputs,
                 "outputs": outputs,
             },
+            appendmat=False,
         )
-    except OSError as error:
-        raise CampaignError(f"{path}: {error.strerror}") from None

@@ -8,9 +8,8 @@ from rich import box
 from rich.table import Table
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
 from wheelhop.cli.identify_study import print_study
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import (
     car_of_steps,
     fit_damped_sinusoids,

@@ -9,7 +9,7 @@ from pathlib import Path
 from wheelhop.cli.convert import check_target, in_words
 from wheelhop.cli.progress import stages
 from wheelhop.files import made_folder
-from wheelhop.formats import Map, draft_mapping, losses, read, read_mapping, write
+from wheelhop.formats import ExchangeError, Map, draft_mapping, losses, read, read_mapping, write
 
 
 def run(arguments: Namespace) -> int:
@@ -26,6 +26,9 @@ def run(arguments: Namespace) -> int:
 
 def _import(arguments: Namespace, mapping: Map | None) -> None:
     targets = [_target(file, arguments) for file in arguments.files]
+    for target in targets:
+        if targets.count(target) > 1:
+            raise ExchangeError(f"{target}: two files would become this one: import them apart")
     for file, target in zip(arguments.files, targets, strict=True):
         with stages() as stage:
             stage(f"reading {file}")

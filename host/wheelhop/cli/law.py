@@ -9,8 +9,7 @@ from rich.console import Console
 
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.thin import thinned
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects, pick
 from wheelhop.files import write_text

@@ -87,12 +87,18 @@ def _run(argv: Sequence[str] | None) -> int:
 def _call(arguments: Namespace) -> int:
     from importlib import import_module
 
-    from wheelhop.files import InputError, check_target
+    from wheelhop.files import InputError, check_new, check_picture, check_target
 
     try:
-        for key in ("json", "report", "figure", "mat", "study_figure", "save"):
-            if vars(arguments).get(key) is not None:  # better to know before a long computation
-                check_target(vars(arguments)[key])
+        # Better to know before a long computation.
+        for check, keys in (
+            (check_target, ("json", "report", "mat")),
+            (check_new, ("save",)),
+            (check_picture, ("figure", "study_figure")),
+        ):
+            for key in keys:
+                if vars(arguments).get(key) is not None:
+                    check(vars(arguments)[key])
         if arguments.command in COMPUTING:
             import_module("wheelhop.cli.progress").announce_compilation()
         command = import_module(f"wheelhop.cli.{module_of(arguments.command)}")

@@ -14,8 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.effects import load_effects
 from wheelhop.files.words import label_of, listed, titles
 from wheelhop.predict import Case, read_drives, read_effects

@@ -1,23 +1,34 @@
 """The commands of `wheelhop` and what each of them takes."""
 
 import argparse
+import re
 from pathlib import Path
 from typing import NoReturn
 
-from wheelhop.cli.parser_frame import add_frame
 from wheelhop.cli.parser_identify import add_identify
-from wheelhop.cli.parser_more import add_completion, add_emulate, add_workbench
 from wheelhop.cli.parser_new import add_new
-from wheelhop.cli.parser_rates import add_rates
+from wheelhop.cli.parser_parts import add_bushing, add_frame, add_rates
 from wheelhop.cli.parser_simulate import add_prediction
+from wheelhop.cli.parser_workbench import add_workbench
 
 BAD_INPUT = 2
+NO_CHOICE = re.compile(
+    r"argument (?P<what>.*): invalid choice: '(?P<word>.*)' \(choose from (?P<choices>.*)\)"
+)
+"""As argparse says it."""
 
 
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one line instead of printing the usage first."""
 
     def error(self, message: str) -> NoReturn:
+        if match := NO_CHOICE.match(message):
+            from wheelhop.files import did_you_mean  # not for who makes no mistake
+
+            choices = match["choices"].replace("'", "")
+            near = did_you_mean(match["word"], choices.split(", "))
+            message = f"{match['what']}: there is no '{match['word']}'"
+            message += near.rstrip("?") or f": choose from {choices}"
         self.exit(BAD_INPUT, f"wheelhop: {message}; see {self.prog} --help\n")
 
 
@@ -42,8 +53,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="FOLDER",
         nargs="?",
         type=Path,
-        default=Path("wheelhop-demo"),
-        help="where to put it (default ./wheelhop-demo)",
+        help="a new folder to put it in (default ./wheelhop-demo, -2, …)",
     )
     demo.add_argument("--workbench", action="store_true", help="then open it in the browser")
     flash = commands.add_parser("flash", help="write the firmware into the logger")
@@ -56,7 +66,13 @@ def make_parser() -> argparse.ArgumentParser:
         "--old-bootloader", action="store_true", help="for Nanos of before 2018 (57600 baud)"
     )
     _make_recording(commands)
-    add_emulate(commands)
+    emulate = commands.add_parser("emulate", help="a logger that is none, to try things out with")
+    emulate.add_argument(
+        "--card", metavar="FOLDER", type=Path, help="what is its card (default: gone at the end)"
+    )
+    emulate.add_argument(
+        "--factor", metavar="X", type=float, default=10.0, help="times faster (default 10)"
+    )
     _make_logs(commands)
     _make_checks(commands)
     convert = commands.add_parser("convert", help="write a recording in another format")
@@ -66,12 +82,13 @@ def make_parser() -> argparse.ArgumentParser:
     )
     convert.add_argument("--force", action="store_true", help="replace a file that exists")
     _make_import(commands.add_parser("import", help="read recordings of other recorders, into SI"))
-    _make_bushing(commands.add_parser("bushing", help="find the complex modulus of bushings"))
+    add_bushing(commands)
     add_frame(commands)
     add_rates(commands)
     add_new(commands)
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
-    add_completion(commands)
+    completion = commands.add_parser("completion", help="print what a shell needs to complete")
+    completion.add_argument("shell", choices=("bash", "zsh", "tcsh"))
     commands.add_parser("version", help="print the version")
     return parser
 
@@ -97,6 +114,9 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     diagnose.add_argument("more", metavar="MORE", nargs="*", type=Path, help="more campaigns")
     diagnose.add_argument(
         "--out", metavar="TABLE.parquet", type=Path, help="table of several; goes on where it was"
+    )
+    diagnose.add_argument(
+        "--cluster", metavar="ADDRESS", help="diagnose several on a Dask cluster: tcp://HOST:PORT"
     )
     diagnose.add_argument(
         "--max-effects", metavar="N", type=_count, default=4, help="longest ladder (default 4)"
@@ -197,6 +217,7 @@ def _make_logs(commands: "argparse._SubParsersAction[_Parser]") -> None:
         type=_positive,
         help="undo the sensors' low-pass (default: that of the calibration)",
     )
+    decode.add_argument("--force", action="store_true", help="replace files that exist")
     decode.add_argument("--raw", action="store_true", help="undo nothing")
     decode.add_argument("--scans", metavar="FIRST:STOP", type=_scans, help="only these")
     recover = commands.add_parser("recover", help="save what is whole of a damaged log or card")
@@ -267,35 +288,6 @@ def _make_import(command: argparse.ArgumentParser) -> None:
         "--draft", action="store_true", help="print a mapping made from the file's look"
     )
     command.add_argument("--force", action="store_true", help="replace files that exist")
-
-
-def _make_bushing(command: argparse.ArgumentParser) -> None:
-    actions = command.add_subparsers(dest="action", metavar="ACTION", required=True)
-    fit = actions.add_parser("fit", help="fit models to what a rig has measured")
-    fit.add_argument(
-        "data", metavar="DATA", nargs="+", type=Path, help="moduli or signals, or a folder of them"
-    )
-    fit.add_argument(
-        "--model",
-        metavar="MODEL",
-        action="append",
-        help="only this one, or these (default: all)",
-    )
-    fit.add_argument("--out", metavar="FOLDER", type=Path, help="write SPECIMEN.toml into it")
-    fit.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
-    fit.add_argument("--report", metavar="FILE.html", type=Path, help="write a report")
-    shift = actions.add_parser("shift", help="bring one specimen's temperatures onto one curve")
-    shift.add_argument(
-        "data", metavar="FILE=DEGC", nargs="+", help="moduli or signals, and the temperature, °C"
-    )
-    shift.add_argument(
-        "--reference", metavar="DEGC", type=float, default=23.0, help="of the curve (default 23)"
-    )
-    shift.add_argument(
-        "--model", metavar="MODEL", default="fractional-zener", help="default fractional-zener"
-    )
-    shift.add_argument("--out", metavar="SPECIMEN.toml", type=Path, help="write the specimen")
-    shift.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
 
 
 def _make_campaign(command: argparse.ArgumentParser) -> None:

@@ -13,8 +13,7 @@ from rich.text import Text
 
 from wheelhop.api.planning import RUNS, plan
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.files.words import listed, significant
 from wheelhop.predict import Case

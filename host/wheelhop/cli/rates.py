@@ -12,13 +12,12 @@ from rich.console import Console
 from rich.table import Table
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.vehicle import Vehicle, read_vehicle
 from wheelhop.vehicle.rates import WheelRates, wheel_rates
 from wheelhop.vehicle.rewrite import rewrite_vehicle
 
-GRAVITY_M_S2 = 9.81
 NOT_ITS_LOAD = 0.2
 """A strut that carries another load than the vehicle's, by this share, is not at ride height."""
 
@@ -141,7 +140,7 @@ def _compare_load(console: Console, found: WheelRates, vehicle: Vehicle, axle: s
     """Say it where the strut at ride height does not carry what the vehicle rests on it."""
     ahead = vehicle["geometry.cg_to_front_axle_m"] / vehicle["geometry.wheelbase_m"]
     share = 1.0 - ahead if axle == "front" else ahead
-    load = 0.5 * share * vehicle["body.mass_kg"] * GRAVITY_M_S2
+    load = 0.5 * share * vehicle["body.mass_kg"] * STANDARD_GRAVITY_M_S2
     if abs(found.load_N - load) > NOT_ITS_LOAD * load:
         console.print(
             f"At ride height the strut carries {found.load_N:.0f} N at the wheel, but the vehicle"

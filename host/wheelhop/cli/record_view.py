@@ -10,7 +10,7 @@ from rich.live import Live as Screen
 from rich.table import Table
 from rich.text import Text
 
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.logger.live import CLIPPED, CODES, Live
 
 BAR = 48  # characters, for the converter's range

@@ -4,7 +4,7 @@ from argparse import Namespace
 
 from rich.table import Table
 
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.logger import read_log, recover
 

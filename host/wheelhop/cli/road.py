@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
-from wheelhop.files import check_target
+from wheelhop.cli.output import open_console
+from wheelhop.files import check_new
 from wheelhop.predict import read_drives
 from wheelhop.track import Track, make_track
 from wheelhop.track.rdf import write_rdf
@@ -30,6 +30,8 @@ WRITERS = {".csv": write_grid, ".crg": write_opencrg, ".rdf": write_rdf}
 
 def run(arguments: Namespace) -> int:
     """Analyse a track and write it if wanted; raises CampaignError."""
+    if arguments.out is not None:
+        check_new(arguments.out, CampaignError)
     (drive, *_) = read_drives([arguments.track], [1.0])
     track = make_track(drive.track)
     step = _own_step(track) if arguments.step is None else arguments.step
@@ -90,7 +92,6 @@ def _across(track: Track, half_m: float) -> list[float]:
 
 
 def _write(file: Path, grid: bool, track: Track, x: Array, y: Array, half_m: float) -> None:
-    check_target(file, CampaignError)
     suffix = file.suffix.lower()
     if suffix not in WRITERS:
         raise CampaignError(f"{file}: a survey is written as {', '.join(WRITERS)}")

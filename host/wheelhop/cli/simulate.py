@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
+from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects
 from wheelhop.files.words import titles

@@ -1,7 +1,6 @@
 """`wheelhop sync-check`: are all channels sampled at the same instant?"""
 
 from argparse import Namespace
-from pathlib import Path
 
 import numpy as np
 from rich.table import Table
@@ -10,9 +9,8 @@ from wheelhop.calibration.error import CalibrationError
 from wheelhop.calibration.sync.beam_file import read_beam
 from wheelhop.calibration.sync.check import SyncCheck, check_synchronicity
 from wheelhop.calibration.sync.delay import align
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
-from wheelhop.cli.health import check_figure
+from wheelhop.cli.output import open_console, write_json
+from wheelhop.files import check_new
 from wheelhop.formats import read, write
 from wheelhop.logger.error import LoggerError
 
@@ -25,8 +23,8 @@ def run(arguments: Namespace) -> int:
 
     The exit status is 1 where a channel fails, or is not told, or something else is wrong.
     """
-    if arguments.figure is not None:
-        check_figure(arguments.figure)
+    if arguments.correct is not None:
+        check_new(arguments.correct[1], LoggerError)
     session = read_beam(arguments.beam)
     limit_s = arguments.limit_ms * 1e-3
     recording = read(arguments.recording)
@@ -47,7 +45,7 @@ def run(arguments: Namespace) -> int:
         write_json(arguments.json, as_json(check))
     if arguments.correct is not None:
         source, target = arguments.correct
-        _correct(check, source, target)
+        write(align(read(source), check.skews_s), target)
         console.print(f"{target}: {source} with its channels moved into step")
     return 0 if check.passed else NOT_IN_STEP
 
@@ -80,12 +78,6 @@ def as_json(check: SyncCheck) -> dict[str, object]:
             for c in check.channels
         ],
     }
-
-
-def _correct(check: SyncCheck, source: Path, target: Path) -> None:
-    if target.exists() and target.samefile(source):
-        raise LoggerError(f"{target}: would overwrite the recording itself: give another name")
-    write(align(read(source), check.skews_s), target)
 
 
 def _table(check: SyncCheck) -> Table:

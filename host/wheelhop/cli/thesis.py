@@ -8,9 +8,7 @@ from math import isnan
 from rich import box
 from rich.table import Table
 
-from wheelhop.campaign import CampaignError
-from wheelhop.cli.console import open_console
-from wheelhop.cli.exchange import write_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import Row, thesis_rows
 from wheelhop.identify.thesis_figures import draw_thesis
 
@@ -34,11 +32,7 @@ def run(arguments: Namespace) -> int:
         plain = [{**vars(row), "ours": None if isnan(row.ours) else row.ours} for row in rows]
         write_json(arguments.json, {"format": 1, "rows": plain})
     if arguments.figures:
-        try:
-            drawn = draw_thesis(arguments.figures)
-        except OSError as error:
-            raise CampaignError(f"{arguments.figures}: {error.strerror}: name a folder") from None
-        for path in drawn:
+        for path in draw_thesis(arguments.figures):
             console.print(f"drawn: {path}", markup=False, soft_wrap=True)
     return 0
 

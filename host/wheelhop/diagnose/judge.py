@@ -121,7 +121,7 @@ def by_chance(rung: Rung, noise: float, tolerance: float, allowed: float = 0.0) 
 
 def unforeseen(rung: Rung, noise: float) -> bool:
     """Whether a model that explains the runs fitted leaves noticeably more of those held out. What
-    it leaves of both alike, the runs fitted say as much of."""
+    it leaves of the fitted runs, too, is expected, and allowed for."""
     if not all_noise(rung.fit, noise):
         return False
     by_chance = 2.0 * float(np.sqrt(2.0 / rung.judging.size + 2.0 / rung.fit.size))

@@ -13,6 +13,8 @@ from wheelhop.files.keys import (
 )
 from wheelhop.files.toml import Document, to_toml
 from wheelhop.files.write import (
+    check_new,
+    check_picture,
     check_target,
     claimed,
     is_draft,
@@ -24,6 +26,7 @@ from wheelhop.files.write import (
     remove,
     replacing,
     sync_folder,
+    write_picture,
     write_text,
 )
 
@@ -31,6 +34,8 @@ __all__ = [
     "Document",
     "InputError",
     "Table",
+    "check_new",
+    "check_picture",
     "check_target",
     "claimed",
     "did_you_mean",
@@ -49,5 +54,6 @@ __all__ = [
     "similar_file",
     "sync_folder",
     "to_toml",
+    "write_picture",
     "write_text",
 ]

@@ -1,65 +1,124 @@
-"""The units that keys carry in their names, so that a wrong one can be recognised and converted."""
+"""Units: as keys of our files end in them, as pages write them, as recorders spell them.
+
+One table serves all three; another unit is one line in it.
+"""
 
 import math
 from dataclasses import dataclass
 
+STANDARD_GRAVITY_M_S2 = 9.80665
+"""By definition: 3rd CGPM, 1901."""
+
 
 @dataclass(frozen=True)
 class Unit:
-    """One unit: its dimension, its size in SI and its name in words."""
+    """One unit: its dimension, its size in SI, its name in words, what keys of files end in where
+    they are given in it, and how recorders spell it; the first spelling is what pages write."""
 
     dimension: str
     in_si: float
     words: str
+    keys: tuple[str, ...] = ()
+    spelt: tuple[str, ...] = ()
 
 
-UNITS = {
-    "m": Unit("length", 1.0, "metres"),
-    "cm": Unit("length", 1e-2, "centimetres"),
-    "mm": Unit("length", 1e-3, "millimetres"),
-    "km": Unit("length", 1e3, "kilometres"),
-    "in": Unit("length", 0.0254, "inches"),
-    "ft": Unit("length", 0.3048, "feet"),
-    "kmph": Unit("speed", 1 / 3.6, "kilometres per hour"),
-    "kmh": Unit("speed", 1 / 3.6, "kilometres per hour"),
-    "kph": Unit("speed", 1 / 3.6, "kilometres per hour"),
-    "km_h": Unit("speed", 1 / 3.6, "kilometres per hour"),
-    "m_s": Unit("speed", 1.0, "metres per second"),
-    "mps": Unit("speed", 1.0, "metres per second"),
-    "mph": Unit("speed", 0.44704, "miles per hour"),
-    "deg": Unit("angle", math.pi / 180, "degrees"),
-    "rad": Unit("angle", 1.0, "radians"),
-    "s": Unit("time", 1.0, "seconds"),
-    "ms": Unit("time", 1e-3, "milliseconds"),
-    "us": Unit("time", 1e-6, "microseconds"),
-    "Hz": Unit("frequency", 1.0, "hertz"),
-    "hz": Unit("frequency", 1.0, "hertz"),
-    "kHz": Unit("frequency", 1e3, "kilohertz"),
-    "khz": Unit("frequency", 1e3, "kilohertz"),
-    "kg": Unit("mass", 1.0, "kilograms"),
-    "g": Unit("mass", 1e-3, "grams"),
-    "t": Unit("mass", 1e3, "tonnes"),
-    "lb": Unit("mass", 0.45359237, "pounds"),
-    "kg_m2": Unit("inertia", 1.0, "kilogram square metres"),
-    "m_s2": Unit("acceleration", 1.0, "metres per second squared"),
-    "mm_s2": Unit("acceleration", 1e-3, "millimetres per second squared"),
-    "kg_m3": Unit("density", 1.0, "kilograms per cubic metre"),
-    "g_cm3": Unit("density", 1e3, "grams per cubic centimetre"),
-    "Pa": Unit("pressure", 1.0, "pascals"),
-    "MPa": Unit("pressure", 1e6, "megapascals"),
-    "GPa": Unit("pressure", 1e9, "gigapascals"),
-    "m3": Unit("unevenness", 1.0, "cubic metres"),
-    "cm3": Unit("unevenness", 1e-6, "cubic centimetres"),
-    "N_m": Unit("stiffness", 1.0, "newtons per metre"),
-    "N_mm": Unit("stiffness", 1e3, "newtons per millimetre"),
-    "kN_m": Unit("stiffness", 1e3, "kilonewtons per metre"),
-    "kN_mm": Unit("stiffness", 1e6, "kilonewtons per millimetre"),
-    "N_s_m": Unit("damping", 1.0, "newton seconds per metre"),
-    "Ns_m": Unit("damping", 1.0, "newton seconds per metre"),
-    "N_s_mm": Unit("damping", 1e3, "newton seconds per millimetre"),
-    "Ns_mm": Unit("damping", 1e3, "newton seconds per millimetre"),
-    "kN_s_m": Unit("damping", 1e3, "kilonewton seconds per metre"),
+def _per_s2(length: str) -> tuple[str, ...]:
+    return (f"{length}/s²", f"{length}/s^2", f"{length}/s2")
+
+
+M_S2 = ("m/s²", "m/s^2", "m/s2", "m/s**2", "m/sec^2", "m.s-2")
+KMPH = ("kmph", "kmh", "kph", "km_h")
+G = STANDARD_GRAVITY_M_S2
+TABLE = (
+    Unit("length", 1.0, "metres", ("m",), ("m", "metre", "meter")),
+    Unit("length", 1e-2, "centimetres", ("cm",), ("cm",)),
+    Unit("length", 1e-3, "millimetres", ("mm",), ("mm",)),
+    Unit("length", 1e-6, "micrometres", (), ("µm", "μm", "um")),  # both kinds of µ occur
+    Unit("length", 1e3, "kilometres", ("km",)),
+    Unit("length", 0.0254, "inches", ("in",), ("in", "inch")),
+    Unit("length", 0.3048, "feet", ("ft",)),
+    Unit("speed", 1.0, "metres per second", ("m_s", "mps"), ("m/s", "m.s-1")),
+    Unit("speed", 1e-3, "millimetres per second", (), ("mm/s",)),
+    Unit("speed", 1 / 3.6, "kilometres per hour", KMPH, ("km/h", "kph", "kmh")),
+    Unit("speed", 0.44704, "miles per hour", ("mph",), ("mph",)),
+    Unit("acceleration", 1.0, "metres per second squared", ("m_s2",), M_S2),
+    Unit("acceleration", 1e-2, "centimetres per second squared", (), (*_per_s2("cm"), "Gal")),
+    Unit("acceleration", 1e-3, "millimetres per second squared", ("mm_s2",), _per_s2("mm")),
+    Unit("acceleration", 0.3048, "feet per second squared", (), _per_s2("ft")),
+    Unit("acceleration", 0.0254, "inches per second squared", (), _per_s2("in")),
+    Unit("acceleration", G, "g", (), ("g", "gn", "g_n", "g0")),
+    Unit("acceleration", G / 1e3, "thousandths of g", (), ("mg", "mgn", "mg_n")),
+    Unit("angle", math.pi / 180, "degrees", ("deg",)),
+    Unit("angle", 1.0, "radians", ("rad",)),
+    Unit("time", 1.0, "seconds", ("s",), ("s", "sec", "second", "seconds")),
+    Unit("time", 1e-3, "milliseconds", ("ms",), ("ms", "msec")),
+    Unit("time", 1e-6, "microseconds", ("us",), ("us", "µs", "μs")),
+    Unit("time", 1e-9, "nanoseconds", (), ("ns",)),
+    Unit("time", 60.0, "minutes", (), ("min",)),
+    Unit("time", 3600.0, "hours", (), ("h",)),
+    Unit("frequency", 1.0, "hertz", ("hz", "Hz"), ("Hz",)),
+    Unit("frequency", 1e3, "kilohertz", ("khz", "kHz")),
+    Unit("mass", 1.0, "kilograms", ("kg",), ("kg",)),
+    Unit("mass", 1e-3, "grams", ("g",)),
+    Unit("mass", 1e3, "tonnes", ("t",)),
+    Unit("mass", 0.45359237, "pounds", ("lb",)),
+    Unit("mass per mass²", 1.0, "per kilogram", ("1_kg",), ("1/kg",)),
+    Unit("imbalance", 1.0, "kilogram metres", ("kg_m",), ("kg m",)),
+    Unit("inertia", 1.0, "kilogram square metres", ("kg_m2",), ("kg m²",)),
+    Unit("density", 1.0, "kilograms per cubic metre", ("kg_m3",)),
+    Unit("density", 1e3, "grams per cubic centimetre", ("g_cm3",)),
+    Unit("pressure", 1.0, "pascals", ("Pa",)),
+    Unit("pressure", 1e6, "megapascals", ("MPa",)),
+    Unit("pressure", 1e9, "gigapascals", ("GPa",)),
+    Unit("unevenness", 1.0, "cubic metres", ("m3",)),
+    Unit("unevenness", 1e-6, "cubic centimetres", ("cm3",)),
+    Unit("curvature", 1.0, "per metre", ("1_m",), ("1/m",)),
+    Unit("growth", 1.0, "per square metre", ("1_m2",), ("1/m²",)),
+    Unit("force", 1.0, "newtons", ("N",), ("N", "Newton", "Newtons")),
+    Unit("force", 1e3, "kilonewtons", (), ("kN",)),
+    Unit("force", 4.4482216152605, "pounds of force", (), ("lbf",)),
+    Unit("voltage", 1.0, "volts", (), ("V", "Volt", "Volts")),
+    Unit("voltage", 1e-3, "millivolts", (), ("mV",)),
+    Unit("voltage", 1e-6, "microvolts", (), ("µV", "μV", "uV")),
+    Unit("compliance", 1.0, "metres per newton", ("m_N",), ("m/N",)),
+    Unit("stiffness", 1.0, "newtons per metre", ("N_m",), ("N/m",)),
+    Unit("stiffness", 1e3, "newtons per millimetre", ("N_mm",)),
+    Unit("stiffness", 1e3, "kilonewtons per metre", ("kN_m",)),
+    Unit("stiffness", 1e6, "kilonewtons per millimetre", ("kN_mm",)),
+    Unit("stiffness's growth", 1.0, "newtons per cubic metre", ("N_m3",), ("N/m³",)),
+    Unit("damping", 1.0, "newton seconds per metre", ("N_s_m", "Ns_m"), ("N s/m",)),
+    Unit("damping", 1e3, "newton seconds per millimetre", ("N_s_mm", "Ns_mm")),
+    Unit("damping", 1e3, "kilonewton seconds per metre", ("kN_s_m",)),
+)
+
+UNITS = {key: unit for unit in TABLE for key in unit.keys}
+"""By what keys end in, so that a wrong one can be recognised and converted."""
+
+MEASURED = {"acceleration": "m/s²", "speed": "m/s", "length": "m", "force": "N", "voltage": "V"}
+"""What recordings are of, in SI."""
+
+SPELT = {
+    name: (MEASURED[unit.dimension], unit.in_si)
+    for unit in TABLE
+    if unit.dimension in MEASURED
+    for name in unit.spelt
 }
+"""By a recorder's spelling: the SI unit, and the factor into it."""
+
+SECONDS = {name: unit.in_si for unit in TABLE if unit.dimension == "time" for name in unit.spelt}
+"""By a recorder's spelling of a unit of time, how long it is."""
+
+ENDINGS = {
+    f"_{key}": unit.spelt[0]
+    for key, unit in sorted(UNITS.items(), key=lambda item: -len(item[0]))
+    if unit.in_si == 1.0 and unit.spelt
+}
+"""Endings of names, longer ones first, and the SI units they stand for."""
+
+
+def to_si(unit: str) -> tuple[str, float]:
+    """The SI unit and the factor into it; a unit that is not known stays, with factor 1."""
+    return SPELT.get(unit.strip(), (unit.strip(), 1.0))
 
 
 SIZES = {

@@ -7,25 +7,7 @@ from collections.abc import Sequence
 from math import floor, isfinite, log10
 from pathlib import Path
 
-UNITS = {
-    "_N_s_m": "N s/m",
-    "_kg_m2": "kg m²",
-    "_N_m3": "N/m³",
-    "_N_m": "N/m",
-    "_m_s": "m/s",
-    "_1_kg": "1/kg",
-    "_1_m2": "1/m²",
-    "_kg_m": "kg m",
-    "_1_m": "1/m",
-    "_m_N": "m/N",
-    "_hz": "Hz",
-    "_kg": "kg",
-    "_N": "N",
-    "_m": "m",
-    "_s": "s",
-}
-
-"""Endings of names, longer ones first, and the units they stand for."""
+from wheelhop.files.units import ENDINGS
 
 NARROW_SPACE = "\u202f"
 
@@ -80,7 +62,7 @@ def _grouped(value: float, decimals: int) -> str:
 
 def unit_of(name: str) -> str:
     """The unit a name ends in; empty for a pure number."""
-    return next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
+    return next((unit for ending, unit in ENDINGS.items() if name.endswith(ending)), "")
 
 
 def ending_of(unit: str) -> str:
@@ -96,7 +78,7 @@ def squared(unit: str) -> str:
 
 def label_of(name: str) -> str:
     """A number's name without its unit, in plain words: "front suspension stiffness"."""
-    ending = next((ending for ending in UNITS if name.endswith(ending)), "")
+    ending = next((ending for ending in ENDINGS if name.endswith(ending)), "")
     group, _, rest = name.removesuffix(ending).partition(".")
     end, _, quantity = rest.rpartition(".")
     if group == "geometry":

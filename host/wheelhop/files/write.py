@@ -19,6 +19,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Protocol
 
 from wheelhop.files.error import InputError
 
@@ -28,6 +29,14 @@ PATIENCE_S = 60.0
 POLL_S = 0.02
 CANNOT_LOCK = (errno.EBADF, errno.EINVAL, errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)
 CANNOT_SYNC = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)
+PICTURES = (".png", ".svg", ".pdf")
+
+
+class Picture(Protocol):
+    """What matplotlib calls a Figure."""
+
+    def savefig(self, fname: Any, **options: Any) -> Any:
+        """Draw into a file."""
 
 
 def write_text(
@@ -36,6 +45,15 @@ def write_text(
     """Replace a text file (UTF-8, line ends "\\n") as `replacing` does."""
     with replacing(path, kind, within) as draft:
         draft.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_picture(
+    path: Path, picture: Picture, dpi: int = 150, kind: type[InputError] = InputError
+) -> None:
+    """Replace a picture as `replacing` does; `check_picture` says which names it may have."""
+    check_picture(path, kind)
+    with replacing(path, kind) as draft:
+        picture.savefig(draft, dpi=dpi, format=path.suffix.lower().removeprefix(".") or "png")
 
 
 @contextmanager
@@ -117,8 +135,8 @@ def new_folder(folder: Path, kind: type[InputError] = InputError) -> Iterator[Pa
             raise kind(f"{folder}: is there already, and not empty: choose another name")
         made = make_folder(folder.parent)
         draft = folder.with_name(f"{DRAFT}{secrets.token_hex(6)}")
-        draft.mkdir()
         try:
+            draft.mkdir()
             yield draft
             for inner in (draft, *(path for path in draft.rglob("*") if path.is_dir())):
                 sync_folder(inner)
@@ -207,6 +225,18 @@ def check_target(
     if target.exists() and not os.access(target, os.W_OK):
         raise kind(f"{path}: cannot be written: it is read-only")
     return target
+
+
+def check_new(path: Path, kind: type[InputError] = InputError) -> None:
+    """As `check_target`, and an error for a file that is there: nobody shall lose it."""
+    if check_target(path, kind) is not None and path.exists():
+        raise kind(f"{path}: is there already: choose another name, or delete it first")
+
+
+def check_picture(path: Path, kind: type[InputError] = InputError) -> None:
+    """As `check_target`, and an error for a name that does not say how to draw."""
+    if check_target(path, kind) is not None and path.suffix.lower() not in PICTURES:
+        raise kind(f"{path}: a picture is {', '.join(PICTURES)}: give it such a name")
 
 
 def _new_draft(target: Path) -> Path:

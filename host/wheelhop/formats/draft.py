@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.files import quoted
+from wheelhop.files.units import SECONDS, to_si
 from wheelhop.formats import cells
 from wheelhop.formats.error import ExchangeError, guarded
 from wheelhop.formats.labels import is_unit, name_and_unit
@@ -16,7 +17,6 @@ from wheelhop.formats.mapping import SEPARATORS
 from wheelhop.formats.places import likely_points
 from wheelhop.formats.registry import load
 from wheelhop.formats.table import POINTS
-from wheelhop.formats.units import SECONDS, to_si
 from wheelhop.logger.recording import ACCELERATION
 
 LOOK = 200  # lines that are looked at

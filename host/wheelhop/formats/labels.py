@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from wheelhop.formats.units import SECONDS, SI
+from wheelhop.files.units import SECONDS, SPELT
 
 BEHIND = re.compile(r"(?P<name>.*?\S)\s*(?:\[(?P<b>[^][]*)\]|\((?P<p>[^()]*)\))\s*$")
 UNDERSCORED = {
@@ -42,4 +42,4 @@ def name_and_unit(label: str) -> tuple[str, str]:
 
 def is_unit(text: str) -> bool:
     """Whether this is a unit that is known here."""
-    return text.strip() in SI or text.strip() in SECONDS
+    return text.strip() in SPELT or text.strip() in SECONDS

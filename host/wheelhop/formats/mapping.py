@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import ExchangeError
-from wheelhop.formats.units import SECONDS
 
 SEPARATORS = {"tab": "\t", "space": None, ",": ",", ";": ";", "|": "|", "\t": "\t", " ": None}
 """None: any run of blanks."""

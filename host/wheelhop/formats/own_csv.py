@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.units import to_si
 from wheelhop.formats import cells, text
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import read_sidecar, sidecar
 from wheelhop.formats.labels import name_and_unit
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, plain_channel
-from wheelhop.formats.units import to_si
 from wheelhop.logger.recording import Recording
 
 TIME = "time_s"

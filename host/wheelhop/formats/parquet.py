@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pyarrow
+from pyarrow import parquet
 
-from wheelhop.formats.error import ExchangeError, need
+from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import from_text, to_text
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, plain_channel
@@ -19,8 +21,7 @@ TIME = "time_s"
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read every column of numbers; units are taken from the fields' metadata."""
-    pyarrow = need("pyarrow", "parquet", path)
-    table = need("pyarrow.parquet", "parquet", path).read_table(path)
+    table = parquet.read_table(path)
     schema = table.schema
     text = (schema.metadata or {}).get(KEY)
     header = from_text(text.decode("utf-8"), path) if text is not None else None
@@ -52,7 +53,6 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
 
 def save(recording: Recording, path: Path) -> None:
     """Write time and channels as float64."""
-    pyarrow = need("pyarrow", "parquet", path)
     fields = [pyarrow.field(TIME, pyarrow.float64(), metadata={UNIT: "s"})]
     fields += [
         pyarrow.field(channel.name, pyarrow.float64(), metadata={UNIT: channel.unit})
@@ -64,7 +64,7 @@ def save(recording: Recording, path: Path) -> None:
     columns = [recording.time_s, *recording.values.T.copy()]
     arrays = [pyarrow.array(column, pyarrow.float64()) for column in columns]
     table = pyarrow.Table.from_arrays(arrays, schema=schema)
-    need("pyarrow.parquet", "parquet", path).write_table(table, path)
+    parquet.write_table(table, path)
 
 
 def losses(recording: Recording) -> tuple[str, ...]:

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.units import to_si
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import Grid, fit_grid
 from wheelhop.formats.header import Header
 from wheelhop.formats.mapping import Map, Pick
 from wheelhop.formats.places import likely_points
-from wheelhop.formats.units import to_si
 from wheelhop.logger.recording import ACCELERATION, Channel, Recording
 
 POINTS = (*(f"A{k}" for k in range(1, 5)), *(f"B{k}" for k in range(1, 5)), "body")

@@ -10,10 +10,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import LONGEST_REASON, ExchangeError, need
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, plain_channel
-from wheelhop.formats.units import SECONDS
 
 UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 

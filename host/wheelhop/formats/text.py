@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.units import SECONDS
 from wheelhop.formats import cells
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.labels import name_and_unit
 from wheelhop.formats.mapping import CLOCK, Map
 from wheelhop.formats.table import Table, plain_channel
-from wheelhop.formats.units import SECONDS
 
 
 def load(path: Path, mapping: Map | None) -> list[Table]:

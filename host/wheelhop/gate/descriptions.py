@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Channel
+from wheelhop.files.units import SPELT
 from wheelhop.gate.drive import Drive, Match, Places, speeds_about
 
 Array = NDArray[np.float64]
@@ -24,14 +25,7 @@ RATES = (0.25, 0.5, 2.0, 4.0)
 DELAYS_S = tuple(sign * 0.02 * k for k in range(2, 11) for sign in (1, -1))
 """Two loggers out of step; what lies between neighbours still shows. Less than a quarter of a
 wheel's period is a phase that laws the nominal vehicle lacks can make."""
-GRAVITY = 9.80665
-CONSTANT = {
-    "g": 1 / GRAVITY,
-    "mg": 1000 / GRAVITY,
-    "cm/s²": 100.0,
-    "mm/s²": 1000.0,
-    "ft/s²": 1 / 0.3048,
-}
+CONSTANT = {name: 1 / SPELT[name][1] for name in ("g", "mg", "cm/s²", "mm/s²", "ft/s²")}
 """A record's number over the same in m/s²."""
 ALONE = ("g", "mm/s²")  # what a single channel may be in
 UNLIKE = 0.3

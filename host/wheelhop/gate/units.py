@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign
-from wheelhop.gate.descriptions import CONSTANT, GRAVITY
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
+from wheelhop.gate.descriptions import CONSTANT
 from wheelhop.gate.drive import OnWaves
 from wheelhop.gate.finding import FALSE_ALARM, Finding, needed
 from wheelhop.gate.runs import HEIGHT, Runs
@@ -51,7 +52,7 @@ def gravity_findings(campaign: Campaign) -> Iterator[Finding]:
             f"units of {names}",
             f"The channels' means are {mean.min():.2f} to {mean.max():.2f}: gravity in g, not in"
             " m/s².",
-            f"Multiply the recordings by {GRAVITY}.",
+            f"Multiply the recordings by {STANDARD_GRAVITY_M_S2}.",
             "certain",
         )
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, CampaignError
+from wheelhop.files import replacing
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.statespace import StateSpace, of_fractions
 
@@ -143,7 +144,5 @@ def write_mat_of_states(
 
     states = {"A": system.a, "B": system.b, "C": system.c, "D": system.d}
     names = {"inputs": np.array(inputs, object), "outputs": np.array(outputs, object)}
-    try:
-        savemat(path, {**states, **names, **(more or {})})
-    except OSError as error:
-        raise CampaignError(f"{path}: cannot be written: {error.strerror}") from None
+    with replacing(path, CampaignError) as draft:
+        savemat(draft, {**states, **names, **(more or {})}, appendmat=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Channel
+from wheelhop.files import write_picture
 from wheelhop.identify.frf import Frf
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.spectra import Measured
@@ -40,7 +41,7 @@ def draw_matrix(
     model: TransferMatrix, nominal: ComplexArray, frequency_hz: Array, path: Path
 ) -> None:
     """Magnitudes of all elements with their bands (twice the standard error), beside the nominal
-    model's. The format is by the suffix of `path`; raises OSError."""
+    model's. The format is by the suffix of `path`; raises InputError."""
     from matplotlib.figure import Figure
 
     s = 2j * np.pi * frequency_hz
@@ -68,12 +69,12 @@ def draw_matrix(
     for i in range(rows):
         axes[i, 0].set_ylabel("|H|")
     axes[0, 0].legend(fontsize=7, loc="lower left")
-    figure.savefig(path, dpi=130)
+    write_picture(path, figure, dpi=130)
 
 
 def draw_frf(found: Frf, measured: Measured, lines: NDArray[np.bool_], path: Path) -> None:
     """Magnitudes of an estimate with twice its standard error, and below them the multiple
-    coherence of each output, at these lines (k,); raises OSError."""
+    coherence of each output, at these lines (k,); raises InputError."""
     from matplotlib.figure import Figure
 
     frequency = found.omega[lines] / (2 * np.pi)
@@ -100,7 +101,7 @@ def draw_frf(found: Frf, measured: Measured, lines: NDArray[np.bool_], path: Pat
         last.set_ylim(0.0, 1.02)
         _frequency_axis(last, frequency, i == rows - 1)
         axes[i, 0].set_ylabel("|H|")
-    figure.savefig(path, dpi=130)
+    write_picture(path, figure, dpi=130)
 
 
 def draw_study(
@@ -130,7 +131,7 @@ def draw_study(
     axes[0].legend(title=varied.replace("-", " "), fontsize=8)
     for axis in axes:
         axis.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=130)
+    write_picture(path, figure, dpi=130)
 
 
 def _frequency_axis(axis: Any, frequency_hz: Array, labelled: bool) -> None:

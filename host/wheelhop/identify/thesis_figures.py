@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from wheelhop.files import made_folder
 from wheelhop.identify import published
 from wheelhop.identify.equivalent import equivalent_vehicle, wheels
 from wheelhop.identify.figure import draw_study
@@ -37,13 +38,13 @@ def stiffened() -> dict[str, list[Variant]]:
 
 
 def draw_thesis(folder: Path) -> list[Path]:
-    """Draw all figures into a folder, which is made if need be. Raises OSError."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Draw all figures into a folder, which is made if need be. Raises InputError."""
     drawn = []
-    for number, (varied, factors) in CHAPTER_2.items():
-        drawn.append(folder / f"figure-{number}.png")
-        draw_study(study(racing_car(), varied, factors), varied, drawn[-1])
-    for end, variants in stiffened().items():
-        drawn.append(folder / f"figure-5.24-{end}.png")
-        draw_study(variants, f"stiffness, {end} left", drawn[-1])
+    with made_folder(folder):
+        for number, (varied, factors) in CHAPTER_2.items():
+            drawn.append(folder / f"figure-{number}.png")
+            draw_study(study(racing_car(), varied, factors), varied, drawn[-1])
+        for end, variants in stiffened().items():
+            drawn.append(folder / f"figure-5.24-{end}.png")
+            draw_study(variants, f"stiffness, {end} left", drawn[-1])
     return drawn

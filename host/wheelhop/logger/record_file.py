@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from wheelhop.files import sync_folder
 from wheelhop.logger.block import (
     BLOCK_BYTES,
     DATA,
@@ -64,6 +65,7 @@ class LogWriter:
         except OSError as error:
             raise LoggerError(f"{path}: {error.strerror}") from None
         self._put(pack_block(HEADER, session, 0, payload=fitting_text(header)))
+        sync_folder(path.parent)
 
     @property
     def lost(self) -> int:

@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 from wheelhop.calibration.constants import (
     NOMINAL_CODES_PER_G,
     NOMINAL_CORNER_HZ,
-    STANDARD_GRAVITY_M_S2,
     Constants,
     nominal_constants,
 )
+from wheelhop.campaign import CampaignError
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.write import DEFAULT_BAND_HZ
 from wheelhop.compare.band import InBand
 from wheelhop.effects.transfer import transferred
+from wheelhop.files import replacing
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.hil_sim.double.card import Card
 from wheelhop.hil_sim.double.device import Device
 from wheelhop.hil_sim.double.faults import DoubleFaults
@@ -96,7 +98,8 @@ def _log(seen: Array, rng: np.random.Generator, noise_rms: float, file: Path) ->
         device.press_button()
         device.run(device.time_s + CLOSING_S)
         (log,) = Card(Path(card)).files()
-        (Path(card) / log).replace(file)
+        with replacing(file, CampaignError) as draft:
+            (Path(card) / log).replace(draft)
 
 
 def constants() -> Constants:

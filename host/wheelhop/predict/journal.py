@@ -18,7 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import check_target, claimed, replacing
+from wheelhop.files import check_target, claimed, replacing, sync_folder
 from wheelhop.predict.sweep import Row
 
 SWEEP = b"wheelhop.sweep"
@@ -54,6 +54,7 @@ def run_sweep(
     """
     check_target(table, CampaignError)
     journal = table.with_name(f"{table.name}.journal")
+    check_target(journal, CampaignError)
     mark = sweep.fingerprint
     with claimed(table.parent, f"sweep to {table.name}", CampaignError):
         if table.exists():
@@ -63,6 +64,7 @@ def run_sweep(
         with journal.open("a", encoding="utf-8") as file:
             if not done and file.tell() == 0:
                 _append(file, {"sweep": mark})
+                sync_folder(table.parent)
             futures = {executor.submit(sweep.rows, number): number for number in missing}
             try:
                 for future in as_completed(futures):

@@ -14,7 +14,7 @@ from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
-from wheelhop.files import new_folder
+from wheelhop.files import check_new, new_folder, replacing
 from wheelhop.formats import write
 from wheelhop.logger.recording import Recording
 from wheelhop.predict.case import Case
@@ -63,10 +63,7 @@ def make_recording(file: Path, case: Case, instrument: Instrument) -> None:
             f"{file}: is one recording, and {len(case.drives)} runs were asked for: give one track"
             " and one --speed, or a folder"
         )
-    if not file.parent.is_dir():
-        raise CampaignError(f"{file}: cannot be written, there is no folder {file.parent}")
-    if file.exists():
-        raise CampaignError(f"{file}: is there already: choose another name")
+    check_new(file, CampaignError)
     if file.suffix.lower() == LOG:
         logged(case, 0, instrument.noise_rms, file)
     elif instrument.logger:
@@ -132,4 +129,5 @@ def copy_survey(drive: Drive, folder: Path) -> None:
     target.parent.mkdir(exist_ok=True)
     if target.exists() and not filecmp.cmp(drive.file, target, shallow=False):
         raise CampaignError(f"{drive.file}: two surveys have this name: rename one")
-    shutil.copyfile(drive.file, target)
+    with replacing(target, CampaignError) as draft:
+        shutil.copyfile(drive.file, draft)

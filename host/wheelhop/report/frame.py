@@ -11,6 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from wheelhop.files import write_picture
 from wheelhop.files.words import significant
 from wheelhop.frame import CORNERS, FiniteElements, FrameTwist, Modes
 from wheelhop.report.figures import AFTER, INK, MEASURED, WIDTH
@@ -54,8 +55,8 @@ def frame_figure(name: str, elements: FiniteElements, modes: Modes, twist: Frame
 def write_frame_figure(
     name: str, elements: FiniteElements, modes: Modes, twist: FrameTwist, file: Path
 ) -> None:
-    """Write it as PNG."""
-    frame_figure(name, elements, modes, twist).savefig(file, dpi=150, format="png")
+    """Write it, in the form its name says."""
+    write_picture(file, frame_figure(name, elements, modes, twist))
 
 
 def _draw(axes: Axes, elements: FiniteElements, motion: Array) -> None:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from wheelhop.diagnose.judge import at_noise
+from wheelhop.files import write_picture
 from wheelhop.law import Formula, Found, Rival, look
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
@@ -53,8 +54,8 @@ def law_figure(found: Found) -> Figure:
 
 
 def write_law_figure(found: Found, file: Path) -> None:
-    """Write it as PNG."""
-    law_figure(found).savefig(file, dpi=150)
+    """Write it, in the form its name says."""
+    write_picture(file, law_figure(found))
 
 
 def _draw(row: NDArray[np.object_], found: Found, rival: Rival) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from wheelhop.files import write_picture
 from wheelhop.predict.plan import Plan
 from wheelhop.predict.plan_files import track_words
 from wheelhop.report.figures import AFTER, BEFORE, INK, MEASURED, SOFT, WIDTH
@@ -37,8 +38,8 @@ def plan_figure(plan: Plan) -> Figure:
 
 
 def write_plan_figure(plan: Plan, file: Path) -> None:
-    """Write it as PNG."""
-    plan_figure(plan).savefig(file, dpi=150, format="png")
+    """Write it, in the form its name says."""
+    write_picture(file, plan_figure(plan))
 
 
 def _tracks(plan: Plan) -> list[str]:

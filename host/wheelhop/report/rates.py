@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from wheelhop.files import write_picture
 from wheelhop.report.figures import AFTER, BEFORE, MEASURED, SOFT, WIDTH
 from wheelhop.report.svg import STYLE
 from wheelhop.vehicle.curves import Array, Slope
@@ -37,8 +38,8 @@ def rates_figure(found: WheelRates) -> Figure:
 
 
 def write_rates_figure(found: WheelRates, file: Path) -> None:
-    """Write it as PNG."""
-    rates_figure(found).savefig(file, dpi=150, format="png")
+    """Write it, in the form its name says."""
+    write_picture(file, rates_figure(found))
 
 
 def _line(axes: Axes, x: Array, offset: float, slope: Slope, unit: float) -> None:

@@ -1,6 +1,6 @@
 """Time integration of a mechanism with nonlinear force laws: the one hot loop of wheelhop.
 
-Classical Runge–Kutta of fourth order at a fixed step. Force laws are called through function
+The scheme is that of `runge_kutta.py`, at a fixed step. Force laws are called through function
 pointers, so that the integrator is compiled once and any set of laws can be combined. Mechanisms of
 one make, as derivatives ask for, go through the loop side by side, one in each lane of the
 processor's vector unit.
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from wheelhop.effects import law
 from wheelhop.simulate.lanes import LANES, aligned, load, plus, side_by_side, splat, store
+from wheelhop.simulate.runge_kutta import HALF_STEPS, STAGES, TO_NEXT, TOTAL, WEIGHTS
 from wheelhop.vehicle import Law, System
 
 Array = NDArray[np.float64]
@@ -191,12 +192,13 @@ def _integrate(  # type: ignore[no-untyped-def]
     lag_part = 0.5 * window / dt - lag
 
     for t in range(u.shape[0] - 1):
-        for stage in range(4):
-            if stage == 1 or stage == 3:
-                _drive(z, 2 * n, u, du, w, 2 * t + (stage + 1) // 2, dt)
+        for stage in range(STAGES):
+            half = HALF_STEPS[stage]
+            if stage > 0 and half > HALF_STEPS[stage - 1]:
+                _drive(z, 2 * n, u, du, w, 2 * t + half, dt)
             if laws is not None:
                 _apply(port, X * ports, extension, z)
-                elapsed = 0.5 * dt * ((stage + 1) // 2)
+                elapsed = 0.5 * dt * half
                 for k in range(len(groups)):
                     laws[groups[k, 0]](port, elapsed, parameters, groups[k, 1], groups[k, 2])
                 for i in range(ports):
@@ -210,15 +212,14 @@ def _integrate(  # type: ignore[no-untyped-def]
                 for i in range(n):
                     store(v_old, i, load(q, n + i))
                     store(a_old, i, load(acc, i))
-            weight = splat(1.0 if stage == 0 or stage == 3 else 2.0)
-            advance = splat(0.5 * dt if stage < 2 else dt)
+            weight, advance = splat(WEIGHTS[stage]), splat(TO_NEXT[stage] * dt)
             for i in range(2 * n):
                 rate = load(z, n + i) if i < n else load(acc, i - n)
                 before = splat(0.0) if stage == 0 else load(change, i)
                 store(change, i, plus(before, weight, rate))
                 store(z, i, plus(load(q, i), advance, rate))
         for i in range(2 * n):
-            end = plus(load(q, i), splat(dt / 6.0), load(change, i))
+            end = plus(load(q, i), splat(dt / TOTAL), load(change, i))
             store(q, i, end)
             store(z, i, end)
         if laws is not None:

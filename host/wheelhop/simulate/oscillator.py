@@ -1,6 +1,6 @@
 """A mass on a spring, a damper and force laws, moved by a force: the hot loop of a rig.
 
-Classical Runge–Kutta of fourth order at a fixed step. Models of one make go through the loop side
+The scheme is that of `runge_kutta.py`, at a fixed step. Models of one make go through the loop side
 by side, one in each lane of the processor's vector unit, as in `integrator.py`.
 """
 
@@ -25,6 +25,7 @@ from wheelhop.simulate.integrator import (
     padded,
 )
 from wheelhop.simulate.lanes import LANES, aligned, load, plus, side_by_side, splat, store
+from wheelhop.simulate.runge_kutta import HALF_STEPS, STAGES, TO_NEXT, TOTAL, WEIGHTS
 from wheelhop.vehicle import System
 
 Array = NDArray[np.float64]
@@ -116,8 +117,8 @@ def _integrate(  # type: ignore[no-untyped-def]
         store(port, START * ports + i, plus(nothing, load(row, i), x))
     for t in range(len(w) // 2):
         at_x, at_v, change_x, change_v = x, v, nothing, nothing
-        for stage in range(4):
-            half = (stage + 1) // 2
+        for stage in range(STAGES):
+            half = HALF_STEPS[stage]
             a = plus(nothing, splat(w[2 * t + half]), load(motion, 0))
             a = plus(plus(a, load(motion, 1), at_v), load(motion, 2), at_x)
             if laws is not None:
@@ -132,13 +133,12 @@ def _integrate(  # type: ignore[no-untyped-def]
                     if len(weights):
                         own = plus(nothing, splat(weights[i, 2 * t + half]), own)
                     a = plus(a, load(motion, 3 + i), own)
-            weight = splat(1.0 if stage == 0 or stage == 3 else 2.0)
-            advance = splat(0.5 * dt if stage < 2 else dt)
+            weight, advance = splat(WEIGHTS[stage]), splat(TO_NEXT[stage] * dt)
             change_x = plus(change_x, weight, at_v)
             change_v = plus(change_v, weight, a)
             at_x, at_v = plus(x, advance, at_v), plus(v, advance, a)
-        x = plus(x, splat(dt / 6.0), change_x)
-        v = plus(v, splat(dt / 6.0), change_v)
+        x = plus(x, splat(dt / TOTAL), change_x)
+        v = plus(v, splat(dt / TOTAL), change_v)
         if laws is not None:
             for i in range(ports):
                 store(port, X * ports + i, plus(nothing, load(row, i), x))

@@ -12,9 +12,9 @@ from math import hypot, pi, sqrt
 
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import quoted
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.vehicle.vehicle import TABLES
 
-GRAVITY_M_S2 = 9.80665
 GIVEN, ESTIMATED = "given", "estimated"
 
 SCALES, TAPE_M, SPRING = 0.02, 0.01, 0.05
@@ -160,7 +160,7 @@ def _body(
 
 def _wheel(axle: Axle, radius_m: float | None) -> dict[str, Number]:
     mass = UNSPRUNG_SHARE * axle.load_kg / 2
-    stiffness = axle.load_kg / 2 * GRAVITY_M_S2 / TYRE_DEFLECTION_M
+    stiffness = axle.load_kg / 2 * STANDARD_GRAVITY_M_S2 / TYRE_DEFLECTION_M
     damping = 2 * TYRE_DAMPING_RATIO * sqrt(stiffness * mass)
     return {
         "unsprung_mass_kg": _guess(mass, UNSPRUNG, f"{UNSPRUNG_SHARE:.0%} of the wheel's load"),

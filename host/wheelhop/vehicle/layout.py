@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
+
 CORNERS = (0, 1, 2, 3)
 """Front left, front right, rear left, rear right."""
 
@@ -61,7 +63,9 @@ def corner_position(values: Mapping[str, float], corner: int) -> tuple[float, fl
     return x, half if corner % 2 == 0 else -half
 
 
-def static_load(values: Mapping[str, float], corner: int, gravity: float = 9.80665) -> float:
+def static_load(
+    values: Mapping[str, float], corner: int, gravity: float = STANDARD_GRAVITY_M_S2
+) -> float:
     """Static load of the suspension spring at a corner, N, from the body's mass and its place."""
     has, share = motions(values), 1.0
     if "pitch" in has:
@@ -72,7 +76,9 @@ def static_load(values: Mapping[str, float], corner: int, gravity: float = 9.806
     return values["body.mass_kg"] * gravity * share
 
 
-def static_tyre_load(values: Mapping[str, float], corner: int, gravity: float = 9.80665) -> float:
+def static_tyre_load(
+    values: Mapping[str, float], corner: int, gravity: float = STANDARD_GRAVITY_M_S2
+) -> float:
     """Static load under the wheel of a corner, N."""
     unsprung = values[f"wheel.{axle_name(corner)}.unsprung_mass_kg"]
     return static_load(values, corner, gravity) + unsprung * gravity

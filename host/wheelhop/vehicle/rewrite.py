@@ -10,7 +10,7 @@ import tomlkit
 from tomlkit.items import Item
 
 from wheelhop.campaign.types import CampaignError
-from wheelhop.files import read_text, replacing
+from wheelhop.files import locked, read_text, replacing
 from wheelhop.vehicle.vehicle import read_vehicle
 
 
@@ -26,6 +26,11 @@ def rewrite_vehicle(file: Path, numbers: Mapping[str, tuple[float, float]], sour
     CampaignError
         It is no vehicle.toml, before or after.
     """
+    with locked(file.parent, CampaignError):
+        _rewrite(file, numbers, source)
+
+
+def _rewrite(file: Path, numbers: Mapping[str, tuple[float, float]], source: str) -> None:
     read_vehicle(file)
     document: Any = tomlkit.parse(read_text(file, CampaignError))
     for dotted, (value, deviation) in numbers.items():

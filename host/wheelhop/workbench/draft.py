@@ -153,7 +153,7 @@ class Draft:
         if (folder / "campaign.toml").exists():
             raise CampaignError(f"{folder}: there is a campaign already: choose another folder")
         taken.sort(key=lambda piece: piece.role)  # the first one has to be fitted
-        existed = folder.exists()
+        before = {folder, *folder.rglob("*")} if folder.exists() else set()
         try:
             with tempfile.TemporaryDirectory() as other:
                 vehicle = Path(other) / "vehicle.toml"
@@ -164,8 +164,7 @@ class Draft:
             for piece in taken:
                 self._add(folder, piece)
         except BaseException:
-            if not existed:
-                _remove_all(folder)
+            remove([path for path in (folder, *sorted(folder.rglob("*"))) if path not in before])
             raise
 
     def join(self, folder: Path) -> None:
@@ -245,8 +244,3 @@ def _column(pick: Pick) -> Column:
     name = pick.name or str(pick.column)
     unit = pick.unit if pick.unit in UNITS else UNITS[0]
     return Column(pick.column, name, unit, pick.point or likely_point(name) or NOT_USED)
-
-
-def _remove_all(folder: Path) -> None:
-    """What an attempt that failed has written: files, then folders."""
-    remove([folder, *sorted(folder.rglob("*"))])

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from wheelhop.calibration.health.finding import CERTAIN, LIKELY, POSSIBLE, Finding
 from wheelhop.calibration.sync.delay import stretches
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
 TOP_BIN = 0.005  # of the range: what is this near to the extreme is at the extreme
@@ -26,7 +27,6 @@ DRIFT_SURE = 5.0  # standard deviations that slow motion would have to make it
 SLOW_HZ = 1.0
 DRIFT = {ACCELERATION: 1.0, CODE: 2.0}
 LEVEL_CODES = (250.0, 774.0)  # 0.8 and 2.5 V of 3.3: no ADXL326 at rest is outside
-GRAVITY = 9.81
 GRAVITY_TOLERANCE = 2.5
 
 Array = NDArray[np.float64]
@@ -145,13 +145,13 @@ def _level(recording: Recording, c: int, levels: Array) -> Iterator[Finding]:
             "the input floats or a wire is broken: check plug, supply and ground",
         )  # fmt: skip
     if channel.unit == ACCELERATION:
-        up = np.abs(levels - GRAVITY) < GRAVITY_TOLERANCE
-        down = np.abs(levels + GRAVITY) < GRAVITY_TOLERANCE
+        up = np.abs(levels - STANDARD_GRAVITY_M_S2) < GRAVITY_TOLERANCE
+        down = np.abs(levels + STANDARD_GRAVITY_M_S2) < GRAVITY_TOLERANCE
         # Only a recording that holds gravity tells; the few are wrong, not the many.
         if down[c] and up.sum() >= 2 * down.sum():
             yield Finding(
                 "polarity", (channel.name,), f"reads {level:.1f} m/s² at rest, the others +9.8",
-                CERTAIN, abs(level) / GRAVITY, *whole,
+                CERTAIN, abs(level) / STANDARD_GRAVITY_M_S2, *whole,
                 "the sensor is upside down: turn it, or change the sign of its gain",
             )  # fmt: skip
 

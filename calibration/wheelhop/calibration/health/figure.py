@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from wheelhop.calibration.health.examine import Health
-from wheelhop.files import replacing
+from wheelhop.files import write_picture
 from wheelhop.logger.recording import Recording
 
 INK, SOFT, RULE, GOOD, BAD = "#1b1f24", "#5b6470", "#dfe3e8", "#0b66a8", "#c8540a"
@@ -50,8 +50,7 @@ def draw_health(recording: Recording, health: Health, file: Path) -> None:
     axes[0, 1].set_title("spectrum, unit/√Hz", loc="left", fontsize=10)
     axes[-1, 0].set_xlabel("time, s")
     axes[-1, 1].set_xlabel("Hz")
-    with replacing(file) as draft:
-        figure.savefig(draft, dpi=130)
+    write_picture(file, figure, dpi=130)
 
 
 def _envelope(axis: Any, recording: Recording, c: int, colour: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.calibration.conditions import Conditions
-from wheelhop.calibration.constants import STANDARD_GRAVITY_M_S2, Value, device_of
+from wheelhop.calibration.constants import Value, device_of
 from wheelhop.calibration.error import CalibrationError
 from wheelhop.calibration.shaker.align import Clock, rough_clock, swept_clock, whole_clock
 from wheelhop.calibration.shaker.chain import (
@@ -33,6 +33,7 @@ from wheelhop.calibration.shaker.result import (
 )
 from wheelhop.calibration.shaker.steps import Step, find_steps, stepped_drift, stepped_points
 from wheelhop.calibration.shaker.sweep import swept_points, usable_band_hz
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.logger.recording import CODE, Recording
 from wheelhop.logger.supply import supply_change
 

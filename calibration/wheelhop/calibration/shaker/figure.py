@@ -14,7 +14,7 @@ from wheelhop.calibration.shaker.result import (
     ChannelCalibration,
     Comparison,
 )
-from wheelhop.files import replacing
+from wheelhop.files import write_picture
 from wheelhop.logger.recording import CODE
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def draw(comparison: Comparison, path: Path) -> None:
-    """Write the picture, its format by the suffix of `path`. Raises OSError."""
+    """Write the picture, its format by the suffix of `path`. Raises InputError."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 7.5), layout="constrained")
@@ -66,8 +66,7 @@ def draw(comparison: Comparison, path: Path) -> None:
         )
         linear.set_xticks([])
     gain.legend(fontsize=8, ncols=2)
-    with replacing(path) as draft:
-        figure.savefig(draft, dpi=150)
+    write_picture(path, figure)
 
 
 def _limits(comparison: Comparison) -> tuple[float, float]:

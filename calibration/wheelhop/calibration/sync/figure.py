@@ -6,7 +6,7 @@ import numpy as np
 
 from wheelhop.calibration.sync.beam_file import BeamSession
 from wheelhop.calibration.sync.check import LIMIT_S, SyncCheck
-from wheelhop.files import replacing
+from wheelhop.files import write_picture
 
 INK, SOFT, RULE, THEORY, BAD = "#1b1f24", "#5b6470", "#dfe3e8", "#0b66a8", "#c8540a"
 
@@ -39,8 +39,7 @@ def draw_sync(check: SyncCheck, session: BeamSession, file: Path, limit_s: float
     for axis in axes:
         axis.spines[["top", "right"]].set_visible(False)
         axis.tick_params(labelsize=8, color=SOFT)
-    with replacing(file) as draft:
-        figure.savefig(draft, dpi=150)
+    write_picture(file, figure)
 
 
 def _skews(axis, check: SyncCheck, limit_s: float) -> None:  # type: ignore[no-untyped-def]

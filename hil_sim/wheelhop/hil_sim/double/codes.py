@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.hil_sim.signals import CHANNELS, Signals
 
-STANDARD_GRAVITY_M_S2 = 9.80665
 CODES_PER_G = 19.5  # an ADXL326 whose supply is the converter's reference
 MIDDLE = 512.0
 INPUTS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")

@@ -1,0 +1,52 @@
+"""Units have the size they are defined to have: BIPM, The International System of Units, 2019;
+inch, foot, mile and pound by the agreement of 1959."""
+
+from math import pi
+
+import pytest
+
+from wheelhop.files.units import SECONDS, STANDARD_GRAVITY_M_S2, UNITS, to_si
+
+DEFINED = {
+    **{"m/s²": 1.0, "cm/s²": 0.01, "Gal": 0.01, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
+    **{
+        "ft/s²": 0.3048,
+        "in/s^2": 0.0254,
+        "km/h": 1000 / 3600,
+        "mph": 1609.344 / 3600,
+        "mm/s": 1e-3,
+    },
+    **{"cm": 0.01, "mm": 1e-3, "µm": 1e-6, "inch": 0.0254, "kN": 1e3, "lbf": 0.45359237 * 9.80665},
+    **{"mV": 1e-3, "uV": 1e-6},
+}
+
+
+@pytest.mark.parametrize(("unit", "size"), DEFINED.items())
+def test_as_recorders_spell_them(unit, size):
+    assert to_si(unit)[1] == pytest.approx(size, rel=1e-12)
+
+
+def test_units_of_time_have_their_size():
+    sizes = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+    assert {unit: SECONDS[unit] for unit in sizes} == sizes
+
+
+KEYS = {
+    **{"m": 1.0, "cm": 0.01, "mm": 1e-3, "km": 1e3, "in": 0.0254, "ft": 0.3048},
+    **{"m_s": 1.0, "mps": 1.0, "kmph": 1 / 3.6, "km_h": 1 / 3.6, "mph": 0.44704},
+    **{"m_s2": 1.0, "mm_s2": 1e-3, "deg": pi / 180, "rad": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6},
+    **{"Hz": 1.0, "hz": 1.0, "kHz": 1e3, "kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237},
+    **{"kg_m": 1.0, "kg_m2": 1.0, "kg_m3": 1.0, "g_cm3": 1e3, "1_kg": 1.0, "1_m": 1.0, "1_m2": 1.0},
+    **{"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "m3": 1.0, "cm3": 1e-6, "N": 1.0, "m_N": 1.0},
+    **{"N_m": 1.0, "N_mm": 1e3, "kN_m": 1e3, "kN_mm": 1e6, "N_m3": 1.0},
+    **{"N_s_m": 1.0, "Ns_m": 1.0, "N_s_mm": 1e3, "Ns_mm": 1e3, "kN_s_m": 1e3},
+}
+
+
+def test_as_keys_of_files_end_in_them():
+    others = {"kmh": 1 / 3.6, "kph": 1 / 3.6, "khz": 1e3}
+    assert {key: unit.in_si for key, unit in UNITS.items()} == pytest.approx(KEYS | others)
+
+
+def test_gravity_is_what_was_defined():
+    assert STANDARD_GRAVITY_M_S2 == 9.80665
