@@ -29,8 +29,9 @@ def angles_picture(effects: Mapping[str, Effect], stage: Stage, folder: Path) ->
     campaign = read_campaign(folder)
     base = fit_baseline(campaign, stage.vehicle, progress=lambda text: print(text, flush=True))
     # Heights that may be anything have no signature.
-    known = [effect for effect in effects.values() if not effect.has_random_heights]
-    forms = [form for effect in known for form in _forms(effect, campaign.channels)]
+    known = [e for e in effects.values() if e.on_vehicle and not e.has_random_heights]
+    values = stage.vehicle.values
+    forms = [form for effect in known for form in _forms(effect, campaign.channels, values)]
     absorbed = _baseline_columns(base)
     signatures = np.column_stack([_signature(base, form, stage) for form in forms])
     alone = _left_over(signatures, absorbed, np.zeros((len(signatures), 0)), base)
@@ -45,12 +46,16 @@ def angles_picture(effects: Mapping[str, Effect], stage: Stage, folder: Path) ->
     return _draw(names, np.degrees(np.arcsin(np.clip(nearest, 0.0, 1.0))))
 
 
-def _forms(effect: Effect, channels: Sequence[Channel]) -> list[Effect]:
-    """The laws of an effect that has several; a sensor's fault in one channel stands for all."""
+def _forms(
+    effect: Effect, channels: Sequence[Channel], values: Mapping[str, float]
+) -> list[Effect]:
+    """The laws of an effect that the vehicle may have; a sensor's fault in one channel stands for
+    all."""
     choices = effect.choices(channels)
     if effect.place == "sensor":
         choices = choices[:1]
-    return [effect.with_choice(c) if c else effect for c in choices]
+    every = [effect.with_choice(c) if c else effect for c in choices]
+    return [form for form in every if form.applies_to(values)]
 
 
 def _baseline_columns(base: Baseline) -> Array:

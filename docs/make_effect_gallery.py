@@ -15,6 +15,7 @@ from math import isfinite
 from pathlib import Path
 
 from effect_angles import angles_picture
+from effect_on_rig import COMPONENT, forms_picture, picture_on_rig
 from effect_pictures import picture
 from effect_stage import Stage, set_stage
 
@@ -33,9 +34,13 @@ def main() -> None:
     PAGE.write_text(updated(text, effects, stage), encoding="utf-8")
     (DOCS / "effects").mkdir(exist_ok=True)
     for effect in effects.values():
-        figure = picture(first_form(effect, stage), stage)
+        form = first_form(effect, stage)
+        figure = picture(form, stage) if effect.on_vehicle else picture_on_rig(form)
         figure.savefig(DOCS / "effects" / f"{effect.id}.png", dpi=110)
         print(effect.id, flush=True)
+    friction = effects["dry-friction"]
+    forms = [(c, friction.with_choice(c)) for c in friction.choices(())]
+    forms_picture(forms).savefig(DOCS / "dry-friction-forms.png", dpi=110)
     angles_picture(effects, stage, EXAMPLE).savefig(DOCS / "effects/angles.png", dpi=110)
 
 
@@ -74,10 +79,11 @@ def section(effect: Effect, stage: Stage) -> str:
     step = ""
     if effect.longest_step_s < Effect.longest_step_s:
         step = f" Integrated in steps of {1e3 * effect.longest_step_s:g} ms or less."
+    where = "" if effect.on_vehicle else ", looked for on rigs alone"
     road = " Not where the track is unknown." if effect.needs_road else ""
     return "\n".join(
         [
-            f"{sentence(effect.title)} {what} Place: **{effect.place}**.{road}{step}\n",
+            f"{sentence(effect.title)} {what} Place: **{effect.place}**{where}.{road}{step}\n",
             f"```math\n{effect.equation}\n```\n",
             f"Source: {sentence(effect.source)}\n",
             *parameter_table(effect, stage),
@@ -88,7 +94,8 @@ def section(effect: Effect, stage: Stage) -> str:
 
 def parameter_table(effect: Effect, stage: Stage) -> Iterator[str]:
     """Every parameter of every form; a numbered series of what is free in each run once."""
-    channels, values = stage.campaign.channels, stage.vehicle.values
+    channels = stage.campaign.channels
+    values = stage.vehicle.values if effect.on_vehicle else COMPONENT
     settings = [stage.setting(run) for run in stage.campaign.runs]
     rows = []
     for choice in effect.choices(channels):
@@ -103,12 +110,16 @@ def parameter_table(effect: Effect, stage: Stage) -> Iterator[str]:
                 p.scale
             )
         rows += [row(*key, f"free in each run, {spread(scales)}") for key, scales in series.items()]
-    yield "| parameter | unit | meaning | on the example vehicle |"
+    example = "vehicle" if effect.on_vehicle else "rig"
+    yield f"| parameter | unit | meaning | on the example {example} |"
     yield "| --- | --- | --- | --- |"
     yield from dict.fromkeys(rows)
     forms = [choice for choice in effect.choices(channels) if choice]
     if forms:
-        yield f"\nForms: {shortened(forms)}. Screening tries each."
+        usual = [c for c in forms if effect.with_choice(c).applies_to(stage.vehicle.values)]
+        on_rig = [choice for choice in forms if choice not in usual]
+        more = f" On a rig also {shortened(on_rig)}." if on_rig and usual else ""
+        yield f"\nForms: {shortened(usual or forms)}.{more} Screening tries each."
     yield ""
 
 

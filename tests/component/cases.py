@@ -113,6 +113,52 @@ CASES = {
     ),
 }
 
+RIG_ONLY = {
+    "sticking": Case(
+        "lugre",
+        either(coulomb_N=60.0, joint_N_m=2e5, sticking=1.6, stribeck_m_s=0.02),
+        "dry-friction",
+        "sticking",
+        either(strut_N=60.0, presliding_N_m=2e5, sticking=1.6, stribeck_m_s=0.02),
+    ),
+    "smooth": Case(
+        "bouc-wen",
+        either(force_N=80.0, yield_m=0.003, shape=0.7),
+        "dry-friction",
+        "smooth",
+        either(strut_N=80.0, yield_m=0.003, roundness=0.7),
+    ),
+    "friction-with-play": Case(
+        "friction-with-play",
+        either(coulomb_N=60.0, joint_N_m=1e5, gap_m=0.003),
+        "friction-with-play",
+        "",
+        either(strut_N=60.0, presliding_N_m=1e5, gap_m=0.003),
+    ),
+    "mr-damper": Case(
+        "mr-damper",
+        either(yield_N=100.0, yield_m=0.001, creep_m_s=0.03),
+        "mr-damper",
+        "",
+        either(strut_N=100.0, yield_m=0.001, creep_m_s=0.03),
+    ),
+    "quadratic-damper": Case(
+        "quadratic-damper",
+        either(quadratic_N_s2_m2=1500.0),
+        "quadratic-damper",
+        "",
+        either(strut_N_s2_m2=1500.0),
+    ),
+    "payne-effect": Case(
+        "payne-effect",
+        either(force_N=100.0, half_way_m=0.002),
+        "payne-effect",
+        "",
+        either(strut_N=100.0, half_way_m=0.002),
+    ),
+}
+"""Laws that only a rig tells from their likes, where displacement is imposed."""
+
 
 def diagnosed(folder: Path) -> Diagnosis:
     """The diagnosis of a campaign folder; one thread, as tests run beside each other."""

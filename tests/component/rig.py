@@ -14,6 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
+from tests.component import hysteresis
+
 RATE_HZ = 256.0
 FINE = 32  # steps per sample
 STEP_S = 1.0 / (RATE_HZ * FINE)
@@ -113,15 +115,21 @@ def mount_bushing(k: float, c: float, mount_N_m: float, mount_N_s_m: float) -> L
 
 
 def quadratic_damper(k: float, c: float, quadratic_N_s2_m2: float) -> Law:
-    """In nobody's library."""
     return lambda x, v: k * x + c * v + quadratic_N_s2_m2 * v * abs(v)
+
+
+def bypass_damper(k: float, c: float, share: float, travel_m: float) -> Law:
+    """In nobody's library: ports shut as the piston travels."""
+    return lambda x, v: k * x + c * v * (1.0 + share * (x / travel_m) ** 2)
 
 
 HIDDEN = {
     law.__name__.replace("_", "-"): law
     for law in (
         *(cubic_spring, air_spring, bump_stop, asymmetric_damper, digressive_damper),
-        *(dry_friction, backlash, mount_bushing, quadratic_damper),
+        *(dry_friction, backlash, mount_bushing, quadratic_damper, bypass_damper),
+        *(hysteresis.lugre, hysteresis.bouc_wen, hysteresis.friction_with_play),
+        *(hysteresis.mr_damper, hysteresis.payne_effect),
     )
 }
 

@@ -49,10 +49,10 @@ def test_every_law_is_named(name, drive, tmp_path):
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_a_law_of_no_library_is_not_called_by_another_name(drive, tmp_path):
-    """Damping that grows with velocity squared."""
+    """Damping that grows with the square of the travel, as ports shut."""
     base = DAMPER if drive == "displacement" else OSCILLATOR
-    numbers = {"quadratic_N_s2_m2": 2.0 * base.damping_N_s_m}
-    component = replace(base, hidden="quadratic-damper", numbers=numbers)
+    numbers = {"share": 2.0, "travel_m": 0.01}
+    component = replace(base, hidden="bypass-damper", numbers=numbers)
     found = diagnosed(made(tmp_path, drive, component))
     assert found.verdict[-1] == "unknown"
     assert found.verdict == ("unknown",) or found.confidence < 0.7

@@ -46,6 +46,11 @@ def magic_bump_rubber(x, v):
     return 20000.0 * x + 1500.0 * v - 900.0 * np.sin(1.3 * np.arctan(150.0 * deep))
 
 
+def orifice_and_cubic(x, v):
+    """Two things at once, each with a name of its own."""
+    return 20000.0 * x + 1500.0 * v + 3000.0 * v * abs(v) + 3e7 * x**3
+
+
 def campaign_of(folder, special=None, hidden="", numbers=None, noise=0.005):
     component = (
         Special(special=special) if special else rig.Component(hidden=hidden, numbers=numbers or {})
@@ -136,11 +141,11 @@ def test_a_law_with_a_name_is_called_by_it(tmp_path):
 
 
 def test_the_formula_that_is_kept_is_an_effect_that_diagnose_finds(tmp_path, capsys):
-    numbers = {"quadratic_N_s2_m2": 3000.0}
-    folder = campaign_of(tmp_path / "c", hidden="quadratic-damper", numbers=numbers)
+    folder = campaign_of(tmp_path / "c", orifice_and_cubic)
     kept, picture = tmp_path / "my_law.py", tmp_path / "law.png"
     assert main(["law", str(folder), "--save", str(kept), "--figure", str(picture)]) == 0
-    assert "damping that grows with speed squared" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "damping that grows with speed squared" in said and "cubic spring" in said
     assert picture.read_bytes().startswith(b"\x89PNG")
     result = tmp_path / "result.json"
     arguments = ["diagnose", str(folder), "--effects", str(kept), "--json", str(result)]

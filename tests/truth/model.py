@@ -64,6 +64,7 @@ class Car:
         self.roll_inertia = vehicle["body.roll_inertia_kg_m2"]
         self.pitch_inertia = vehicle["body.pitch_inertia_kg_m2"]
         self.product_xy = 0.0  # integral of x y dm
+        self.has_friction = False  # in a joint, which MuJoCo treats as a constraint
         slide, hinge = mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE
         self.body.add_joint(name="heave", type=slide, axis=[0, 0, 1])
         self.body.add_joint(name="pitch", type=hinge, axis=[0, 1, 0])  # positive nose down
@@ -119,9 +120,8 @@ class Car:
         option.gravity = [0.0, 0.0, 0.0]
         option.integrator = mujoco.mjtIntegrator.mjINT_RK4
         disable = mujoco.mjtDisableBit  # without reset, a motion that runs away ends in NaN
-        option.disableflags = int(
-            disable.mjDSBL_CONTACT | disable.mjDSBL_CONSTRAINT | disable.mjDSBL_AUTORESET
-        )
+        flags = disable.mjDSBL_CONTACT | disable.mjDSBL_AUTORESET
+        option.disableflags = int(flags if self.has_friction else flags | disable.mjDSBL_CONSTRAINT)
         return self.spec.compile()
 
     def take_from_body(self, mass: float, x: float, y: float) -> None:

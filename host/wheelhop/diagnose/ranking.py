@@ -54,6 +54,8 @@ def why_not(effect: Effect, drives: Collection[Drive]) -> str:
     """In a few words, why screening leaves an effect out."""
     if "rig" in drives and not effect.on_rig:
         return "it acts on a vehicle, not on one component on a rig"
+    if "rig" not in drives and not effect.on_vehicle:
+        return "only one component on a rig tells it from its likes; wheelhop law finds its force"
     if "rig" not in drives and "road" not in drives and effect.needs_road:
         return "it acts upstream of the axle, and no run drives over a known track"
     return "the vehicle, its speed and the channels give it nothing to act on"

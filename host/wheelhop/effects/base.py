@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.track import Wheel, WheelPath
 from wheelhop.vehicle.assembly import Assembly, Law
+from wheelhop.vehicle.component import is_component
 from wheelhop.vehicle.layout import motions
 
 Array = NDArray[np.float64]
@@ -165,6 +166,8 @@ class Effect:
     on_rig: ClassVar[bool] = False
     """Whether it acts on a component on a rig, too: springs and force laws along the rows of
     `wheelhop.vehicle.struts`, and nothing that has a motion of its own."""
+    on_vehicle: ClassVar[bool] = True
+    """Whether it is looked for on vehicles, too; where not, only a rig tells it from its likes."""
     becomes: ClassVar[Sequence[Becomes]] = ()
     """What its law degenerates into at bounds of its parameters, for the critic."""
     is_belief: ClassVar[bool] = False
@@ -177,11 +180,15 @@ class Effect:
 
     def acts_in(self, run: RunSetting) -> bool:
         """Whether it can act in a run: upstream of measured axles nothing does."""
-        return self.on_rig if run.on_rig else run.on_road or not self.needs_road
+        if run.on_rig:
+            return self.on_rig
+        return self.on_vehicle and (run.on_road or not self.needs_road)
 
     def applies_to(self, vehicle: Values) -> bool:
         """Whether the vehicle has what it acts on; the other hooks are not called if not."""
-        return set(self.needs_motions) <= set(motions(vehicle))
+        if is_component(vehicle):
+            return self.on_rig
+        return self.on_vehicle and set(self.needs_motions) <= set(motions(vehicle))
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The parameters, with scales fitting this vehicle; empty: the effect does not apply."""

@@ -9,11 +9,15 @@ import numpy as np
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
-from wheelhop.vehicle import COMPONENT, Assembly, ends, struts
+from wheelhop.effects.hysteresis import bouc_wen, bristles
+from wheelhop.vehicle import COMPONENT, Assembly, Law, ends, is_component, struts
 
-LONGEST_STEP_S = {"elastic": 0.00125, "creeping": 0.000625}
+LONGEST_STEP_S = {"elastic": 0.00125, "creeping": 0.000625, "sticking": 0.00125, "smooth": 0.00125}
 """What a joint does before it slips, and the step that takes: its stiffness against the unsprung
 mass makes 50 Hz and more, its slope of tens of kN s/m decays in less than a millisecond."""
+
+RIG_FORMS = ("sticking", "smooth")
+"""Forms that only one component on a rig tells from the others."""
 
 
 @law
@@ -34,10 +38,70 @@ def creeping_slip(
     return p[0] * tanh(v / p[1]), z
 
 
+KERNELS: dict[str, tuple[Law, *tuple[str, ...]]] = {
+    "elastic": (elastic_slip, "presliding_N_m"),
+    "creeping": (creeping_slip, "creep_m_s"),
+    "sticking": (bristles, "presliding_N_m", "sticking", "stribeck_m_s"),
+    "smooth": (bouc_wen, "yield_m", "roundness"),
+}
+"""The law of each form, and its parameters after the slip force."""
+
+CREEP = Parameter(
+    "creep_m_s",
+    "m/s",
+    "speed below which the joint creeps instead of sliding",
+    0.01,
+    lower=0.002,
+    upper=0.04,
+    starts=(0.004, 0.012),
+)
+STICKS = (
+    Parameter(
+        "sticking",
+        "1",
+        "force that holds at rest over the force that slides",
+        0.3,
+        lower=1.0,
+        upper=3.0,
+        starts=(1.4,),
+    ),
+    Parameter(
+        "stribeck_m_s",
+        "m/s",
+        "speed over which the force falls from the one to the other",
+        0.02,
+        lower=0.001,
+        upper=0.3,
+        starts=(0.005, 0.04),
+    ),
+)
+YIELDS = (
+    Parameter(
+        "yield_m",
+        "m",
+        "way on which first loading would reach the slip force at its first slope",
+        0.002,
+        lower=1e-5,
+        upper=0.1,
+        starts=(0.0005, 0.004),
+    ),
+    Parameter(
+        "roundness",
+        "1",
+        "0.5: unloading is straight, 1: it is as round as loading",
+        0.2,
+        lower=0.5,
+        upper=1.0,
+        starts=(0.7,),
+    ),
+)
+
+
 class DryFriction(Effect):
     """Beside the spring and damper of every strut: a Coulomb slider behind a spring, so that the
     joint gives way elastically before it slips, or one that creeps before it slides, as where a
-    seal drags its film of oil along."""
+    seal drags its film of oil along. On a rig also one that holds more at rest than it slides with
+    (LuGre, with Stribeck's peak), and one that yields smoothly, little by little (Bouc and Wen)."""
 
     id = "dry-friction"
     place = "suspension"
@@ -53,13 +117,21 @@ class DryFriction(Effect):
     )
     equation = (
         r"\text{elastic: } \dot f = k_p \dot x \text{ while } |f| < F_c,\ 0 \text{ where the motion"
-        r" would exceed it};\quad \text{creeping: } f = F_c \tanh(\dot x / w)"
+        r" would exceed it};\quad \text{creeping: } f = F_c \tanh(\dot x / w);"
+        r"\quad \text{sticking: } \dot f = k_p \dot x\,(1 - f\,\mathrm{sgn}\dot x / g),"
+        r"\ g = F_c\,(1 + (s - 1)\,e^{-(\dot x / v_s)^2});"
+        r"\quad \text{smooth: } f = F_c z,"
+        r"\ d\,\dot z = \dot x\,(1 - |z|\,(\beta\,\mathrm{sgn}(\dot x z) + 1 - \beta))"
     )
     source = (
         "Jenkins element: W. D. Iwan, A distributed-element model for hysteresis and its"
         " steady-state dynamic response, J. Appl. Mech. 33 (1966) 893, eq. 1; hyperbolic tangent:"
         " S. Andersson, A. Söderberg, S. Björklund, Friction models for sliding dry, boundary and"
-        " mixed lubricated contacts, Tribology International 40 (2007) 580, eq. 4"
+        " mixed lubricated contacts, Tribology International 40 (2007) 580, eq. 4; sticking: C."
+        " Canudas de Wit et al., A new model for control of systems with friction, IEEE Trans."
+        " Automatic Control 40 (1995) 419, without the bristles' own damping; smooth:"
+        " Y.-K. Wen, Method for random vibration of hysteretic systems, J. Eng. Mech. Div. ASCE 102"
+        " (1976) 249, exponent 1"
     )
 
     def __init__(self, form: str = "elastic") -> None:
@@ -73,6 +145,10 @@ class DryFriction(Effect):
     def with_choice(self, choice: str) -> DryFriction:
         """This effect with the law `choice`."""
         return DryFriction(choice)
+
+    def applies_to(self, vehicle: Values) -> bool:
+        """Two of the forms are for a component on a rig."""
+        return super().applies_to(vehicle) and (self.form not in RIG_FORMS or is_component(vehicle))
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Slip force per axle; stiffness before slip, or the speed at which sliding sets in."""
@@ -89,35 +165,29 @@ class DryFriction(Effect):
                 )
                 for end, strut in found.items()
             ),
-            self._before_slip(COMPONENT not in found, spring),
+            *self._before_slip(COMPONENT not in found, spring),
         )
 
-    def _before_slip(self, on_car: bool, spring_N_m: float) -> Parameter:
+    def _before_slip(self, on_car: bool, spring_N_m: float) -> tuple[Parameter, ...]:
         if self.form == "creeping":
-            return Parameter(
-                "creep_m_s",
-                "m/s",
-                "speed below which the joint creeps instead of sliding",
-                0.01,
-                lower=0.002,
-                upper=0.04,
-                starts=(0.004, 0.012),
-            )
-        return Parameter(
+            return (CREEP,)
+        if self.form == "smooth":
+            return YIELDS
+        starts = {"sticking": (5, 40), "elastic": (20, 150) if on_car else (2, 20, 150)}[self.form]
+        presliding = Parameter(
             "presliding_N_m",
             "N/m",
             "stiffness of the joint before it slips",
             100 * spring_N_m,
             lower=spring_N_m,
             upper=300 * spring_N_m if on_car else np.inf,  # a rig may hold it rigidly
-            starts=(20 * spring_N_m, 150 * spring_N_m),
+            starts=tuple(start * spring_N_m for start in starts),
         )
+        return (presliding, *STICKS) if self.form == "sticking" else (presliding,)
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the element to each strut."""
         for strut in struts(vehicle):
             slip = theta[f"{strut.end}_N"]
-            if self.form == "creeping":
-                parts.add_law(strut.row, creeping_slip, (slip, theta["creep_m_s"]))
-            else:
-                parts.add_law(strut.row, elastic_slip, (slip, theta["presliding_N_m"]))
+            kernel, *names = KERNELS[self.form]
+            parts.add_law(strut.row, kernel, (slip, *(theta[name] for name in names)))

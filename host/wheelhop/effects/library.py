@@ -24,11 +24,15 @@ from wheelhop.effects.driver_seat import DriverSeat
 from wheelhop.effects.dry_friction import DryFriction
 from wheelhop.effects.engine_vibration import EngineVibration
 from wheelhop.effects.frame_twist import FrameTwist
+from wheelhop.effects.friction_with_play import FrictionWithPlay
 from wheelhop.effects.left_right_drift import LeftRightDrift
 from wheelhop.effects.longitudinal_pitch import LongitudinalPitch
 from wheelhop.effects.mount_bushing import MountBushing
+from wheelhop.effects.mr_damper import MrDamper
+from wheelhop.effects.payne_effect import PayneEffect
 from wheelhop.effects.progressive_spring import ProgressiveSpring
 from wheelhop.effects.progressive_tyre import ProgressiveTyre
+from wheelhop.effects.quadratic_damper import QuadraticDamper
 from wheelhop.effects.sensor_clipping import SensorClipping
 from wheelhop.effects.sensor_gain import SensorGain
 from wheelhop.effects.sensor_mount import SensorMount
@@ -55,6 +59,10 @@ BUILT_IN: tuple[type[Effect], ...] = (
     DryFriction,
     Backlash,
     MountBushing,
+    QuadraticDamper,
+    FrictionWithPlay,
+    MrDamper,
+    PayneEffect,
     AntiRollBar,
     CornerAsymmetry,
     DriverSeat,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +17,11 @@ from wheelhop.law.places import Moved, Where, motion_of, of_axle, parts_of, plac
 from wheelhop.law.terms import knots, slips
 from wheelhop.vehicle import axle_name, static_tyre_load
 
-COUNTS = {True: (5, 9, 17, 33), False: (5,)}
-"""Knots of a spline where an imposed motion gives the force at once; and elsewhere, where each knot
-is an integration of every run."""
+COUNTS = (5, 9, 17, 33)
+"""Knots of a spline where an imposed motion gives the force at once."""
+FINER = ((5, 99), (9, 3), (17, 1))
+"""Elsewhere each knot is an integration of every run: so many knots, at so many of the places that
+promised most with fewer."""
 MOST_OF_BOTH = 9
 """More knots than that belong to a law with a kink, which is one of extension or of rate alone."""
 
@@ -34,38 +36,59 @@ class Promise:
 
 
 def screen_places(workshop: Workshop, base: Rung) -> list[Promise]:
-    """Every place with its best form, the most likely first.
+    """Every place with its best form, the most likely first."""
+    campaign = workshop.campaign
+    every = places(base.model.values)
+    if isinstance(campaign, ComponentCampaign) and campaign.drive == "displacement":
+        return _screened(workshop, base, every, COUNTS)
+    best: dict[Where, Promise] = {}
+    for count, most in FINER:
+        leading = [p.where for p in _ranked(best.values())[:most] if p.where.kind == "strut"]
+        for promise in _screened(workshop, base, leading if best else every, (count,)):
+            before = best.get(promise.where)
+            if before is None or promise.screened.score > before.screened.score:
+                best[promise.where] = promise
+    return _ranked(best.values())
+
+
+def _ranked(promises: Iterable[Promise]) -> list[Promise]:
+    return sorted(promises, key=lambda p: -p.screened.score)
+
+
+def _screened(
+    workshop: Workshop, base: Rung, among: Sequence[Where], counts: Sequence[int]
+) -> list[Promise]:
+    """These places, each with its best form of these numbers of knots, the most likely first.
 
     Terms are simulated once for each strut, and at those that form an axle added up.
     """
-    campaign, values = workshop.campaign, base.model.values
-    quick = isinstance(campaign, ComponentCampaign) and campaign.drive == "displacement"
     terms: dict[tuple[Where, Form], FreeForce] = {}
     totals: list[tuple[Where, Form, list[FreeForce]]] = []
-    for where in places(values):
+    for where in among:
         moved = motion_of(workshop, base.model, of_axle(where, base.model.values))
-        for simple in _sums(base, where, moved, quick):
+        for simple in _sums(base, where, moved, counts):
             for part in parts_of(where):
                 for form in simple:
                     terms.setdefault((part, form), FreeForce(part, {form.name: form}))
-            among = [terms[part, form] for part in parts_of(where) for form in simple]
-            totals.append((where, _sum(simple), among))
+            parts = [terms[part, form] for part in parts_of(where) for form in simple]
+            totals.append((where, _sum(simple), parts))
     if not terms:
         return []
     sums = Terms(workshop, base.fit, list(terms.values()))
     best: dict[Where, Promise] = {}
-    for where, form, among in totals:
-        found = sums.screen(FreeForce(where, {form.name: form}), among)
+    for where, form, parts in totals:
+        found = sums.screen(FreeForce(where, {form.name: form}), parts)
         if np.isfinite(found.gain) and (
             where not in best or found.score > best[where].screened.score
         ):
             best[where] = Promise(where, form, found)
-    return sorted(best.values(), key=lambda p: -p.screened.score)
+    return _ranked(best.values())
 
 
-def _sums(base: Rung, where: Where, moved: Moved | None, quick: bool) -> list[tuple[Form, ...]]:
-    """Forms to try, from few terms to many, each as the simple ones that add up to it; `quick`:
-    where a simulation costs next to nothing."""
+def _sums(
+    base: Rung, where: Where, moved: Moved | None, counts: Sequence[int]
+) -> list[tuple[Form, ...]]:
+    """Forms to try, from few terms to many, each as the simple ones that add up to it."""
     if where.kind == "tyre":
         values, corner = base.model.values, where.corners[0]
         stiffness = values[f"wheel.{axle_name(corner)}.tyre_stiffness_N_m"]
@@ -75,17 +98,18 @@ def _sums(base: Rung, where: Where, moved: Moved | None, quick: bool) -> list[tu
     if moved is None:
         return []
     ways = slips(moved.extension)
-    sliders = Form("sliders", slips_m=ways if quick else ways[::3])
+    # On a rig a simulation costs next to nothing.
+    sliders = Form("sliders", slips_m=ways if len(counts) > 1 else ways[::3])
     found: list[tuple[Form, ...]] = []
-    for count in COUNTS[quick]:
+    for count in counts:
         x = Form(f"{count} knots of extension", knots(moved.extension, count))
         v = Form(f"{count} knots of rate", rate_m_s=knots(moved.rate, count))
         found += [(x,), (v,)]
         if count <= MOST_OF_BOTH:
-            found += [(x, v), (x, v, sliders)] if quick else [(x, v)]
+            found += [(x, v), (x, v, sliders)]
     found.append((sliders,))
     for name in moved.inputs:
-        for count in COUNTS[quick][:2]:
+        for count in counts[:2]:
             rate = knots(moved.rate, count)
             by = Form(f"{count} knots of rate, times {name}", inputs=((name, rate),))
             found += [(*simple, by) for simple in found if not simple[-1].inputs] + [(by,)]

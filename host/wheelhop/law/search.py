@@ -23,12 +23,12 @@ from wheelhop.law.first_order import screen_places
 from wheelhop.law.formula import Formula
 from wheelhop.law.places import Moved, Where, motion_of
 from wheelhop.law.terms import Term, candidates
-from wheelhop.vehicle import Vehicle
+from wheelhop.vehicle import Vehicle, is_component
 
 Array = NDArray[np.float64]
 
 MOST_TERMS = 4
-NAMED = 3
+NAMED, NAMED_ON_RIG = 3, 5
 """So many named laws are fitted in full beside the free one."""
 AS_WELL = 1.05
 """A law with a name that leaves no more than this many times what the free one leaves does as
@@ -176,16 +176,27 @@ def _in_place(workshop: Workshop, rung: Rung, formula: Formula) -> Rung:
 def _named(
     workshop: Workshop, base: Rung, where: Where, library: Sequence[Effect], progress: Progress
 ) -> list[Rival]:
-    """The laws of the library that explain most at this kind of place, fitted in full: the first in
-    all its forms, the others, which stand beside it for the eye, in the likeliest one."""
+    """The laws of the library that explain most at this kind of place, fitted in full: the first,
+    and on a rig every one, in all its forms, the others, which stand beside it for the eye, in the
+    likeliest one."""
     present = {effect.id for effect in base.model.effects}
     kind = "tyre" if where.kind == "tyre" else "suspension"
     rivals = [e for e in library if e.place == kind and e.id not in present]
     progress("named laws beside it")
-    screened = [s for s in screen(workshop, base.fit, rivals) if np.isfinite(s.gain)][:NAMED]
-    screened = [*screened[:1], *(replace(s, others=()) for s in screened[1:])]
+    screened = [s for s in screen(workshop, base.fit, rivals) if np.isfinite(s.gain)]
+    if is_component(base.model.values):
+        screened = screened[:NAMED_ON_RIG]
+    else:
+        screened = [*screened[:1], *(replace(s, others=()) for s in screened[1:NAMED])]
     fitted = [
         Rival(s.variant.effect.id, s.variant.effect.title, confirm(workshop, base, s))
         for s in screened
     ]
-    return sorted(fitted, key=lambda r: r.rung.error_judging)
+    # A law that holds another one as its limit leaves a little less wherever that one is true.
+    least = min((r.rung.error_judging for r in fitted), default=0.0)
+
+    def order(rival: Rival) -> tuple[bool, float]:
+        as_well = rival.rung.error_judging <= AS_WELL * least
+        return not as_well, -rival.rung.evidence if as_well else rival.rung.error_judging
+
+    return sorted(fitted, key=order)

@@ -8,6 +8,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.law.places import Moved, Where
 from wheelhop.law.search import Found, Rival
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Assembly, Law, is_component
@@ -55,25 +56,31 @@ class _LawsAt(Assembly):
             self.found.append((law, parameters, by))
 
 
-def _along(found: Found, model: Model) -> Array:
-    """Force (T,) of everything between the ends of the place's first part: spring, damper, laws."""
-    moved, where, values = found.moved, found.where, model.values
-    assert moved is not None and where is not None
+def force_along(model: Model, where: Where, moved: Moved, step_s: float) -> Array:
+    """Force (T,), N, of everything between the ends of the place's first part, spring, damper and
+    laws, along a motion sampled every `step_s`."""
+    values = model.values
     at = _LawsAt(prescribed=(), body=(), row=where.rows(values)[0])
     for effect in model.effects:
         if effect.place in ("suspension", "tyre"):
             effect.modify(model.theta(effect), values, at)
     stiffness, damping = where.linear(values)
     total = stiffness * moved.extension + damping * moved.rate
-    dt, begin = 1.0 / found.workshop.campaign.sample_rate_hz, 0
+    begin = 0
     for length in moved.stretches:
         part = slice(begin, begin + length)
         for law, parameters, by in at.found:
             numbers = np.array(parameters)
-            own = follow(law, moved.extension[part], moved.rate[part], dt, numbers)
+            own = follow(law, moved.extension[part], moved.rate[part], step_s, numbers)
             total[part] += own * moved.inputs[by][part] if by else own
         begin += length
     return total
+
+
+def _along(found: Found, model: Model) -> Array:
+    assert found.moved is not None and found.where is not None
+    step = 1.0 / found.workshop.campaign.sample_rate_hz
+    return force_along(model, found.where, found.moved, step)
 
 
 @numba.njit(nogil=True, error_model="numpy")

@@ -1,7 +1,7 @@
 """Vehicles: their numbers and their equations of motion."""
 
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, between
-from wheelhop.vehicle.component import component, is_component
+from wheelhop.vehicle.component import component, inputs_of, is_component
 from wheelhop.vehicle.flexible_frame import car_on_frame, frame_values
 from wheelhop.vehicle.full_car import (
     Drive,
@@ -60,6 +60,7 @@ __all__ = [
     "ends",
     "frame_values",
     "ground",
+    "inputs_of",
     "is_component",
     "motions",
     "mounted",

@@ -20,6 +20,11 @@ def is_component(values: Mapping[str, float]) -> bool:
     return "component.mass_kg" in values
 
 
+def inputs_of(values: Mapping[str, float]) -> dict[str, float]:
+    """The inputs recorded beside a component's motion, by their columns, with their usual size."""
+    return {k.removeprefix("rig."): v for k, v in values.items() if k.startswith("rig.input_")}
+
+
 def component(values: Mapping[str, float]) -> Assembly:
     """The parts of the baseline component; its output is the displacement, the force the input.
 

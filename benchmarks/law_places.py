@@ -1,0 +1,177 @@
+"""Where a law is missing and which: python -m benchmarks.law_places [NAME…] [--seed N]
+
+Laws that are in nobody's library, hidden in the cars of the independent simulator, 8 runs each, and
+clean cars. Printed for each: what the model without the law leaves over the noise, the place that
+`wheelhop law` names, the simplest law that does as well as any, its held-out error over the noise,
+and how far its force is from the true one along the true motion of the held-out runs, r.m.s.: over
+the whole force of the strut or tyre, and, less what any spring and damper are, over that of the
+missing law.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.blind.vehicles import Car, car_of
+from tests.truth import PRESETS, Truth, integrate, read_truth, write_campaign
+from tests.truth import outside_effects as outside
+from tests.truth import outside_laws as special
+from tests.truth.effect import Effect
+from tests.truth.model import STEP_S
+from tests.truth.vehicle import axle
+from wheelhop.campaign import read_campaign
+from wheelhop.effects import load_effects
+from wheelhop.law import Found, Moved, find_law
+from wheelhop.law.places import Where
+from wheelhop.law.shape import force_along
+from wheelhop.vehicle import read_vehicle
+
+Array = NDArray[np.float64]
+PRESET, NOISE_M_S2 = "atv", 0.1
+CLEAN = 3
+
+
+def _hidden(car: Car) -> dict[str, tuple[str, Callable[[], Effect]]]:
+    """The place each law is at, and the law, plainly visible on this car."""
+    travel, rate = float(car.travel_m.max()), float(car.rate_m_s.max())
+    load = float(car.static_load_N.mean())
+    return {
+        "fading-damper": ("all struts", lambda: outside.DamperFade(0.25)),
+        "one-sided-play": (
+            "all struts",
+            lambda: special.OneSidedPlay(0.3 * travel, 0.15 * travel),
+        ),
+        "bump-rubber": ("all struts", lambda: special.BumpRubber(0.4 * travel, 0.15 * load)),
+        "cracked-weld": ("front left strut", lambda: special.CrackedWeld(1.0, 0.4)),
+        "blow-off-valve": (
+            "all struts",
+            lambda: special.BlowOffValve(0.35 * rate, 0.2 * rate, 0.7),
+        ),
+        "stick-slip-seat": (
+            "driver's seat",
+            lambda: special.StickSlipSeat(70.0, 3.5, 0.2, -0.1, 0.0, 60.0),
+        ),
+        "load-friction": ("all struts", lambda: special.LoadFriction(0.04, 0.04)),
+        "tyre-hysteresis": ("all tyres", lambda: outside.TyreHysteresis(0.15, 0.6)),
+        "orifice-damping": ("all struts", lambda: outside.OrificeDamping(0.3, rate)),
+        "bypass-damping": ("all struts", lambda: outside.BypassDamping(0.6, travel)),
+        "bouc-wen-spring": ("all struts", lambda: outside.BoucWenSpring(0.1 * load, 0.2 * travel)),
+    }
+
+
+def true_force(truth: Truth, where: Where) -> tuple[Moved, Array, Array]:
+    """The motion of a place's first part in the held-out runs, its force, and that of its spring
+    and damper, every millisecond."""
+    corner, every = where.corners[0], round(1e-3 / STEP_S)
+    ways, forces, lines = [], [], []
+    for name, run in truth.runs.items():
+        if truth.roles[name] != "validate":
+            continue
+        motion = integrate(truth.vehicle, run, truth.effects, step_s=STEP_S)
+        body, wheel = motion.position[:, corner], motion.position[:, 4 + corner]
+        strut = where.kind == "strut"
+        x = body - wheel if strut else wheel - motion.road[:, corner]
+        # Forces are those of the middle of each step.
+        v = (np.diff(x) / STEP_S)[motion.time[1:] > 0.0][::every]
+        middle = (0.5 * (x[1:] + x[:-1]))[motion.time[1:] > 0.0][::every]
+        pushed = motion.suspension_force if strut else motion.tyre_force
+        forces.append(-pushed[motion.time[1:] > 0.0, corner][::every])
+        part, end = ("suspension", "") if strut else ("wheel", "tyre_")
+        key = f"{part}.{axle(corner)}.{end}"
+        spring, damper = (truth.vehicle[f"{key}{n}"] for n in ("stiffness_N_m", "damping_N_s_m"))
+        lines.append(spring * middle + damper * v)
+        ways.append((middle, v))
+    x, v = (np.concatenate(part) for part in zip(*ways, strict=True))
+    moved = Moved(x, v, tuple(len(way) for way, _ in ways))
+    return moved, np.concatenate(forces), np.concatenate(lines)
+
+
+def law_errors(found: Found, truth: Truth) -> tuple[float, float]:
+    """Error of the preferred law's force over the whole force, and over the missing law's."""
+    preferred, where = found.preferred, found.where
+    assert preferred is not None and where is not None
+    moved, whole, line = true_force(truth, where)
+    ours = force_along(preferred.rung.model, where, moved, 1e-3)
+    columns = [np.ones_like(whole), moved.extension, moved.rate]
+    basis = np.linalg.qr(np.stack(columns, axis=1))[0]
+
+    def beyond(force: Array) -> Array:
+        return np.asarray(force - basis @ (basis.T @ force))
+
+    off, missing = beyond(ours - whole), beyond(whole - line)
+    everything = float(np.std(ours - whole) / np.std(whole))
+    return everything, float(np.linalg.norm(off) / max(float(np.linalg.norm(missing)), 1e-9))
+
+
+def look_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> bool:
+    """Make, search, print a line; whether the place was right."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "c"
+        preset = PRESETS[PRESET]
+        write_campaign(folder, preset, effects, seed=seed, short=True, noise_rms=NOISE_M_S2)
+        floor = tomllib.loads((folder / "truth.toml").read_text())["oracle_rel_validate"]
+        campaign = read_campaign(folder)
+        vehicle = read_vehicle(campaign.vehicle_file)
+        begin = time.process_time()
+        found = find_law(campaign, vehicle, [], list(load_effects().values()), lambda text: None)
+        took = time.process_time() - begin
+        said = "nothing" if found.where is None else found.where.name
+        line = f"{name:18} {place:18} {said:18} {found.base.error / floor:8.2f}"
+        if found.preferred is not None:
+            rung, own, law = found.preferred.rung, "", ""
+            if found.where is not None and effects and said == place:
+                truth = read_truth_of(folder, effects)
+                own, law = (f"{100 * e:.1f} %" for e in law_errors(found, truth))
+            line += f" {rung.error / floor:8.2f} {own:>8} {law:>8}  {found.preferred.name:18}"
+        print(f"{line} {took:5.0f} s", flush=True)
+        for rival in (found.free, found.formula, *found.named):
+            if rival is not None:
+                print(
+                    f"    {rival.rung.error / floor:6.2f} {rival.name}: {rival.words}", flush=True
+                )
+        return said == place
+
+
+def read_truth_of(folder: Path, effects: Sequence[Effect]) -> Truth:
+    """The truth of a campaign whose effects have no id to be read back by."""
+    file = folder / "truth.toml"
+    text = file.read_text()
+    names = "effects = [" + ", ".join(f'"{effect.id}"' for effect in effects) + "]"
+    file.write_text(text.replace(names, 'effects = ["none"]'))
+    truth = read_truth(folder)
+    return Truth(truth.vehicle, list(effects), truth.runs, truth.roles, truth.recorded)
+
+
+def main() -> None:
+    """Print the table and how many places were right."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", help="of the laws; all, and clean cars, by default")
+    parser.add_argument("--seed", type=int, default=20, help="of the first car")
+    chosen = parser.parse_args()
+    print(f"{'law':18} {'place':18} {'named':18} {'without':>8} {'with':>8} "
+          f"{'whole':>8} {'missing':>8}  law")  # fmt: skip
+    right, asked = 0, 0
+    seeds = chosen.seed
+    for number, name in enumerate(_hidden(car_of(PRESETS[PRESET], seeds))):
+        if not chosen.names or name in chosen.names:
+            seed = seeds + number
+            place, make = _hidden(car_of(PRESETS[PRESET], seed))[name]
+            right += look_for(name, place, [make()], seed)
+            asked += 1
+    for seed in range(seeds + 100, seeds + 100 + CLEAN):
+        if not chosen.names or "clean" in chosen.names:
+            look_for("clean", "nothing", [], seed)
+    if asked:
+        print(f"right place: {right} of {asked}")
+
+
+if __name__ == "__main__":
+    main()

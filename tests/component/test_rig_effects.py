@@ -1,0 +1,135 @@
+"""Effects that only a rig tells from their likes: closed forms, and the rig's own formulations."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.component import rig
+from tests.component.cases import DAMPER, LIBRARY, RIG_ONLY, diagnosed
+from wheelhop.effects.hysteresis import bouc_wen, bristles, slip_behind_play, yielding
+from wheelhop.effects.payne_effect import WAYS, stiffnesses
+from wheelhop.law import Moved, Where
+from wheelhop.law.shape import follow, force_along
+from wheelhop.simulate import Model
+
+TURNS = np.sin(np.linspace(0.0, 6 * np.pi, 24001))
+VALUES = {
+    "component.mass_kg": 0.0,
+    "component.stiffness_N_m": DAMPER.stiffness_N_m,
+    "component.damping_N_s_m": DAMPER.damping_N_s_m,
+    "rig.force_N": 600.0,
+    "rig.travel_m": 0.02,
+    "rig.speed_m_s": 0.2,
+}
+
+
+def loop(law, amplitude, period_s, *numbers):
+    """Extension, rate and force of the last of three cycles."""
+    dt = 3 * period_s / (len(TURNS) - 1)
+    x = amplitude * TURNS
+    v = np.gradient(x, dt)
+    force = follow(law, x, v, dt, np.array(numbers, dtype=float))
+    last = slice(16000, None)
+    return x[last], v[last], force[last]
+
+
+def area(x, force):
+    return float(np.trapezoid(force, x))
+
+
+@pytest.mark.parametrize("name", RIG_ONLY)
+def test_the_law_is_the_one_the_rig_has(name):
+    """Along a random motion, in two formulations."""
+    case = RIG_ONLY[name]
+    time_s = rig.fine_time(3.0)
+    x = rig.multisine(time_s, 6e-3, (0.5, 8.0), 4)
+    v = np.gradient(x, rig.STEP_S)
+    law = case.component("displacement").law()
+    theirs = np.array([law(*pair) for pair in zip(x.tolist(), v.tolist(), strict=True)])
+    effect = LIBRARY[case.effect]
+    effect = effect.with_choice(case.form) if case.form else effect
+    numbers = {f"{effect.id}.{k}": n for k, n in case.parameters["displacement"].items()}
+    where, moved = Where("component", "strut", (0,)), Moved(x, v, (len(x),))
+    ours = force_along(Model(VALUES | numbers, (effect,)), where, moved, rig.STEP_S)
+    linear = DAMPER.stiffness_N_m * x + DAMPER.damping_N_s_m * v
+    assert np.std(theirs - linear) > 10.0
+    assert np.std(ours - theirs) < 0.02 * np.std(theirs - linear)
+
+
+@pytest.mark.parametrize("name", RIG_ONLY)
+def test_it_is_named_and_measured(name, tmp_path):
+    case = RIG_ONLY[name]
+    component = case.component("displacement")
+    folder = rig.make_campaign(tmp_path / "c", "displacement", component, seed=1, noise=0.01)
+    found = diagnosed(folder)
+    assert found.verdict == (case.effect,)
+    last = found.ladder[-1]
+    assert last.over_floor < 1.1
+    (effect,) = last.rung.model.effects
+    assert getattr(effect, "form", "") == case.form
+    for key, value in case.parameters["displacement"].items():
+        reached, _ = last.parameters[f"{case.effect}.{key}"]
+        assert reached == pytest.approx(value, rel=0.15), key
+
+
+@given(st.floats(10.0, 500.0), st.floats(1e4, 1e6), st.floats(0.0, 0.02), st.floats(0.001, 0.02))
+def test_play_loses_nothing_in_the_gap(slip, joint, gap, beyond):
+    """4 F (X − g/2 − F/k) a cycle once it slips: the gap is crossed without force."""
+    give = slip / joint
+    amplitude = 0.5 * gap + give + beyond
+    x, _, force = loop(slip_behind_play, amplitude, 1.0, slip, joint, gap)
+    loss = 4 * slip * max(amplitude - 0.5 * gap - give, 0.0)
+    assert area(x, force) == pytest.approx(loss, rel=5e-3, abs=1e-3 * slip * amplitude)
+
+
+def test_bristles_hold_more_slowly_than_fast():
+    """Sliding steadily they carry Stribeck's curve, whatever their stiffness."""
+    for speed in (1e-3, 0.02, 0.5):
+        x = speed * np.linspace(0.0, 0.05 / speed, 2001)
+        dt = 0.05 / speed / 2000
+        numbers = np.array([60.0, 2e5, 1.6, 0.02])
+        force = follow(bristles, x, np.full(2001, speed), dt, numbers)
+        expected = 60.0 * (1.0 + 0.6 * np.exp(-((speed / 0.02) ** 2)))
+        assert force[-1] == pytest.approx(expected, rel=1e-6)
+
+
+@given(st.floats(0.5, 1.0), st.floats(1e-4, 1e-2))
+def test_bouc_wen_loads_exponentially_and_unloads_by_its_roundness(roundness, way):
+    x = np.concatenate([np.linspace(0.0, 8 * way, 4001), np.linspace(8 * way, 7.99 * way, 11)[1:]])
+    force = follow(bouc_wen, x, np.zeros(len(x)), 1e-3, np.array([80.0, way, roundness]))
+    np.testing.assert_allclose(force[:4001], 80.0 * (1 - np.exp(-x[:4001] / way)), rtol=1e-9)
+    back = (force[-1] - force[4000]) / (x[-1] - x[4000])
+    assert back == pytest.approx(80.0 / way * 2 * roundness, rel=0.03)
+
+
+@given(st.floats(0.02, 1.0), st.floats(0.01, 0.3), st.floats(1e-4, 5e-3))
+def test_a_fluid_that_yields_flows_at_its_steady_force(speed, creep, way):
+    """Dragged along steadily it carries F tanh(v/w); the first slope is F/d."""
+    dt = 1e-3 * way / speed
+    x = speed * dt * np.arange(20001)
+    force = follow(yielding, x, np.full(20001, speed), dt, np.array([100.0, way, creep]))
+    assert force[-1] == pytest.approx(100.0 * np.tanh(speed / creep), rel=1e-3)
+    assert force[1] / x[1] == pytest.approx(100.0 / way, rel=0.05)
+
+
+def test_rubber_softens_with_amplitude_as_kraus_says():
+    """Storage stiffness over the loop's ends: F/(half way + X), by the curve of first loading."""
+    half_way, total = 0.002, 100.0
+    for amplitude in (2e-4, 1e-3, 5e-3, 2e-2):
+        ends = sum(
+            total * k * min(amplitude, way * half_way) / half_way
+            for k, way in zip(stiffnesses(), WAYS, strict=True)
+        )
+        exact = total * amplitude / (half_way + amplitude)
+        assert ends == pytest.approx(exact, rel=0.05)
+
+
+def test_they_do_not_take_part_on_a_vehicle():
+    from tests.simulate.setup import ATV
+
+    for case in RIG_ONLY.values():
+        effect = LIBRARY[case.effect]
+        form = effect.with_choice(case.form) if case.form else effect
+        assert not form.applies_to(ATV)
+        assert form.applies_to(VALUES)
