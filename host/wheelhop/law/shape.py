@@ -17,26 +17,26 @@ from wheelhop.vehicle.assembly import Row
 Array = NDArray[np.float64]
 
 
-def forces(found: Found, rival: Rival) -> Array:
-    """Force (T,), N, of a law along the motion of the place: on a rig all of the component's but
-    its inertia; on a vehicle beyond the spring and damper of the model without it, and what they
-    changed with it counts as part of it."""
-    whole = _along(found, rival.rung.model)
+def forces(found: Found, rival: Rival, moved: Moved | None = None) -> Array:
+    """Force (T,), N, of a law along the motion of the place, or another one: on a rig all of the
+    component's but its inertia; on a vehicle beyond the spring and damper of the model without it,
+    and what they changed with it counts as part of it."""
+    whole = _along(found, rival.rung.model, moved)
     on_rig = is_component(rival.rung.model.values)
-    return whole if on_rig else whole - _along(found, found.base.model)
+    return whole if on_rig else whole - _along(found, found.base.model, moved)
 
 
-def spread(found: Found, rival: Rival) -> Array:
+def spread(found: Found, rival: Rival, moved: Moved | None = None) -> Array:
     """Standard deviation (T,), N, of that force, from the covariance of all shared numbers; they
     are as uncertain as the residual that is left says."""
     fit = rival.rung.fit
     names = [free.name for free in fit.shared]
-    base = _along(found, fit.model)
+    base = _along(found, fit.model, moved)
     columns = []
     for name, free in zip(names, fit.shared, strict=True):
         step = 1e-3 * free.scale
-        moved = fit.model.with_values({name: fit.model.values[name] + step})
-        columns.append((_along(found, moved) - base) / step)
+        changed = fit.model.with_values({name: fit.model.values[name] + step})
+        columns.append((_along(found, changed, moved) - base) / step)
     matrix = np.stack(columns, axis=1)
     grown = max(fit.rss / (fit.size * fit.sigma**2), 1.0)
     variance = np.einsum("ti,ij,tj->t", matrix, fit.covariance * grown, matrix)
@@ -77,10 +77,10 @@ def force_along(model: Model, where: Where, moved: Moved, step_s: float) -> Arra
     return total
 
 
-def _along(found: Found, model: Model) -> Array:
-    assert found.moved is not None and found.where is not None
-    step = 1.0 / found.workshop.campaign.sample_rate_hz
-    return force_along(model, found.where, found.moved, step)
+def _along(found: Found, model: Model, moved: Moved | None) -> Array:
+    moved = found.moved if moved is None else moved
+    assert moved is not None and found.where is not None
+    return force_along(model, found.where, moved, 1.0 / found.workshop.campaign.sample_rate_hz)
 
 
 @numba.njit(nogil=True, error_model="numpy")

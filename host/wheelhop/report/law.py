@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wheelhop.law import Formula, Found, Rival, look
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
+from wheelhop.report.law_surface import draw_surface
 from wheelhop.report.svg import STYLE
 
 Array = NDArray[np.float64]
@@ -22,16 +23,23 @@ SHOWN = 4000  # points of the motion, at most
 
 def law_figure(found: Found) -> Figure:
     """Force–extension and force–rate of the free law with two standard deviations, grey
-    where little was recorded; below it each other law with the error it leaves of held-out runs."""
+    where little was recorded; below it each other law with the error it leaves of held-out runs,
+    and last the free law as a surface."""
     assert found.free is not None and found.moved is not None
     rivals = [r for r in (found.formula, *found.named) if r is not None][:3]
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 1.9 * (1 + len(rivals)) + 0.6), layout="constrained")
-        panels = figure.subplots(1 + len(rivals), 2, sharex="col", sharey=True, squeeze=False)
+        rows = 1 + len(rivals)
+        figure = Figure(figsize=(WIDTH, 1.9 * rows + 3.0), layout="constrained")
+        ratios = (1.9 * rows + 0.6, 2.4)
+        halves = figure.subfigures(2, 1, height_ratios=ratios)
+        assert isinstance(halves, np.ndarray)
+        along, over = halves
+        panels = along.subplots(rows, 2, sharex="col", sharey=True, squeeze=False)
         for row, rival in zip(panels, [found.free, *rivals], strict=True):
             _draw(row, found, rival)
         panels[-1, 0].set_xlabel("extension, mm")
         panels[-1, 1].set_xlabel("rate, m/s")
+        draw_surface(tuple(over.subplots(1, 2)), found, found.free)
     return figure
 
 
