@@ -30,13 +30,13 @@ from tests.truth.vehicle import axle
 from wheelhop.campaign import read_campaign
 from wheelhop.effects import load_effects
 from wheelhop.law import Found, Moved, find_law
+from wheelhop.law.along import force_along
 from wheelhop.law.places import Where
-from wheelhop.law.shape import force_along
 from wheelhop.vehicle import read_vehicle
 
 Array = NDArray[np.float64]
 PRESET, NOISE_M_S2 = "atv", 0.1
-CLEAN = 3
+CLEAN = 2
 
 
 def _hidden(car: Car) -> dict[str, tuple[str, Callable[[], Effect]]]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.effects import Effect
 from wheelhop.law import Moved, Where
-from wheelhop.law.shape import force_along
+from wheelhop.law.along import force_along
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from tests.component.cases import DAMPER, LIBRARY, RIG_ONLY, diagnosed
 from wheelhop.effects.hysteresis import bouc_wen, bristles, slip_behind_play, yielding
 from wheelhop.effects.payne_effect import WAYS, stiffnesses
 from wheelhop.law import Moved, Where
-from wheelhop.law.shape import follow, force_along
+from wheelhop.law.along import follow, force_along
 from wheelhop.simulate import Model
 
 TURNS = np.sin(np.linspace(0.0, 6 * np.pi, 24001))

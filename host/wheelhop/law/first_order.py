@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelhop.campaign import ComponentCampaign
+from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Rung
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.screen_sums import Terms
@@ -39,7 +39,7 @@ def screen_places(workshop: Workshop, base: Rung) -> list[Promise]:
     """Every place with its best form, the most likely first."""
     campaign = workshop.campaign
     every = places(base.model.values)
-    if isinstance(campaign, ComponentCampaign) and campaign.drive == "displacement":
+    if gives_force_at_once(campaign):
         return _screened(workshop, base, every, COUNTS)
     best: dict[Where, Promise] = {}
     for count, most in FINER:
@@ -49,6 +49,11 @@ def screen_places(workshop: Workshop, base: Rung) -> list[Promise]:
             if before is None or promise.screened.score > before.screened.score:
                 best[promise.where] = promise
     return _ranked(best.values())
+
+
+def gives_force_at_once(campaign: Campaign) -> bool:
+    """Whether the motion is imposed, so that a law is simulated by looking it up along it."""
+    return isinstance(campaign, ComponentCampaign) and campaign.drive == "displacement"
 
 
 def _ranked(promises: Iterable[Promise]) -> list[Promise]:

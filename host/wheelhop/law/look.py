@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.files.words import percent
+from wheelhop.law.along import along
 from wheelhop.law.places import Moved
 from wheelhop.law.search import Found
-from wheelhop.law.shape import follow, forces
+from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates
 from wheelhop.vehicle import is_component
 
@@ -69,13 +70,10 @@ def look(found: Found) -> list[str]:
 def _nearest_term(beyond: Array, found: Found, moved: Moved) -> str:
     """The one term that comes nearest to the force, beside spring and damper."""
     x, v, dt = moved.extension, moved.rate, 1.0 / found.workshop.campaign.sample_rate_hz
-    ends = np.cumsum(moved.stretches)
     least, words = float(beyond @ beyond), "none"
     for term in candidates(x, v, moved.inputs):
-        numbers = np.array([1.0, *term.shape])
-        parts = zip(np.split(x, ends[:-1]), np.split(v, ends[:-1]), strict=True)
-        own = np.concatenate([follow(term.kernel, *part, dt, numbers) for part in parts])
-        own = _without_line(own * moved.inputs[term.by] if term.by else own, x, v)
+        own = along(term.kernel, (1.0, *term.shape), moved, dt, term.by)
+        own = _without_line(own, x, v)
         power = float(own @ own) or 1.0
         left = float(beyond @ beyond) - float(own @ beyond) ** 2 / power
         if left < least:

@@ -44,6 +44,13 @@ class Where:
         strut = strut_at(vehicle, self.corners[0])
         return strut.stiffness_N_m, strut.damping_N_s_m
 
+    @property
+    def linear_keys(self) -> tuple[str, ...]:
+        """The numbers that are this place's stiffness and damping, and no other place's."""
+        if self.name != "component":
+            return ()
+        return "component.stiffness_N_m", "component.damping_N_s_m"
+
     def load_N(self, vehicle: Mapping[str, float]) -> float:
         """The load that is usual for one part of the place."""
         return strut_at(vehicle, self.corners[0]).usual.load_N

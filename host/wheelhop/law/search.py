@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Progress, Rung, fit_baseline
 from wheelhop.diagnose.added import fit_with
-from wheelhop.diagnose.confirm import confirm
+from wheelhop.diagnose.confirm import confirm, refit
 from wheelhop.diagnose.judge import at_noise
 from wheelhop.diagnose.promising import least_gain
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.screen_sums import Terms
 from wheelhop.diagnose.validate import Incumbent, validate
 from wheelhop.effects import Effect
-from wheelhop.fit import Workshop, fit
-from wheelhop.law.first_order import screen_places
+from wheelhop.fit import Workshop, effect_parameters, fit
+from wheelhop.law.along import along, force_along
+from wheelhop.law.first_order import gives_force_at_once, screen_places
 from wheelhop.law.formula import Formula
+from wheelhop.law.free import FreeForce
 from wheelhop.law.places import Moved, Where, motion_of
 from wheelhop.law.terms import Term, candidates
 from wheelhop.vehicle import Vehicle, is_component
@@ -33,6 +35,9 @@ NAMED, NAMED_ON_RIG = 3, 5
 AS_WELL = 1.05
 """A law with a name that leaves no more than this many times what the free one leaves does as
 well."""
+
+ALIKE = 1e-4
+"""A term of which no more than this share of its power is new, beside those before it, is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +103,9 @@ def find_law(
     where = best.where
     progress(f"fitting a free law at the {where.name}")
     rung = confirm(workshop, base, best.screened)
+    if not gives_force_at_once(campaign) and not at_noise(rung, workshop.noise):
+        # A strong law moves everything else elsewhere: its derivatives are not those without it.
+        rung = min(rung, refit(workshop, rung), key=lambda rung: rung.fit.cost)
     moved = motion_of(workshop, base.model, where)
     formula = _formula(workshop, base, rung, where, moved, progress) if moved is not None else None
     # Where one run alone went far, a spline knows nothing without it; a formula may.
@@ -143,6 +151,14 @@ def _formula(
         return None
     progress(f"fitting the formula for the {where.name}")
     rung = confirm(workshop, base, best)
+    if (
+        not gives_force_at_once(workshop.campaign)
+        and rung.error_judging > AS_WELL * free.error_judging
+    ):
+        # To first order a strong law is told at the motion without it; the free law knows better.
+        other, terms = _like_the_free_law(workshop, base, free, where, moved, every)
+        if other.error_judging < rung.error_judging:
+            rung, chosen = other, terms
     while len(chosen) > 1:  # the first term chosen may be what only two others together explain
         fewer = [term for term in chosen if term is not _least_sure(rung, chosen)]
         shorter = _in_place(workshop, rung, Formula(where, fewer))
@@ -150,6 +166,47 @@ def _formula(
             break
         rung, chosen = shorter, fewer
     return Rival("formula", " + ".join(t.words for t in chosen), rung)
+
+
+def _like_the_free_law(
+    workshop: Workshop, base: Rung, free: Rung, where: Where, moved: Moved, every: Sequence[Term]
+) -> tuple[Rung, list[Term]]:
+    """The terms that one after the other, beside spring and damper, come nearest to the force of
+    the free law along the motion recorded, fitted from there with its derivatives."""
+    x, v, step = moved.extension, moved.rate, 1.0 / workshop.campaign.sample_rate_hz
+    columns = [np.ones_like(x), x, v]
+    target = force_along(free.model, where, moved, step)
+    basis = np.linalg.qr(np.stack(columns, axis=1))[0]
+    left = target - basis @ (basis.T @ target)
+    # What the free law leaves unexplained it does not know either.
+    enough = (free.error_judging / base.error_judging) ** 2 * float(left @ left)
+    forces = {t: along(t.kernel, (1.0, *t.shape), moved, step, t.by) for t in every}
+    chosen: list[Term] = []
+    while len(chosen) < MOST_TERMS:
+        own = {t: f - basis @ (basis.T @ f) for t, f in forces.items() if t not in chosen}
+        own = {t: f for t, f in own.items() if f @ f > ALIKE * (forces[t] @ forces[t])}
+        gains = {t: float(left @ f) ** 2 / float(f @ f) for t, f in own.items()}
+        best = max(gains, key=lambda t: gains[t], default=None)
+        if best is None or (chosen and gains[best] < enough):
+            break
+        chosen.append(best)
+        columns.append(forces[best])
+        basis = np.column_stack([basis, own[best] / np.linalg.norm(own[best])])
+        left = target - basis @ (basis.T @ target)
+    _, stiffness, damping, *amplitudes = np.linalg.lstsq(
+        np.stack(columns, axis=1), target, rcond=None
+    )[0].tolist()
+    formula = Formula(where, chosen)
+    model = free.model.without_effect(FreeForce.id)
+    linear = zip(where.linear_keys, (stiffness, damping), strict=False)
+    model = model.with_effect(formula, workshop.parameters_of(formula)).with_values(
+        {f"{formula.id}.{t.name}_N": n for t, n in zip(chosen, amplitudes, strict=True)}
+        | {key: max(value, 0.0) for key, value in linear}
+    )
+    own_numbers = effect_parameters(workshop.parameters_of(formula), model, formula)
+    shared = [f for f in free.fit.shared if not f.name.startswith(f"{FreeForce.id}.")]
+    fitted = fit(workshop, model, [*shared, *own_numbers], workshop.of_role("fit"), free.fit)
+    return validate(workshop, fitted), chosen
 
 
 def _least_sure(rung: Rung, terms: Sequence[Term]) -> Term:
