@@ -17,6 +17,7 @@ from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates, slip
+from wheelhop.report.law import law_lines
 from wheelhop.vehicle import read_nominal
 
 
@@ -107,6 +108,23 @@ def test_a_law_is_told_by_its_shape():
 def test_nothing_is_found_where_nothing_is_missing(tmp_path):
     found = found_in(campaign_of(tmp_path / "c"))
     assert found.free is None and found.preferred is None
+    assert law_lines(found) == ["Nothing to find: the model explains these runs down to the noise."]
+
+
+def test_what_no_place_explains_is_said_to_be_left(tmp_path):
+    """Damping that falls by a third while the record runs: no force of extension and rate."""
+    folder = campaign_of(tmp_path / "c")
+    for file in (folder / "runs").iterdir():
+        time_s, x, force = np.loadtxt(file, delimiter=",", skiprows=1).T
+        faded = force - 500.0 * time_s / time_s[-1] * np.gradient(x, time_s)
+        table = np.stack([time_s, x, faded], axis=1)
+        header = "time_s,displacement_m,force_N"
+        np.savetxt(file, table, fmt="%.9g", delimiter=",", header=header, comments="")
+    found = found_in(folder)
+    assert found.base.error > 5.0 * 0.005
+    first, *then = law_lines(found)
+    assert found.free is None and "more than noise is left" in first
+    assert any("record it as an input" in line for line in then)
 
 
 def test_one_percent_of_asymmetry_comes_out_as_asymmetry_and_not_as_a_stop(tmp_path):

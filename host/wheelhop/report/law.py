@@ -11,14 +11,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from wheelhop.diagnose.judge import at_noise
 from wheelhop.law import Formula, Found, Rival, look
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
 from wheelhop.report.law_surface import draw_surface
 from wheelhop.report.svg import STYLE
+from wheelhop.vehicle import is_component
 
 Array = NDArray[np.float64]
 SHOWN = 4000  # points of the motion, at most
+
+ELSEWHERE = {
+    "rig": "It may follow time or temperature (record it as an input), or the sensors.",
+    "vehicle": "It may follow time or temperature, as a damper that fades, act where no sensor is,"
+    " as under a seat or an engine, or lie in the road, the speed or the sensors.",
+}
+"""What is left to suspect where no place has the missing force."""
 
 
 def law_figure(found: Found) -> Figure:
@@ -78,7 +87,12 @@ def law_lines(found: Found) -> list[str]:
     first; a table in a fixed pitch."""
     free, where = found.free, found.where
     if free is None or where is None:
-        return ["Nothing to find: no force at any place explains what these runs leave."]
+        if at_noise(found.base, found.workshop.noise):
+            return ["Nothing to find: the model explains these runs down to the noise."]
+        return [
+            "Nothing found: more than noise is left, but no force at any place explains it.",
+            ELSEWHERE["rig" if is_component(found.base.model.values) else "vehicle"],
+        ]
     lines = [f"A force is missing at the {where.name}."]
     lines.append(f"{'law':22} {'fitted':>8} {'held out':>9}")
     lines.append(_line("without it", found.base.error_fit, found.base.error))
