@@ -17,10 +17,13 @@ from tests.component.test_simulate import (
 )
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.cli.main import main
+from wheelhop.diagnose import diagnose
+from wheelhop.effects import load_effects
 from wheelhop.law.formula import Formula
 from wheelhop.law.places import Where
 from wheelhop.law.terms import candidates
 from wheelhop.simulate import Model
+from wheelhop.vehicle import read_nominal
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +49,20 @@ def test_the_formula_names_the_input_and_its_file_serves_a_diagnosis(folder, tmp
     arguments = ["diagnose", str(folder), "--effects", str(kept), "--json", str(result)]
     assert main([*arguments, "--jobs", "1"]) == 0
     assert '"verdict": [\n    "found-law"' in result.read_text()
+
+
+def test_an_mr_damper_is_named_by_what_its_coil_does(folder):
+    """Its yield force per volt; of the rate the force here follows differences of samples, which
+    are a little less than it."""
+    campaign = read_campaign(folder)
+    library = {"mr-damper": load_effects()["mr-damper"]}
+    found = diagnose(campaign, read_nominal(campaign), library, jobs=1, max_effects=1)
+    assert found.verdict[0] == "mr-damper"
+    parameters = found.ladder[-1].parameters
+    assert parameters["mr-damper.input_coil_V_N"][0] == pytest.approx(150.0, rel=0.03)
+    assert parameters["mr-damper.creep_m_s"][0] == pytest.approx(0.03, rel=0.12)
+    assert abs(parameters["mr-damper.strut_N"][0]) < 5.0
+    assert found.ladder[-1].over_floor < 0.1 * found.ladder[0].over_floor
 
 
 def test_under_a_force_the_input_acts_at_every_moment():

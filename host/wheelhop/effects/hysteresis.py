@@ -7,6 +7,8 @@ from math import atanh, copysign, cosh, exp, log, tanh
 from wheelhop.effects.base import Array, law
 
 ALMOST = 1.0 - 1e-12
+PARTS = 4
+"""Of a step, in which a yielding fluid follows the rate: it may relax much faster than that."""
 
 
 @law
@@ -52,21 +54,26 @@ def bouc_wen(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tu
 @law
 def yielding(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     """p[0] z: a spring that gives way by p[1] at that force, in series with what creeps as
-    tanh(rate / p[2]). ż = (v − p[2] atanh z) / p[1]; the creep is that at the step's end, so that
-    any step is stable."""
+    tanh(rate / p[2]). ż = (v − p[2] atanh z) / p[1]; the creep is that at the end of each
+    part of a step, so that any step is stable."""
     if dt <= 0.0:
         return p[0] * z, z
-    creep, way = dt * p[2] / p[1], abs(z + dx / p[1])
-    sign = copysign(1.0, z + dx / p[1])
-    # tanh(s) + creep s = way: from the left Newton's steps of a concave function never pass it.
-    s = max((way - 1.0) / creep, atanh(min(way / (1.0 + creep), ALMOST)))
-    for _ in range(30):
-        grown = cosh(min(s, 300.0))
-        step = (way - tanh(s) - creep * s) / (1.0 / (grown * grown) + creep)
-        s += step
-        if abs(step) <= 1e-10 * s:
-            break
-    z = sign * tanh(s)
+    # The rate grows evenly over the step, from what the way tells to v.
+    begin = 2.0 * dx / dt - v
+    creep = dt / PARTS * p[2] / p[1]
+    for part in range(PARTS):
+        rate = begin + (v - begin) * (part + 0.5) / PARTS
+        end = z + rate * dt / PARTS / p[1]
+        way = abs(end)
+        # tanh(s) + creep s = way: from the left Newton's steps of a concave function never pass it.
+        s = max((way - 1.0) / creep, atanh(min(way / (1.0 + creep), ALMOST)))
+        for _ in range(30):
+            grown = cosh(min(s, 300.0))
+            step = (way - tanh(s) - creep * s) / (1.0 / (grown * grown) + creep)
+            s += step
+            if abs(step) <= 1e-10 * s:
+                break
+        z = copysign(tanh(s), end)
     return p[0] * z, z
 
 
