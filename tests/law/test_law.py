@@ -17,7 +17,7 @@ from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates, slip
-from wheelhop.report.law import law_lines
+from wheelhop.report.law import law_figure, law_lines
 from wheelhop.vehicle import read_nominal
 
 
@@ -136,6 +136,11 @@ def test_one_percent_of_asymmetry_comes_out_as_asymmetry_and_not_as_a_stop(tmp_p
     assert square == pytest.approx(2e4, rel=0.3)
     assert "cubic spring" in found.formula.words and "quadratic spring" in found.formula.words
     assert "stop" not in found.formula.words
+    surface, doubt, *_ = law_figure(found).subfigs[1].axes
+    grey = [np.ma.getmaskarray(panel.collections[0].get_array()) for panel in (surface, doubt)]
+    middle = tuple(n // 2 for n in grey[0].shape)
+    for cells in grey:  # nothing went fast at the ends of the travel; all went through rest
+        assert cells[0, 0] and cells[-1, -1] and not cells[middle]
     said = " ".join(look(found))
     assert "follows the extension" in said and "stiffens towards the ends" in said
     assert "one comes nearest, cubic spring" in said and "slow strokes" in said
