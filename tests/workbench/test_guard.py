@@ -1,6 +1,7 @@
 """Only the browser that was given the address is answered."""
 
 import http.client
+import shutil
 import subprocess
 import sys
 from urllib.parse import urlsplit
@@ -45,12 +46,31 @@ def test_with_its_cookie_the_page_is_shown(address, cookie):
     assert "default-src 'self'" in policy and "frame-ancestors 'none'" in policy
 
 
+def test_a_report_that_came_with_a_campaign_shows_and_does_nothing(tmp_path):
+    folder = tmp_path / "campaign"
+    shutil.copytree("examples/clean", folder)
+    folder.chmod(0o755)
+    (folder / "report.html").write_text("<script>alert(1)</script>")
+    with workbench(folder) as (address, _):
+        here = urlsplit(address)
+        _, headers, _ = ask(here, f"/?{here.query}")
+        token = headers["set-cookie"].split(";")[0]
+        connection = http.client.HTTPConnection(here.hostname, here.port, timeout=20)
+        connection.request("GET", "/report", headers={"Cookie": token})
+        answer = connection.getresponse()
+        policies = answer.msg.get_all("content-security-policy")
+    assert answer.status == 200
+    assert any("sandbox" in policy and "script" not in policy for policy in policies)
+
+
 def test_nothing_comes_from_elsewhere(address, cookie):
     _, _, body = ask(address, Cookie=cookie)
     assert "https://" not in body.replace("https://github.com", "")
 
 
-@pytest.mark.parametrize("path", ["/", "/_nicegui/", "/gallery/dry-friction.png", "/?token=guess"])
+@pytest.mark.parametrize(
+    "path", ["/", "/_nicegui/", "/gallery/dry-friction.png", "/report", "/?token=guess"]
+)
 def test_without_the_token_nothing_is_said(address, path):
     status, _, body = ask(address, path)
     assert status == 403

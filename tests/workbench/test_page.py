@@ -106,10 +106,12 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         page.screenshot(path=pictures / "axle-to-body.png", full_page=True)
 
         turn(page, "Take away")
-        page.get_by_role("button", name="Write the report").click()
+        page.get_by_role("button", name="Write the report", exact=True).click()
         page.get_by_text("report.html", exact=False).first.wait_for()
+        link = page.get_by_role("link", name="Look at the report")
+        link.wait_for()
         with page.context.expect_page() as opened:
-            page.get_by_role("link", name="Look at the report").click()
+            link.click()
         assert "dry-friction" in opened.value.locator("h1").inner_text()
         page.get_by_role("button", name="Write the report as PDF").click()
         page.get_by_text(f"written: {friction / 'report.pdf'}").wait_for()
