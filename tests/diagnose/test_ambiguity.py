@@ -5,10 +5,10 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
-from wheelhop.diagnose.ambiguity import AMBIGUOUS_DEG, Angles
 from wheelhop.diagnose.confirm import confirm
+from wheelhop.diagnose.judge import Rung
 from wheelhop.diagnose.look import Candidate
-from wheelhop.diagnose.rung import Rung
+from wheelhop.diagnose.ranking import AMBIGUOUS_DEG, Angles
 from wheelhop.diagnose.screen import screen
 from wheelhop.effects.dry_friction import DryFriction
 

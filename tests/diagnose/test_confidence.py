@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnose.test_judge import noise, rung
-from wheelhop.diagnose.confidence import CEILING, confidence
-from wheelhop.diagnose.confidence import grounds as grounds_of
 from wheelhop.diagnose.diagnosis import Grounds
+from wheelhop.diagnose.verdict import CEILING, confidence
+from wheelhop.diagnose.verdict import grounds as grounds_of
 
 VERDICTS = (
     ("none",),

@@ -4,8 +4,7 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
-from wheelhop.diagnose.confirm import confirm, refit
-from wheelhop.diagnose.promising import worth_simulating
+from wheelhop.diagnose.confirm import confirm, refit, worth_simulating
 from wheelhop.diagnose.screen import screen
 
 

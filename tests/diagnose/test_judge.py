@@ -13,6 +13,7 @@ from wheelhop.compare.band import InBand
 from wheelhop.diagnose.judge import (
     AGREED,
     MATERIAL,
+    Rung,
     best_first,
     by_chance,
     holds_against,
@@ -23,7 +24,6 @@ from wheelhop.diagnose.judge import (
     relative_to_noise,
     unforeseen,
 )
-from wheelhop.diagnose.rung import Rung
 from wheelhop.fit import Fit, RunFit
 
 SAMPLES, RUNS = 1024, 6

@@ -6,9 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnose.test_judge import fit_of, rung
-from wheelhop.diagnose.judge import log_odds, p_value
-from wheelhop.diagnose.rotate import left_out
-from wheelhop.diagnose.rung import Rung
+from wheelhop.diagnose.judge import Rung, left_out, log_odds, p_value
 from wheelhop.fit import Fit, Free, RunFit
 from wheelhop.fit.result import Derivatives
 

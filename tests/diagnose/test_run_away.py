@@ -10,7 +10,7 @@ from tests.report.small import write_small_campaign
 from wheelhop.campaign import Channel, read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose import screen as screening
-from wheelhop.diagnose.placement import placed_anew
+from wheelhop.diagnose.confirm import placed_anew
 from wheelhop.effects import load_effects
 from wheelhop.effects.base import RunSetting
 from wheelhop.effects.phase import shift_along

@@ -9,7 +9,8 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose.confirm import confirm
 from wheelhop.diagnose.judge import all_noise, at_noise
-from wheelhop.diagnose.screen import screen, variants
+from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.signatures import variants
 
 PERIOD = {"period_min_s": 1.8, "period_max_s": 6.4}
 UNSTEADY = {"speed-fluctuation": {"fraction": 3e-4, **PERIOD}}

@@ -8,8 +8,8 @@ from benchmarks.blind.vehicles import rougher
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose import caveats
-from wheelhop.diagnose.added import fit_with
 from wheelhop.diagnose.judge import above_noise, all_noise, excess, material
+from wheelhop.diagnose.ladder import fit_with
 from wheelhop.diagnose.validate import Incumbent
 
 CAR = truth.PRESETS["passenger-car"]

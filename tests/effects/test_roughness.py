@@ -7,7 +7,7 @@ from tests import truth
 from tests.simulate.setup import ATV, EFFECTS, campaign_of, model_of, relative, simulated
 from wheelhop.diagnose import Rung
 from wheelhop.diagnose.judge import log_odds
-from wheelhop.diagnose.screen_heights import screen_heights
+from wheelhop.diagnose.screen import screen_heights
 from wheelhop.fit import Ground, Heights, Workshop, fit
 from wheelhop.simulate import HeightSeries, Model
 

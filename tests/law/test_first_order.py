@@ -5,10 +5,9 @@ import pytest
 from tests.component import rig
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.limits import limits
 from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.screen import screen
-from wheelhop.diagnose.screen_sums import Terms
+from wheelhop.diagnose.screen import Terms, screen
+from wheelhop.diagnose.verdict import limits
 from wheelhop.law.first_order import screen_places
 from wheelhop.law.formula import Formula
 from wheelhop.law.places import Where, motion_of

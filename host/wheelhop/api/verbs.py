@@ -12,8 +12,7 @@ from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
 from wheelhop.campaign.thin import thinned
 from wheelhop.diagnose import Progress, Step, axle_driven, fit_baseline
-from wheelhop.diagnose.added import fit_with, steps_with
-from wheelhop.diagnose.ladder import diagnose_from
+from wheelhop.diagnose.ladder import diagnose_from, fit_with, steps_with
 from wheelhop.diagnose.look import step_of
 from wheelhop.effects import Effect, beliefs, load_effects, pick
 from wheelhop.gate import gate

@@ -11,7 +11,7 @@ import numpy as np
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, TrackSpec
 from wheelhop.compare import Comparison, compare
 from wheelhop.compare.band import InBand
-from wheelhop.diagnose.rung import Rung
+from wheelhop.diagnose.judge import Rung
 from wheelhop.diagnose.validate import validate
 from wheelhop.fit import (
     Free,

@@ -1,19 +1,70 @@
-"""Confirmation: an effect simulated in full and fitted together with the vehicle."""
+"""Confirmation: which effects are simulated in full, and each of these fitted with the vehicle.
+
+Speed, start and histories have many false minima, one per wave. A fit ends in the one it begins in,
+so several places on the track are tried, each run by itself.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import inf, isfinite
 
 import numpy as np
 
-from wheelhop.diagnose.judge import all_noise
-from wheelhop.diagnose.placement import begun, placed_anew
-from wheelhop.diagnose.rung import Rung
-from wheelhop.diagnose.screen import Screened, with_variant
+from wheelhop.diagnose.judge import Rung, all_noise, material, noticeable, unforeseen
+from wheelhop.diagnose.probe import FitProbe
+from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.signatures import with_variant
 from wheelhop.diagnose.validate import validate
-from wheelhop.fit import Bench, Fit, Free, Workshop, effect_parameters, fit
+from wheelhop.effects import Effect
+from wheelhop.fit import Bench, Fit, Free, RunFit, Workshop, effect_parameters, fit, seek_again
 from wheelhop.simulate import Model
+
+CONFIRMED = 5
+"""At least so many effects are simulated in full on every rung."""
+
+REACH = 0.5
+"""And every one that screening expects to explain this share of what the best explains."""
+
+
+def least_gain(workshop: Workshop, rung: Rung) -> float:
+    """What screening must expect at least of an effect that could be material: a quarter of that,
+    as it may see half the amplitude."""
+    return material(rung) / 4 * rung.fit.size
+
+
+def worth_simulating(
+    workshop: Workshop,
+    rung: Rung,
+    screened: Sequence[Screened],
+    *,
+    at_least: int = CONFIRMED,
+    reach: float = REACH,
+    settled: bool = False,
+) -> list[Screened]:
+    """The most promising effects, the best first.
+
+    Effects that even by screening could take nothing material out of the residual are left alone:
+    where it is `settled` that a model explains nearly all, they are no rivals of that one. Else
+    first order may mislead, and what it cannot judge is simulated all the same.
+    """
+    promising = [s for s in screened if s.score > 0 and s.gain > least_gain(workshop, rung)]
+    enough = reach * promising[0].gain if promising else 0.0
+    chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= enough]
+    if settled:
+        return chosen
+    surprising = unforeseen(rung, workshop.noise)
+    explained = all_noise(rung.fit, workshop.noise)
+    if surprising or (not explained and noticeable(rung, workshop.noise)):
+        # What has no number to fit may show in held-out runs alone: only there the wheels leave
+        # the ground. Of sensors screening already says all.
+        switches = [s for s in screened if s.freedom == 0 and s.variant.effect.place != "sensor"]
+        chosen += [s for s in switches if s not in chosen]
+    if surprising:
+        # So may what is free in every run: a driver need not be unsteady in all of them.
+        own = [s for s in screened if s.freedom > 0 and not s.variant.parameters]
+        chosen += [s for s in own if s not in chosen]
+    return chosen
 
 
 def confirm(
@@ -151,3 +202,78 @@ def _misfits(workshop: Workshop, base: Rung, models: Sequence[Model]) -> list[fl
 
     total = np.sum(workshop.each(of_run, workshop.of_role("fit")), axis=0)
     return [float(t) if isfinite(t) else inf for t in total]
+
+
+Values = Mapping[str, float]
+
+OUT_OF_STEP = 0.1
+"""A run whose residual holds this share of its energy may be out of step with its track: a sine
+that is a twentieth of its wave late leaves (2 sin(π/20))² = 0.1 of its own."""
+
+
+def with_starts(model: Model, effect: Effect, run_id: str, start: Values) -> Model:
+    """The model with what an effect begins with in one run; speed and start are the run's own."""
+    whole = ("speed_m_s", "start_m")
+    return model.with_run(
+        run_id, {k if k in whole else f"{effect.id}.{k}": v for k, v in start.items()}
+    )
+
+
+def begun(workshop: Workshop, base: Model, model: Model, effect: Effect, shapes: Values) -> Model:
+    """`model`, which is `base` with the effect in these shapes, every run where it may best
+    begin."""
+    probe = FitProbe(workshop, base, list(workshop.benches.values()))
+    systems = workshop.systems(model)
+
+    def best(bench: Bench) -> Values:
+        starts = effect.run_starts(probe, bench.simulator.setting, shapes)
+        if len(starts) == 1:
+            return starts[0]
+        trials = [with_starts(model, effect, bench.run.id, start) for start in starts]
+        measured = bench.measured[:, bench.predicted].ravel()
+        records = bench.records([(trial, systems) for trial in trials])
+        residuals = [measured - bench.coefficients(record) for record in records]
+        return starts[int(np.argmin([float(r @ r) for r in residuals]))]
+
+    benches = list(workshop.benches.values())
+    for bench, start in zip(benches, workshop.each(best, benches), strict=True):
+        model = with_starts(model, effect, bench.run.id, start)
+    return model
+
+
+def placed_anew(workshop: Workshop, rung: Rung) -> Model:
+    """The rung's model, runs that are out of step with their track placed on it again: a slow drive
+    over long waves can be placed only once its friction is known."""
+    model = placed = rung.model
+    fits = [*rung.fit.runs, *(rung.validation.runs if rung.validation is not None else ())]
+    # Where the model runs away, no place is better than another.
+    lost = [run for run in fits if OUT_OF_STEP * run.bench.energy < run.rss < np.inf]
+    for run_id, own in workshop.each(lambda run: _best_place(workshop, model, run), lost):
+        placed = placed.with_run(run_id, own)
+    return placed
+
+
+def _best_place(workshop: Workshop, model: Model, run: RunFit) -> tuple[str, Values]:
+    """What a run leaves free, fitted by itself from wherever it may begin; the best end counts."""
+    bench, run_id = run.bench, run.bench.run.id
+    ends = [run.rss]
+    places = [model.runs[run_id]]
+    for start in _begins(workshop, model, bench):
+        found = fit(workshop, start, (), [bench])
+        ends.append(found.rss)
+        places.append(found.model.runs[run_id])
+    return run_id, places[int(np.argmin(ends))]
+
+
+def _begins(workshop: Workshop, model: Model, bench: Bench) -> Sequence[Model]:
+    run_id = bench.run.id
+    sought = seek_again(workshop.campaign, bench, model, workshop.systems(model))
+    again = model.with_run(run_id, sought)
+    found = [again] if sought else []
+    for effect in model.effects:
+        if effect.per_run(bench.simulator.setting):
+            probe = FitProbe(workshop, again.without_effect(effect.id), [bench])
+            shapes = model.theta(effect)
+            starts = effect.run_starts(probe, bench.simulator.setting, shapes)
+            found += [with_starts(again, effect, run_id, start) for start in starts if start]
+    return found

@@ -1,17 +1,20 @@
-"""The ladder: accept the effect that explains most, make it part of the model, look again."""
+"""The ladder: accept the effect that explains most, make it part of the model, look again.
+
+Effects that the user names are added one after the other, whatever the judgement on them would be.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from wheelhop.campaign import Campaign
+from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
-from wheelhop.diagnose.confirm import confirm, refit, without
+from wheelhop.diagnose.confirm import confirm, refit, without, worth_simulating
 from wheelhop.diagnose.critic import criticism
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
-from wheelhop.diagnose.exchange import Stand, exchange
 from wheelhop.diagnose.judge import (
+    Rung,
     at_noise,
     best_first,
     holds_against,
@@ -20,10 +23,9 @@ from wheelhop.diagnose.judge import (
     noticeable,
 )
 from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
-from wheelhop.diagnose.promising import worth_simulating
-from wheelhop.diagnose.rung import Rung
+from wheelhop.diagnose.ranking import why_not
 from wheelhop.diagnose.screen import Screened, screen
-from wheelhop.diagnose.together import look_for_several
+from wheelhop.diagnose.together import Stand, exchange, look_for_several
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect, Place, beliefs
@@ -286,3 +288,52 @@ def _without_idle(
         else:
             rung, shorter = without_it, {}
     return rung, shorter
+
+
+def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> list[Rung]:
+    """The ladder from the fitted baseline through `effects`, in the order given.
+
+    Raises
+    ------
+    CampaignError
+        An effect does not apply to this campaign.
+    """
+    rungs = [base.rung]
+    for effect in effects:
+        rungs.append(one_more(base.workshop, rungs[-1], effect, progress))
+    return rungs
+
+
+def one_more(workshop: Workshop, rung: Rung, effect: Effect, progress: Progress) -> Rung:
+    """The model of `rung` with one more effect, started from what screening suggests and refitted
+    in full.
+
+    Raises
+    ------
+    CampaignError
+        The effect does not apply to this campaign.
+    """
+    progress(f"screening {effect.id}")
+    screened = screen(workshop, rung.fit, [effect])
+    if not screened:
+        where = workshop.campaign.folder / "campaign.toml"
+        reason = why_not(effect, workshop.drives)
+        raise CampaignError(f"{where}: {effect.id} cannot be added: {reason}; leave it out")
+    progress(f"simulating {effect.id}")
+    rough = confirm(workshop, rung, screened[0])
+    progress(f"fitting the vehicle with {effect.id}")
+    return refit(workshop, rough)
+
+
+def steps_with(
+    campaign: Campaign, vehicle: Vehicle, effects: Sequence[Effect], progress: Progress
+) -> list[Step]:
+    """The same from the campaign on, each rung compared with the records.
+
+    Raises
+    ------
+    CampaignError
+        The campaign does not hold what a comparison needs, or an effect does not apply to it.
+    """
+    base = fit_baseline(campaign, vehicle, progress=progress)
+    return [step_of(base.workshop, rung) for rung in fit_with(base, effects, progress)]

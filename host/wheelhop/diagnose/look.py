@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.diagnosis import Step
-from wheelhop.diagnose.judge import p_value
-from wheelhop.diagnose.rung import Rung
-from wheelhop.diagnose.screen import Screened, Variant
+from wheelhop.diagnose.judge import Rung, p_value
+from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.signatures import Variant
 from wheelhop.effects import Effect, OwnValues
 from wheelhop.fit import Workshop
 

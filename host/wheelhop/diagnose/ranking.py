@@ -1,16 +1,74 @@
-"""The first rung's ranking: what became of every effect, each with its reason in one line."""
+"""What became of every effect, and why: ranking, what cannot be told apart, and sentences."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from itertools import pairwise
 
-from wheelhop.diagnose.ambiguity import Angles
-from wheelhop.diagnose.diagnosis import Ranked, Step
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.compare import describe
+from wheelhop.diagnose.diagnosis import Grounds, Ranked, Step
 from wheelhop.diagnose.judge import SIGNIFICANT
 from wheelhop.diagnose.look import Candidate, Look, contradicted, summary_of
+from wheelhop.diagnose.next_run import angle_deg
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
+from wheelhop.fit import Fit
 from wheelhop.vehicle import Drive
+
+Array = NDArray[np.float64]
+
+AMBIGUOUS_DEG = 20.0
+"""Signatures closer than this differ by less than a third of their size."""
+
+
+class Angles:
+    """Angles between what effects change in the records of the runs fitted.
+
+    Of two effects that were simulated in full it is what each fitted model changes, at the strength
+    it was fitted with and with every other number where it then lies: a small friction looks like
+    no damper, a damper that has grown to explain the residual may look much like friction. Of
+    others it is the first-order signature, after everything the baseline could absorb has been
+    taken out of it.
+    """
+
+    def __init__(
+        self, base: Fit, screened: Sequence[Screened], candidates: Sequence[Candidate] = ()
+    ) -> None:
+        weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
+        stack = np.vstack([run.weighed[:, : run.derivatives.shared] for run in base.runs])
+        inner = np.linalg.pinv(stack.T @ stack + np.diag(weight), hermitian=True)
+        self._signatures: dict[str, Array] = {}
+        for item in screened:
+            if any(part.any() for part in item.contribution.values()):
+                whole = np.concatenate([item.contribution[run.bench.run.id] for run in base.runs])
+                whole = whole - stack @ (inner @ (stack.T @ whole))
+                self._signatures[item.variant.effect.id] = whole
+        self._changes = {c.id: _change(base, c.rung.fit) for c in candidates if not c.beside}
+
+    def between(self, first: str, second: str) -> float:
+        """Angle on all runs, degrees, 0 to 90; 90 where one of them was not screened."""
+        both = {first, second}
+        for known in (self._changes, self._signatures):
+            if both <= known.keys():
+                return angle_deg(known[first], known[second])
+        return 90.0
+
+    def near(self, effect: str) -> tuple[tuple[str, float], ...]:
+        """The effects whose change nearly coincides with this one's, nearest first."""
+        others = (self._signatures | self._changes).keys() - {effect}
+        angles = [(other, self.between(effect, other)) for other in sorted(others)]
+        return tuple(sorted((a for a in angles if a[1] < AMBIGUOUS_DEG), key=lambda a: a[1]))
+
+
+def _change(base: Fit, fitted: Fit) -> Array:
+    """What a fitted model changes in the records of the base's runs, per their spread."""
+    residual = {run.bench.run.id: run.residual for run in fitted.runs}
+    return np.concatenate(
+        [(run.residual - residual[run.bench.run.id]) / run.spread for run in base.runs]
+    )
 
 
 def ranking(
@@ -122,3 +180,113 @@ def _why_not_believed(candidate: Candidate) -> str:
 def percent(error: float) -> str:
     """An error as people read it."""
     return f"{100 * error:.{2 if error >= 0.01 else 3}f} %"
+
+
+IDEAS = 3
+"""So many physical ideas are named whose signature comes nearest to what nothing explains."""
+
+LEAST_LIKENESS = 0.03
+"""An effect that could explain less than this share of the rest is no idea."""
+
+
+def explanation(
+    verdict: Sequence[str], steps: Sequence[Step], last: Look, grounds: Grounds
+) -> tuple[str, ...]:
+    """What was found and, where something is left, what it looks like."""
+    lines = []
+    if tuple(verdict) == ("none",):
+        lines += _none(steps[0], last, grounds)
+    for before, after in pairwise(steps):
+        lines.append(_fall(before, after))
+    if verdict[-1] == "unknown":
+        lines.append(
+            f"The residual stays at {steps[-1].over_floor:.2f} times the floor and no effect of the"
+            " library explains it:"
+        )
+        lines.extend(describe(steps[-1].comparison.breakdown))
+        lines.extend(_nearest(last))
+        lines.extend(_held_out_only(steps[-1]))
+        known = [e.id for e in steps[-1].rung.model.effects if not e.is_belief]
+        beside = f" --with {' '.join(known)}" if known else ""
+        lines.append(
+            f"wheelhop law{beside} looks for the missing force: where it acts, how it looks,"
+            " which name comes nearest and what to record next."
+        )
+    for effect in steps[-1].rung.model.effects:
+        if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
+            lines.append(f"What to correct in campaign.toml: {remedy}.")
+    if verdict[-1] != "unknown" and len(steps) > 1:
+        lines.extend(caveats(steps[-1]))
+        lines.append("Where the baseline failed:")
+        lines.extend(describe(steps[0].comparison.breakdown))
+    return tuple(lines)
+
+
+def _none(baseline: Step, last: Look, grounds: Grounds) -> list[str]:
+    if not grounds.more_than_noise:
+        return ["The baseline explains the records down to the noise."]
+    return [
+        f"The baseline comes to {baseline.over_floor:.3f} times the floor. Noise hardly leaves that"
+        f" (p = {grounds.by_chance:.1g}): there is a little more of it than stated, or something"
+        " faint is missing that these runs do not name.",
+        *_nearest(last),
+    ]
+
+
+def caveats(step: Step) -> list[str]:
+    """Why a model that lacks nothing may leave the held-out runs above the floor, if it does."""
+    if step.rung.update is None or step.above_floor:
+        return []
+    floor = step.comparison.floor
+    foreseen = step.rung.error_validate / floor.error_validate
+    if foreseen <= 1.0 + 2.0 * floor.tolerance:
+        return []
+    return [
+        f"Held-out runs are foreseen to {foreseen:.2f} times the floor, because the fitted ones do"
+        " not tell the vehicle's numbers better: within their uncertainty the same model comes to"
+        f" {step.over_floor:.2f} times the floor."
+    ]
+
+
+def _fall(before: Step, after: Step) -> str:
+    added = [name for name in after.added if name not in before.added]
+    taken = [name for name in before.added if name not in after.added]
+    change = f"the error from {percent(before.rung.error)} to {percent(after.rung.error)}."
+    if added and taken:
+        return f"Putting {', '.join(added)} in place of {', '.join(taken)} changes {change}"
+    if not added:
+        return f"{', '.join(taken)} is idle."
+    verb = "lowers" if after.rung.error < before.rung.error else "raises"
+    return f"Adding {', '.join(added)} {verb} {change}"
+
+
+def _held_out_only(step: Step) -> list[str]:
+    """Where only held-out runs show the rest, what would let it be found."""
+    floor, rung = step.comparison.floor, step.rung
+    if rung.validation is None or rung.error_fit > floor.error_fit * (1.0 + floor.tolerance):
+        return []
+    loudest = max(rung.validation.runs, key=lambda run: run.rss)
+    return [
+        "The fitted runs do not show it, so nothing could be fitted to it: give"
+        f' {loudest.bench.run.id} the role "fit", or record another like it.'
+    ]
+
+
+def _nearest(last: Look) -> list[str]:
+    """The ideas whose first-order signature takes most out of the residual, none of them enough."""
+    left = last.rung.fit.error
+    shares = [
+        (1.0 - (s.error / left) ** 2, s.variant.effect)
+        for s in last.screened
+        if s.score > 0 and left > 0
+    ]
+    ideas = [
+        f"{effect.id} ({effect.title}; {100 * share:.0f} %)"
+        for share, effect in sorted(shares, key=lambda item: -item[0])[:IDEAS]
+        if share > LEAST_LIKENESS
+    ]
+    if not ideas:
+        return ["No effect's signature resembles it."]
+    return [
+        f"To first order it resembles most, with the share of it explained: {'; '.join(ideas)}."
+    ]

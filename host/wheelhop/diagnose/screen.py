@@ -1,64 +1,103 @@
 """Screening: how much of the residual each effect could explain, to first order.
 
-An effect's *signature* is the change of the model's output when the effect is switched on, per
-unit of its amplitude; it is taken at a clearly visible strength, through the same simulator that
-confirms it. Signatures and residual are projected off everything the baseline could still absorb
-(vehicle parameters with their priors, what each run leaves free); the drop in the cost that
-remains is the effect's score.
+Signatures and residual are projected off everything the baseline could still absorb (vehicle
+parameters with their priors, what each run leaves free); the drop in the cost that remains is the
+effect's score. Of sums of effects each term is simulated once.
+
+Any residual is explained to a part by heights of the ground that may be chosen freely: two unknowns
+for eight channels. Two controls tell whether it was the ground. The rear wheels must meet what the
+front wheels met: if heights of its own under every wheel make better use of their greater freedom,
+it was not. And heights must be random: a residual of lines, which follow from the known track, is
+not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from math import log
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.probe import FitProbe
-from wheelhop.diagnose.screen_heights import screen_heights
 from wheelhop.diagnose.screen_table import Columns, Known, Table, beyond, run_table
-from wheelhop.effects import Effect, Parameter, RunSetting
-from wheelhop.fit import Fit, Move, RunFit, Trial, Workshop, effect_run_parameters, moves
-from wheelhop.simulate import Model
+from wheelhop.diagnose.signatures import Prepared, Variant, prepare, signatures, variants
+from wheelhop.effects import Effect, Parameter
+from wheelhop.fit import (
+    Explained,
+    Fit,
+    Ground,
+    Noise,
+    RunFit,
+    Spectrum,
+    Workshop,
+    explained,
+    find_density,
+)
 from wheelhop.vehicle import Drive, System
+
+RANDOM = 4.0
+"""Dispersion up to which heights are taken for random; 1.1 to 1.7 where they are, 30 and more where
+they stand for friction, a stop or a wandering speed on tracks that repeat."""
+
+
+class Heights(NamedTuple):
+    """What heights of the best density would explain: its parameters, the drop of the cost, how
+    much of that they are worth after their price, the degrees of freedom they spend, and the sum of
+    squares they leave."""
+
+    theta: dict[str, float]
+    gain: float
+    worth: float
+    freedom: float
+    rss: float
+
+
+def screen_heights(workshop: Workshop, base: Fit, effect: Effect) -> Heights | None:
+    """The heights that explain the base's residual best; None if no run rolls on a track."""
+    if all(run.bench.simulator.series is None for run in base.runs):
+        return None
+    theta, noise, found = _best(workshop, base, effect, coherent=True)
+    _, other_noise, control = _best(workshop, base, effect, coherent=False)
+    evidence = found.evidence(base.size, noise.sigma)
+    is_ground = evidence > control.evidence(base.size, other_noise.sigma)
+    cost = sum(run.bench.cost(run.residual, base.sigma) for run in base.runs)
+    worth = 2.0 * (evidence + base.size * log(base.sigma)) + cost
+    gain = worth - found.log_volume
+    if not is_ground or found.dispersion > RANDOM:
+        worth = -abs(gain)
+    return Heights(theta, gain, worth, found.freedom, noise.rss)
+
+
+def _best(
+    workshop: Workshop, base: Fit, effect: Effect, *, coherent: bool
+) -> tuple[dict[str, float], Noise, Explained]:
+    systems = workshop.systems(base.model)
+    grounds = [
+        (run, Ground(run.bench, base.model, systems[run.bench.drive], coherent))
+        for run in base.runs
+        if run.bench.simulator.series is not None
+    ]
+    spectra = [Spectrum.of(ground, run.residual, run.residual) for run, ground in grounds]
+    parameters = workshop.parameters_of(effect)
+    given = sum(len(run.own) for run in base.runs) + len(base.shared)
+    start = {p.name: p.starts[0] for p in parameters}
+    noise = Noise(base.rss, base.size - given, workshop.noise)
+    theta, noise = find_density(effect, parameters, start, spectra, noise)
+    return theta, noise, explained(effect, theta, spectra, noise.sigma)
+
 
 Array = NDArray[np.float64]
 
-STRENGTH = 0.5
-"""Signatures are taken at this fraction of an amplitude's scale."""
-
 ABSURD = 1e3
 """So many times its scale no amplitude is believed to be: one standard deviation."""
-
-RAN_AWAY = 1e9
-"""A signature of such an acceleration, m/s², is that of a model that is not stable."""
 
 AT_ONCE = 16
 """So many variants are held in memory together: each takes a table of every run."""
 
 NEAR, FEW = 0.6, 2
 """So many more variants of an effect, that explain this share of what the best does, are kept."""
-
-OWN_STRENGTH = 0.1
-"""The same for what is free in every run: a distance gained, nonlinear on a short wave."""
-
-
-@dataclass(frozen=True)
-class Variant:
-    """One effect in one form, its shape parameters at one start, those of single runs included."""
-
-    effect: Effect
-    choice: str
-    shapes: Mapping[str, float]
-    parameters: tuple[Parameter, ...]
-    runs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-    @property
-    def amplitudes(self) -> tuple[Parameter, ...]:
-        """The parameters that vanish with the effect."""
-        return tuple(p for p in self.parameters if not p.is_shape)
 
 
 @dataclass(frozen=True)
@@ -85,65 +124,6 @@ class Screened:
     def score(self) -> float:
         """Half of the gain less the price of its parameters: a logarithm of evidence."""
         return 0.5 * (self.gain - self.price)
-
-
-def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
-    """All forms and shape starts in which an effect is screened; none: it does not apply."""
-    channels = workshop.campaign.channels
-    settings = [run.bench.simulator.setting for run in base.runs]
-    if not any(effect.acts_in(setting) for setting in settings):
-        return []
-    probe = FitProbe(workshop, base.model, workshop.of_role("fit"))
-    found: list[Variant] = []
-    for choice in effect.choices(channels):
-        form = effect.with_choice(choice) if choice else effect
-        if not form.applies_to(workshop.nominal):
-            continue
-        parameters = tuple(workshop.parameters_of(form))
-        amplitudes = any(not p.is_shape for p in parameters)
-        if not amplitudes and not any(form.per_run(setting) for setting in settings):
-            continue
-        starts = {p.name: p.starts for p in parameters if p.is_shape}
-        first = {name: values[0] for name, values in starts.items()}
-        grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
-        for shapes in [{**first, **start} for start in form.shape_starts(probe)] or grid:
-            runs = {s.run_id: _run_shapes(form, probe, s, shapes) for s in settings}
-            found.append(Variant(form, choice, shapes, parameters, runs))
-    return found
-
-
-def _run_shapes(
-    effect: Effect, probe: FitProbe, run: RunSetting, shapes: Mapping[str, float]
-) -> Mapping[str, float]:
-    """Where the shapes begin that an effect leaves free in a run: without them, amplitudes of the
-    run would mean nothing."""
-    names = {p.name for p in effect.per_run(run) if p.is_shape}
-    if not names:
-        return {}
-    start, *_ = effect.run_starts(probe, run, shapes)
-    return {k: v for k, v in start.items() if k in names}
-
-
-def with_variant(model: Model, variant: Variant, amplitudes: Mapping[str, float]) -> Model:
-    """The model with the effect added in this variant at the given amplitudes."""
-    effect = variant.effect
-    values = {f"{effect.id}.{k}": v for k, v in {**variant.shapes, **amplitudes}.items()}
-    model = model.with_effect(effect, variant.parameters).with_values(values)
-    for run_id, own in variant.runs.items():
-        model = model.with_run(run_id, {f"{effect.id}.{k}": v for k, v in own.items()})
-    return model
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """A variant with the models that show each amplitude's signature."""
-
-    variant: Variant
-    steps: tuple[float, ...]
-    models: tuple[Model, ...]
-    systems: tuple[dict[Drive, System], ...]
-    absent: Model
-    absent_systems: dict[Drive, System]
 
 
 def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Screened]:
@@ -203,24 +183,6 @@ def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened
     )
 
 
-def prepare(workshop: Workshop, model: Model, variant: Variant) -> Prepared:
-    """The models in which each amplitude is switched on by itself, clearly visible."""
-    steps, models = [], []
-    for p in variant.amplitudes:
-        step = p.scale if p.switch else STRENGTH * p.scale
-        steps.append(step)
-        models.append(with_variant(model, variant, {p.name: p.absent + step}))
-    absent = with_variant(model, variant, {})
-    return Prepared(
-        variant,
-        tuple(steps),
-        tuple(models),
-        tuple(workshop.systems(m) for m in models),
-        absent,
-        workshop.systems(absent),
-    )
-
-
 def _run_tables(
     run: RunFit, base: Fit, systems: dict[Drive, System], prepared: Sequence[Prepared]
 ) -> list[Table]:
@@ -228,60 +190,6 @@ def _run_tables(
     known = Known.of(run)
     columns = signatures(run, base.model, systems, prepared)
     return [run_table(run, base, c, known.with_columns(run, c)) for c in columns]
-
-
-def signatures(
-    run: RunFit, model: Model, systems: dict[Drive, System], prepared: Sequence[Prepared]
-) -> list[Columns]:
-    """The signatures of all variants in one run, simulated together."""
-    bench, size = run.bench, len(run.residual)
-    trials, own_moves = list[Trial](), list[list[Move]]()
-    for item in prepared:
-        own_moves.append([])
-        if _acts(run, item.variant) and not _is_restored(item.variant):
-            trials += zip(item.models, item.systems, strict=True)
-            free = effect_run_parameters(bench.simulator.setting, item.variant.effect)
-            own = [f for f in free if not f.is_shape]
-            own_moves[-1] = moves(bench, item.absent, own, lambda f: OWN_STRENGTH * f.scale)
-            trials += [(move.model, item.absent_systems) for move in own_moves[-1]]
-    changes = iter(bench.changes((model, systems), trials))
-    found = []
-    for item, moved in zip(prepared, own_moves, strict=True):
-        columns = [np.zeros(size) for _ in item.models]
-        if _acts(run, item.variant) and _is_restored(item.variant):
-            columns = [_restored(run, item.variant)]
-        elif _acts(run, item.variant):
-            columns = [bench.coefficients(next(changes)) / step for step in item.steps]
-        parts = dict(part for move in moved for part in move.parts(bench, next(changes)))
-        own_columns = [parts[i] / OWN_STRENGTH for i in sorted(parts)]
-        found.append(Columns(_stacked(columns, size), _stacked(own_columns, size)))
-    return found
-
-
-def _acts(run: RunFit, variant: Variant) -> bool:
-    return run.bench.simulator.acts(variant.effect)
-
-
-def _is_restored(variant: Variant) -> bool:
-    """Whether an effect is a fault of the record that can be undone: a record set right keeps the
-    model's derivatives, a model set wrong does not."""
-    return variant.effect.place == "sensor" and all(p.switch for p in variant.parameters)
-
-
-def _restored(run: RunFit, variant: Variant) -> Array:
-    """How much larger the record is than the record set right, (size,)."""
-    bench, campaign = run.bench, run.bench.simulator.campaign
-    theta = {p.name: p.scale for p in variant.parameters}
-    right = variant.effect.restore(
-        theta, bench.run.record, campaign.channels, campaign.sample_rate_hz
-    )
-    return bench.coefficients(bench.run.record - right)
-
-
-def _stacked(columns: Sequence[Array], size: int) -> Array:
-    """Columns (size, k); not a number where a simulation ran away."""
-    together = np.stack(columns, axis=1) if columns else np.zeros((size, 0))
-    return np.where(np.abs(together).max(axis=0, initial=0.0) < RAN_AWAY, together, np.nan)
 
 
 def solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
@@ -360,3 +268,45 @@ def _bounded(
         held |= outside
     gain = float(2 * gradient @ x - x @ matrix @ x)
     return x, gain
+
+
+class Terms:
+    """Signatures of terms, effects with amplitudes and nothing else, in the runs of a fit."""
+
+    def __init__(self, workshop: Workshop, base: Fit, terms: Sequence[Effect]) -> None:
+        self._workshop, self._base = workshop, base
+        of_terms = [(t, v) for t in terms for v in variants(workshop, base, t)]
+        self._names = [(term, p.name) for term, variant in of_terms for p in variant.amplitudes]
+        prepared = [prepare(workshop, base.model, variant) for _, variant in of_terms]
+        systems = workshop.systems(base.model)
+
+        def simulated(run: RunFit) -> tuple[Columns, Array]:
+            found = signatures(run, base.model, systems, prepared)
+            together = Columns(np.hstack([c.amplitudes for c in found]), found[0].own[:, :0])
+            return together, Known.of(run).with_columns(run, together)
+
+        self._runs = workshop.each(simulated, base.runs)
+
+    def screen(self, total: Effect, among: Sequence[Effect]) -> Screened:
+        """The sum of these terms: an amplitude of `total` is that of every term `among` them which
+        has one of this name."""
+        base, parameters = self._base, tuple(self._workshop.parameters_of(total))
+        sums = np.array(
+            [
+                [float(p.name == name and term in among) for p in parameters]
+                for term, name in self._names
+            ]
+        )
+        some = np.flatnonzero(sums.any(axis=1))  # what runs away spoils no sum but its own
+        sums = sums[some]
+        tables = []
+        for run, (columns, products) in zip(base.runs, self._runs, strict=True):
+            known = len(run.own) + len(base.shared)
+            kept = [*range(known), *(known + some), products.shape[1] - 1]
+            matrix = np.zeros((len(kept), known + len(parameters) + 1))
+            matrix[:known, :known] = np.eye(known)
+            matrix[known:-1, known:-1], matrix[-1, -1] = sums, 1.0
+            together = matrix.T @ products[:, kept][:, :, kept] @ matrix
+            part = Columns(columns.amplitudes[:, some] @ sums, columns.own)
+            tables.append(run_table(run, base, part, together))
+        return solve(base, Variant(total, "", {}, parameters), tables)

@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from wheelhop.diagnose.judge import best_first, log_odds, unforeseen
-from wheelhop.diagnose.rung import Rung
+from wheelhop.diagnose.judge import Rung, best_first, log_odds, unforeseen
 from wheelhop.fit import Bench, Fit, Workshop, fit, follow, update
 from wheelhop.simulate import Model
 

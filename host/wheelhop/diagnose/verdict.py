@@ -1,19 +1,34 @@
-"""The verdict: what was accepted, how sure that is, and why everything else was not."""
+"""The verdict: what was accepted, how sure that is, and what these runs could not have shown.
+
+"Nothing is missing" is worth what the runs could have shown. The signatures that screening made
+say it beforehand, to first order: an effect s times as strong as its scales takes s² G out of the
+fitted runs' sum of squares per noise power, G = dᵀI d with the scales d of its amplitudes and
+what the runs tell of these, I.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from math import exp, inf, isfinite, log, tanh
 
-from wheelhop.diagnose.ambiguity import Angles
-from wheelhop.diagnose.confidence import confidence, grounds
-from wheelhop.diagnose.diagnosis import Diagnosis, Step
-from wheelhop.diagnose.exchange import Stand
-from wheelhop.diagnose.explain import explanation
-from wheelhop.diagnose.judge import lead
-from wheelhop.diagnose.limits import limits
+import numpy as np
+
+from wheelhop.diagnose.diagnosis import Diagnosis, Grounds, Limit, Step
+from wheelhop.diagnose.judge import (
+    SIGNIFICANT,
+    Rung,
+    by_chance,
+    lead,
+    left,
+    log_odds,
+    material,
+    p_value,
+)
 from wheelhop.diagnose.look import Look
 from wheelhop.diagnose.next_run import NextRun, propose
-from wheelhop.diagnose.ranking import ranking
+from wheelhop.diagnose.ranking import Angles, explanation, ranking
+from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.together import Stand
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 
@@ -68,3 +83,151 @@ def _next_run(
         (nearest.id, nearest.rung),
         angles.between(chosen.id, nearest.id),
     )
+
+
+CEILING = 0.99
+"""No verdict on a single campaign is surer than this."""
+
+LEAD_SCALE = 0.001
+"""Odds are e : 1 against a rival that leaves this share more than the effect accepted, 1 : e
+against one that leaves as much less: simulations are no more exact than that near the noise,
+whatever the evidence says."""
+
+PART = 4
+"""Confidence falls with this power of the share explained where something is left."""
+
+STEADY = 0.3
+"""So much of what speaks for an effect should be left without the run that speaks loudest."""
+
+STAND_IN = 0.5
+"""Where one effect is accepted and leaves something that nothing explains, one unknown effect that
+it resembles is at least as likely as that effect and an unknown one beside it."""
+
+UNKNOWN_SCALE = 0.3
+"""Error over the floor, less one, at which "unknown" is two thirds sure: nearer to the floor an
+effect of the library may be too faint to be found."""
+
+SURELY_NONE = 0.1
+"""Where the likeliest effect has this chance to be worthless, and noise this chance to leave so
+much, "none" is as sure as it can be."""
+
+
+def grounds(
+    verdict: Sequence[str],
+    steps: Sequence[Step],
+    first: Look,
+    last: Look,
+    stands: Mapping[str, Stand],
+    noise: float,
+) -> Grounds:
+    """What the verdict's first entry stands on.
+
+    A single effect is held against its rivals at the first look; one of several, against those in
+    its place beside the others: while these are missing, little can be said of it.
+    """
+    over, baseline = steps[-1].over_floor, steps[0].over_floor
+    at_floor = "unknown" not in verdict
+    floor = steps[-1].comparison.floor
+    # The noise that a campaign states is taken at its word: what is more than that is not noise.
+    tolerance = 0.0 if floor.is_stated else floor.tolerance
+    chance = by_chance(steps[-1].rung, noise, tolerance, steps[-1].allowed)
+    accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
+    if verdict[0] in stands:
+        final, stand = steps[-1].rung, stands[verdict[0]]
+        against = p_value(log_odds(stand.without, final, noise), len(first.screened))
+        rivals, base = [stand.rival], stand.without
+    elif accepted is not None:
+        final, against = accepted.rung, accepted.p
+        rivals = [c.rung for c in first.candidates if c.rung is not accepted.rung]
+        base = first.rung
+    else:
+        closest = min((c.p for c in last.candidates), default=1.0)
+        return Grounds(inf, inf, 1.0, closest, over, baseline, chance)
+    # A rival may be worse than nothing.
+    best = min([*rivals, base], key=lambda r: lead(final, r))
+    margin = min((_odds(rival, final, at_floor) for rival in rivals), default=inf)
+    stability = _stability(best, final)
+    return Grounds(margin, lead(final, best), stability, against, over, baseline, chance)
+
+
+def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
+    """That the verdict's first entry is right.
+
+    Of an effect: how clearly it leads its best rival, times the chance that it does not hold at
+    all; where something is left, times how much of what the baseline left is explained in the end
+    (a wrong effect may explain a part, hardly ever nearly everything), and less where a single run
+    speaks for it. Of "none": how far the likeliest effect is from
+    being accepted, and whether noise alone leaves as much. Of "unknown": how far the residual is
+    above the floor's own uncertainty.
+    """
+    if verdict[0] == "unknown":
+        return CEILING * (1.0 - exp(-(grounds.over_floor - 1.0) / UNKNOWN_SCALE))
+    if verdict[0] == "none":
+        nothing_holds = 0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE)
+        return CEILING * nothing_holds * min(1.0, grounds.by_chance / SURELY_NONE)
+    leads = 0.5 + 0.5 * tanh(0.5 * grounds.lead / LEAD_SCALE)
+    sure = CEILING * leads * (1.0 - grounds.p_value)
+    if "unknown" not in verdict:
+        return sure
+    if len(verdict) == 2:
+        sure *= STAND_IN
+    steady = min(max(grounds.stability / STEADY, 0.0), 1.0)
+    return sure * steady * _explained(grounds) ** PART
+
+
+def _explained(grounds: Grounds) -> float:
+    """Share of the baseline's power above the floor that the last rung does not leave."""
+    excess = grounds.baseline_over_floor**2 - 1.0
+    left = max(grounds.over_floor**2 - 1.0, 0.0)
+    return max(1.0 - left / excess, 0.0) if excess > 0.0 else 0.0
+
+
+def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:
+    """Logarithm of the odds for the accepted model.
+
+    Once the residual is down at the white noise of the sensors, the evidence counts in full; while
+    something unexplained is left in it, only what blocks of held-out runs say.
+    """
+    return accepted.evidence - rival.evidence if at_floor else log_odds(rival, accepted)
+
+
+def _stability(rival: Rung, accepted: Rung) -> float:
+    """The share of what speaks for the accepted model that is left when the run that speaks for it
+    loudest is left out, fitted runs and held-out ones alike; negative: it turns against it."""
+    gains = []
+    for before, after in ((rival.fit, accepted.fit), (rival.judging, accepted.judging)):
+        gains += [left(a) - left(b) for a, b in zip(before.runs, after.runs, strict=True)]
+    total = sum(gains)
+    return (total - max(gains)) / total if total > 0.0 else -1.0
+
+
+def limits(look: Look, accepted: Collection[str]) -> tuple[Limit, ...]:
+    """The limits of all effects a look screened, in the order of their names, but for those
+    accepted, and those that leave every run numbers of its own and nothing else."""
+    found = [
+        _limit(look, item)
+        for item in look.screened
+        if item.variant.amplitudes and item.variant.effect.id not in accepted
+    ]
+    return tuple(sorted(found, key=lambda limit: limit.effect))
+
+
+def _limit(look: Look, item: Screened) -> Limit:
+    variant = item.variant
+    scale = np.array([p.scale for p in variant.amplitudes])
+    gain = float(scale @ item.information @ scale)
+    strength = float(np.sqrt(_needed(look, item) / gain)) if gain > 0.0 else inf
+    shown = isfinite(strength) and all(
+        strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
+        for p in variant.amplitudes
+    )
+    found = {p.name: p.absent + strength * p.scale for p in variant.amplitudes if not p.switch}
+    return Limit(variant.effect.id, variant.choice, found if shown else {}, shown)
+
+
+def _needed(look: Look, item: Screened) -> float:
+    """The drop of the fitted runs' sum of squares, per noise power, with which an effect would be
+    simulated in full and then hold on the runs that judge."""
+    fitted, judging = look.rung.fit.size, look.rung.judging.size
+    by_chance = 2.0 * log(len(look.screened) / SIGNIFICANT) * fitted / judging
+    return max(item.price, by_chance, material(look.rung) * fitted)

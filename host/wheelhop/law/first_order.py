@@ -9,8 +9,7 @@ import numpy as np
 
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Rung
-from wheelhop.diagnose.screen import Screened
-from wheelhop.diagnose.screen_sums import Terms
+from wheelhop.diagnose.screen import Screened, Terms
 from wheelhop.fit import Workshop
 from wheelhop.law.free import Form, FreeForce
 from wheelhop.law.places import Moved, Where, motion_of, of_axle, parts_of, places

@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Progress, Rung, fit_baseline
-from wheelhop.diagnose.added import fit_with
-from wheelhop.diagnose.confirm import confirm, refit
+from wheelhop.diagnose.confirm import confirm, least_gain, refit
 from wheelhop.diagnose.judge import at_noise
-from wheelhop.diagnose.promising import least_gain
-from wheelhop.diagnose.screen import Screened, screen
-from wheelhop.diagnose.screen_sums import Terms
+from wheelhop.diagnose.ladder import fit_with
+from wheelhop.diagnose.screen import Screened, Terms, screen
 from wheelhop.diagnose.validate import Incumbent, validate
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, effect_parameters, fit

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Campaign
 from wheelhop.compare import Record, describe
 from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
-from wheelhop.diagnose.ambiguity import Angles
 from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.ranking import ranked_so_far
+from wheelhop.diagnose.ranking import Angles, ranked_so_far
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
