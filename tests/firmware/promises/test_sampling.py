@@ -189,6 +189,22 @@ def test_an_interrupt_too_late_for_the_supply_is_counted(logger, card, cycles):
         assert 2200 * was_lost <= shift <= 2500 * was_lost
 
 
+def test_no_cycle_is_too_late_for_the_input_and_too_early_to_be_counted(logger, card):
+    """Cycle by cycle over the last moment at which the next trigger still starts a conversion."""
+    configure(card, "size_mb = 1\nrate = 400\n")
+    one = logger(card, trace=True, signals=steps_of_the_inputs())
+    assert one.command("start").ok
+    lost = [
+        lost_triggers(wait_in_a_scan_that_reads_the_supply(one, 3, cycles)[1])
+        for cycles in range(320, 370)
+    ]
+    assert one.command("stop").ok
+    log = one.log()
+    assert set(lost) == {0, 1} and lost[0] == 0 and lost[-1] == 1
+    assert int(log.summary["late"]) == sum(lost)
+    assert scans_with_another_inputs_voltage(log) == {}
+
+
 def test_the_other_interrupts_together_make_no_trigger_late(logger, card):
     """At 400 scans a second, behind every conversion of a scan that reads the supply."""
     configure(card, "size_mb = 1\nrate = 400\n")
