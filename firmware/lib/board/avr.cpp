@@ -34,7 +34,7 @@ const uint8_t kButton = _BV(2), kLed = _BV(1);
 const uint8_t kSelect = _BV(2), kSck = _BV(5), kMosi = _BV(3), kMiso = _BV(4);
 #endif
 
-const uint16_t kEarliestEnd = 1600;          // a conversion ends 13.5 × 128 clocks after its start
+const uint16_t kEarliestEnd = 1728;          // a conversion ends 13.5 × 128 clocks after its start
 const uint8_t kConverterOn = _BV(ADEN) | 7;  // its clock: F_CPU/128
 
 #ifdef __AVR_ATmega2560__
@@ -78,12 +78,11 @@ void save_reset_flags() {
     wdt_disable();
 }
 
-// Let the next conversion start `clocks` after the last one.
+// Let the next conversion start `clocks` after the last one. Only while a trigger starts nothing.
 void set_round(uint16_t clocks) {
     const uint16_t top = clocks - 1;
-    if (OCR1A == top) return;
     OCR1A = OCR1B = top;
-    if (TCNT1 > top) TCNT1 = top - 1;  // late: or else the timer would go round by its 16 bits
+    if (TCNT1 > top) TCNT1 = 0;  // has passed by: or else the timer would go round by its 16 bits
 }
 
 }  // namespace
@@ -230,15 +229,18 @@ void sleep() { sleep_mode(); }
 }  // namespace board
 
 ISR(ADC_vect) {
-    // The next trigger needs this flag clear when the timer comes round. If the timer has come
-    // round already and no conversion runs, that trigger has passed by. The order matters: a
-    // trigger between the first two lines does start its conversion.
+    const uint8_t ended = ADMUX;
+    const uint8_t next = board::sampler.advance();
+    ADMUX = next == Sampler::kSupply ? kBandgap : next;
+    set_round(board::sampler.clocks());
+    // While this flag is up a trigger starts nothing: no conversion of the old input, and none at
+    // the end of the old round (data sheet, "Changing Channel or Reference Selection"). If the
+    // timer has come round already and no conversion runs, that trigger has passed by. The order
+    // matters: a trigger between the next two lines does start its conversion.
     TIFR1 = _BV(OCF1B);
     const uint16_t clocks = TCNT1;
     if (clocks < kEarliestEnd && !(ADCSRA & _BV(ADSC))) board::sampler.note_late_trigger();
-    const uint8_t next = board::sampler.collect(ADC);
-    ADMUX = next == Sampler::kSupply ? kBandgap : next;
-    set_round(board::sampler.clocks());
+    board::sampler.collect(ended == kBandgap ? Sampler::kSupply : ended, ADC);
 }
 
 ISR(USART_UDRE_vect) {

@@ -38,32 +38,35 @@ class Sampler {
         memset(sums_, 0, sizeof sums_);
     }
 
-    // Interrupt only: the result of a conversion; returns the input of the next one, or kSupply.
-    uint8_t collect(uint16_t code) {
+    // Interrupt only, when a conversion has ended: the input of the next one, or kSupply.
+    uint8_t advance() {
         if (reading_) {
             reading_ = false;
-            supply_code_ = code;
             return input(position_);
         }
-        sums_[filling_][input(position_)] += code;
-        if (++position_ == length_) {
-            position_ = 0;
-            finish_scan();
-        } else if (supply_scan_ && position_ == length_ / 2) {
-            reading_ = true;
-            return kSupply;
-        }
-        return input(position_);
+        if (++position_ == length_) position_ = 0;
+        reading_ = supply_scan_ && position_ == length_ / 2;
+        return reading_ ? kSupply : input(position_);
     }
 
-    // Interrupt only, after collect(): clocks from the start of that conversion to the next one's.
+    // Interrupt only, after advance(): clocks from the start of the ended conversion to the next.
     uint16_t clocks() const {
         if (!supply_scan_ || !position_) return kClocks;
         const uint16_t closer = static_cast<uint16_t>(100 * squeeze_);
         return reading_ ? static_cast<uint16_t>((length_ - 1) * closer) : kClocks - closer;
     }
 
-    // Interrupt only: a conversion has not started, because the one before was collected too late.
+    // Interrupt only, after advance(): input and result of the conversion that has ended.
+    void collect(uint8_t ended, uint16_t code) {
+        if (ended == kSupply) {
+            supply_code_ = code;
+            return;
+        }
+        sums_[filling_][ended] += code;
+        if (!position_) finish_scan();
+    }
+
+    // Interrupt only: a conversion has not started, because the interrupt came too late.
     void note_late_trigger() {
         if (late_ != 0xFFFF) ++late_;
     }

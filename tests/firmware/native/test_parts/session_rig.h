@@ -39,10 +39,15 @@ struct Rig {
     // So many scans of time pass; the main loop does what main.cpp's pump() does.
     void run(int scans) {
         Scan scan;
+        uint8_t input = 0;  // of the conversion under way: scans begin and end with 0
         for (; scans; --scans) {
             for (int k = 0; k < 8 * fake::sampling; ++k) {
-                if (fake::sampler.collect(code++ / 64 & 1023) == Sampler::kSupply) {
-                    fake::sampler.collect(fake::reference_code);
+                const uint8_t next = fake::sampler.advance();
+                fake::sampler.collect(input, code++ / 64 & 1023);
+                input = next;
+                if (input == Sampler::kSupply) {
+                    input = fake::sampler.advance();
+                    fake::sampler.collect(Sampler::kSupply, fake::reference_code);
                 }
             }
             session.take(scan);

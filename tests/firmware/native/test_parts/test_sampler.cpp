@@ -18,7 +18,12 @@ TEST(every_input_has_the_same_mean_instant) {
 
 // Converts scans of a ramp: conversion number n gives n.
 static void convert(Sampler& sampler, int conversions, uint16_t& code) {
-    for (int k = 0; k < conversions; ++k) sampler.collect(code++ & 1023);
+    uint8_t ended = 0;  // scans begin and end with input 0
+    for (int k = 0; k < conversions; ++k) {
+        const uint8_t next = sampler.advance();
+        sampler.collect(ended, code++ & 1023);
+        ended = next;
+    }
 }
 
 TEST(sums_of_a_ramp_are_equal) {
@@ -36,11 +41,11 @@ TEST(sums_of_a_ramp_are_equal) {
     }
 }
 
-TEST(collect_tells_the_input_of_the_next_conversion) {
+TEST(advance_tells_the_input_of_the_next_conversion) {
     Sampler sampler;
     sampler.start(8);
     for (int position = 1; position < 200; ++position) {
-        CHECK(sampler.collect(0) == Sampler::input(static_cast<uint8_t>(position % 64)));
+        CHECK(sampler.advance() == Sampler::input(static_cast<uint8_t>(position % 64)));
     }
 }
 
@@ -55,14 +60,16 @@ TEST(one_scan_in_32_reads_the_supply_and_keeps_its_mean_instants) {
         for (uint64_t scan = 0; scan < 100; ++scan) {
             uint64_t instants[8] = {};
             for (uint64_t left = length; left;) {
-                if (input == Sampler::kSupply) {
+                const uint8_t ended = input;
+                input = sampler.advance();
+                if (ended == Sampler::kSupply) {
                     CHECK(left == length / 2 && scan % 32 == 16);
                     ++readings;
-                    input = sampler.collect(static_cast<uint16_t>(scan));
+                    sampler.collect(ended, static_cast<uint16_t>(scan));
                 } else {
-                    instants[input] += now;
+                    instants[ended] += now;
                     --left;
-                    input = sampler.collect(1);
+                    sampler.collect(ended, 1);
                 }
                 now += sampler.clocks();
             }
