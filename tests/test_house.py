@@ -32,8 +32,10 @@ OWN_WAY = {
     "formats/uff.py": "is handed the draft",
     "predict/journal.py": "a journal grows line by line",
     "report/svg.py": "in memory",
+    "track/rdf.py": "into a draft that is open",
     "workbench/draft.py": "in a temporary folder",
     "workbench/export.py": "in memory, then a draft",
+    "workbench/recorder.py": "to where nothing is kept",
 }
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}
 FOLDERS = ("host", "calibration", "hil_sim", "firmware", "tests", "benchmarks", "docs", "tools")

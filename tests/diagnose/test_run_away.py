@@ -8,7 +8,7 @@ import pytest
 
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import Channel, read_campaign
-from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose import fit_baseline, signatures
 from wheelhop.diagnose import screen as screening
 from wheelhop.diagnose.confirm import placed_anew
 from wheelhop.effects import load_effects
@@ -22,7 +22,7 @@ def test_an_effect_whose_simulation_runs_away_ranks_last_and_in_silence(tmp_path
     campaign = read_campaign(folder).select("washboard-high-fast", "washboard-high-slow")
     vehicle = read_nominal(campaign)
     base = fit_baseline(campaign, vehicle, progress=lambda text: None)
-    stacked, variants = screening._stacked, screening.variants
+    stacked, variants = signatures._stacked, screening.variants
     calls = iter(range(1000))
 
     def first_runs_away(columns, size):
@@ -30,7 +30,7 @@ def test_an_effect_whose_simulation_runs_away_ranks_last_and_in_silence(tmp_path
         found = stacked(columns, size)
         return np.full_like(found, np.nan) if next(calls) < 2 else found
 
-    monkeypatch.setattr(screening, "_stacked", first_runs_away)
+    monkeypatch.setattr(signatures, "_stacked", first_runs_away)
     monkeypatch.setattr(screening, "variants", lambda *about: variants(*about)[:1])
     library = load_effects()
     effects = [library[name] for name in ("speed-fluctuation", "dry-friction", "anti-roll-bar")]

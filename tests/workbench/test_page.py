@@ -168,8 +168,8 @@ def test_a_component_on_a_rig(tmp_path, open_page, pictures):
 
 
 def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
-    numbers = {"quadratic_N_s2_m2": 2.0 * DAMPER.damping_N_s_m}
-    folder = rig(tmp_path / "rig", replace(DAMPER, hidden="quadratic-damper", numbers=numbers))
+    numbers = {"share": 1.0, "travel_m": 0.02}
+    folder = rig(tmp_path / "rig", replace(DAMPER, hidden="bypass-damper", numbers=numbers))
     with workbench(folder) as (address, _):
         page = open_page(address)
         find_out(page)

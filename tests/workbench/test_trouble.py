@@ -15,7 +15,7 @@ FITTED = "table.heat td:is(.h0, .h1, .h2, .h3, .h4)"
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
 def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(clean, tmp_path, open_page):
     folder = tmp_path / "campaign"
-    shutil.copytree(clean, folder)
+    shutil.copytree(clean, folder, ignore=shutil.ignore_patterns("session.toml"))
     (folder / "session.toml").mkdir()  # as of a folder that may not be written to
     with workbench(folder) as (address, process):
         page = open_page(address)

@@ -1,9 +1,8 @@
 """Log files written by the host, from what the logger streams (`firmware/SPEC.md`, "Log file").
 
 The file is good at any moment: whole blocks, one after the other. A block is written when it is
-full or half a second old, and the disk is told to keep it once a second: whoever kills the
-process loses less than a second. Of each frame it is told which session it belongs to, and so
-when a file begins and ends.
+full or half a second old, and kept by the disk once a second: a kill loses less than a second.
+Of each frame it is told which session it belongs to, and so when a file begins and ends.
 """
 
 import contextlib

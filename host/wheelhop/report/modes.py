@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from wheelhop.files import write_picture
 from wheelhop.predict.modal import Modes, Transmissibility
 from wheelhop.predict.modal_words import by_place
 from wheelhop.report.figures import INK, SOFT, WIDTH
@@ -59,8 +60,8 @@ def modes_figure(found: Sequence[tuple[Modes, Transmissibility]]) -> Figure:
 
 
 def write_modes_figure(found: Sequence[tuple[Modes, Transmissibility]], file: Path) -> None:
-    """Write it as PNG."""
-    modes_figure(found).savefig(file, dpi=150, format="png")
+    """Write it; raises InputError."""
+    write_picture(file, modes_figure(found))
 
 
 def _draw_modes(axes: Axes, modes: Modes, ink: str, taken: list[tuple[str, float, float]]) -> None:

@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from wheelhop.files import write_picture
 from wheelhop.predict.ride import Ride
 from wheelhop.report.figures import SOFT, WIDTH
 from wheelhop.report.modes import INKS
@@ -62,5 +63,5 @@ def rides_figure(runs: Sequence[str], rides: Mapping[str, Sequence[Ride]]) -> Fi
 def write_rides_figure(
     runs: Sequence[str], rides: Mapping[str, Sequence[Ride]], file: Path
 ) -> None:
-    """Write it as PNG."""
-    rides_figure(runs, rides).savefig(file, dpi=150, format="png")
+    """Write it; raises InputError."""
+    write_picture(file, rides_figure(runs, rides))
