@@ -118,6 +118,11 @@ def quadratic_damper(k: float, c: float, quadratic_N_s2_m2: float) -> Law:
     return lambda x, v: k * x + c * v + quadratic_N_s2_m2 * v * abs(v)
 
 
+def choking_damper(k: float, c: float, quadratic_N_s2_m2: float) -> Law:
+    """In nobody's library: an orifice that the oil passes in compression alone."""
+    return lambda x, v: k * x + c * v - quadratic_N_s2_m2 * min(v, 0.0) ** 2
+
+
 def bypass_damper(k: float, c: float, share: float, travel_m: float) -> Law:
     """In nobody's library: ports shut as the piston travels."""
     return lambda x, v: k * x + c * v * (1.0 + share * (x / travel_m) ** 2)
@@ -127,7 +132,8 @@ HIDDEN = {
     law.__name__.replace("_", "-"): law
     for law in (
         *(cubic_spring, air_spring, bump_stop, asymmetric_damper, digressive_damper),
-        *(dry_friction, backlash, mount_bushing, quadratic_damper, bypass_damper),
+        *(dry_friction, backlash, mount_bushing, quadratic_damper),
+        *(choking_damper, bypass_damper),
         *(hysteresis.lugre, hysteresis.bouc_wen, hysteresis.friction_with_play),
         *(hysteresis.mr_damper, hysteresis.payne_effect),
     )

@@ -168,16 +168,16 @@ def test_a_component_on_a_rig(tmp_path, open_page, pictures):
 
 
 def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
-    numbers = {"share": 1.0, "travel_m": 0.02}
-    folder = rig(tmp_path / "rig", replace(DAMPER, hidden="bypass-damper", numbers=numbers))
+    numbers = {"quadratic_N_s2_m2": 4.0 * DAMPER.damping_N_s_m}
+    folder = rig(tmp_path / "rig", replace(DAMPER, hidden="choking-damper", numbers=numbers))
     with workbench(folder) as (address, _):
         page = open_page(address)
         find_out(page)
-        assert page.locator(".verdict h3").inner_text() == "unknown"
+        assert page.locator(".verdict h3").inner_text().endswith("unknown")
         page.screenshot(path=pictures / "unknown.png", full_page=True)
         page.get_by_role("button", name="Find the missing force").click()
         page.get_by_role("heading", name="The force that is missing").wait_for(timeout=FINDING_MS)
-        assert "damping that grows with speed squared" in page.locator("pre").inner_text()
+        assert "It is one of compression." in page.locator("pre").inner_text()
         page.screenshot(path=pictures / "law.png", full_page=True)
 
 
