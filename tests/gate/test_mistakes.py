@@ -55,6 +55,27 @@ def test_what_users_may_well_have_is_no_mistake(clean):
     assert gate(replace(campaign, runs=runs), vehicle).findings == ()
 
 
+@pytest.mark.parametrize("copied", [False, True])
+def test_wheels_that_move_alike_are_no_copy(clean, copied):
+    """On a washboard both front wheels do the same, a thousand times the noise: what tells two
+    sensors from one is their noise, at frequencies where nothing moves."""
+    campaign, vehicle = clean
+    rng = np.random.default_rng(7)
+
+    def alike(run):
+        lines = np.fft.rfft(run.record, axis=0)
+        lines[len(lines) // 3 :] = 0.0
+        moved = 30.0 * np.fft.irfft(lines, len(run.record), axis=0)
+        record = moved + rng.normal(0.0, 0.05, moved.shape)
+        left = record if copied else moved + rng.normal(0.0, 0.05, moved.shape)
+        record[:, 1] = left[:, 0]
+        return replace(run, record=record)
+
+    runs = tuple(alike(run) for run in campaign.runs)
+    found = gate(replace(campaign, runs=runs), vehicle).findings
+    assert ("same-signal" in [finding.kind for finding in found]) is copied
+
+
 def test_a_silent_channel_is_left_out(clean):
     campaign, vehicle = clean
     runs = tuple(

@@ -24,6 +24,7 @@ SAME_PHASES = 0.5
 """Half of all phases alike, over the whole spectrum: noise, which never repeats, is most of it."""
 ALIKE = 0.02  # sizes of two copies, whatever was rounded or taken out of the mean
 SAME_SIGNAL = 1e-4  # of the power, left of the difference of two columns
+QUIET_SHARE = 0.1  # of all lines of all spectra are quietest
 NOISE = 1.5  # by which an estimate of the noise from a record may be off
 UNIT = 5.0  # and by which stated noise is in another unit
 FLAT_BODY = 1 / 8
@@ -105,23 +106,31 @@ def _same_phases(campaign: Campaign) -> Iterator[Copy]:
 
 
 def same_signal_findings(campaign: Campaign) -> Iterator[Finding]:
-    """Two channels that hold one signal: a wire on two inputs, a column copied."""
-    records = [run.record - run.record.mean(axis=0) for run in campaign.runs]
-    products = sum(r.T @ r for r in records)
-    power = np.diag(products)
-    for i, j in combinations(range(len(power)), 2):
-        apart = power[i] + power[j] - 2 * products[i, j]
-        if power[i] > 0 and apart < SAME_SIGNAL * (power[i] + power[j]):
+    """Two channels that hold one signal: a wire on two inputs, a column copied. On a track that
+    moves both alike two sensors differ by their noise alone: at the frequencies where next to
+    nothing moves, by all they hold."""
+    lines = [np.fft.rfft(_windowed(run.record), axis=0) for run in campaign.runs]
+    for i, j in combinations(range(len(campaign.channels)), 2):
+        apart = np.concatenate([np.abs(x[:, i] - x[:, j]) ** 2 for x in lines])
+        power = np.concatenate([np.abs(x[:, i]) ** 2 + np.abs(x[:, j]) ** 2 for x in lines])
+        quiet = power <= np.quantile(power, QUIET_SHARE)
+        share = apart.sum() / max(power.sum(), 1e-300)
+        alike = power.sum() > 0 and share < SAME_SIGNAL
+        if alike and apart[quiet].sum() <= power[quiet].sum() / 2:
             a, b = campaign.channels[i].name, campaign.channels[j].name
             yield Finding(
                 "before",
                 "same-signal",
                 f"channels {a} and {b}",
-                f"{a} and {b} hold the same signal: {100 * apart / (power[i] + power[j]):.1g} % of"
-                " their power differs, less than two sensors' noise.",
+                f"{a} and {b} hold the same signal: {100 * share:.1g} % of their power differs,"
+                " less than two sensors' noise.",
                 f"Look at the wiring and at the export of {a} and {b}.",
                 "certain",
             )
+
+
+def _windowed(record: Array) -> Array:
+    return np.asarray(np.hanning(len(record))[:, None] * (record - record.mean(axis=0)))
 
 
 def noise_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[Finding]:
