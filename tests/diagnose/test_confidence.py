@@ -31,6 +31,7 @@ grounds = st.builds(
     over_floor=over,
     baseline_over_floor=over,
     by_chance=st.floats(0.0, 1.0),
+    unseen=st.floats(0.0, 1.0),
 )
 CLEAR = Grounds(
     log_odds=1e4,
@@ -84,6 +85,7 @@ def test_plain_cases():
     assert confidence(("none",), replace(CLEAR, p_value=1.0)) == CEILING
     assert confidence(("none",), replace(CLEAR, p_value=0.0)) == CEILING / 2.0
     assert confidence(("none",), replace(CLEAR, p_value=1.0, by_chance=0.0)) == 0.0
+    assert confidence(("none",), replace(CLEAR, p_value=1.0, unseen=0.5)) == CEILING / 2.0
 
 
 def test_a_rival_that_is_worse_than_nothing_is_no_measure():

@@ -26,13 +26,14 @@ FORMAT = 1
 @dataclass(frozen=True)
 class Limit:
     """The smallest amplitudes of an effect that these runs would show, under their names, in the
-    form it was screened in; ``shown`` is False where they would not show it at any strength that it
-    may have. An effect that is there in full or not at all has no amplitudes."""
+    form it was screened in. ``unseen`` is the chance that the effect, were it there, would be
+    weaker than that. An effect that is there in full or not at all has no amplitudes."""
 
     effect: str
     form: str
     amplitudes: Mapping[str, float]
-    shown: bool
+    shown: bool  #: False where these runs would not show it at any strength it is believed to have
+    unseen: float
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ class Grounds:
     leaves more; ``stability``, the share of what speaks for it against that rival that is left when
     the run that speaks loudest is left out; ``p_value`` on held-out runs; errors of the last rung
     and of the baseline over the floor; ``by_chance``, the chance that noise alone leaves as much as
-    the last rung.
+    the last rung; ``unseen``, the chance that something is there which these runs could not show.
     """
 
     log_odds: float
@@ -117,11 +118,17 @@ class Grounds:
     over_floor: float
     baseline_over_floor: float
     by_chance: float
+    unseen: float = 0.0
 
     @property
     def more_than_noise(self) -> bool:
         """Whether noise alone hardly leaves as much as the last rung."""
         return self.by_chance < UNLIKELY
+
+    @property
+    def shows_all(self) -> bool:
+        """Whether hardly anything of the library could be there unseen."""
+        return self.unseen < UNLIKELY
 
 
 @dataclass(frozen=True, eq=False)

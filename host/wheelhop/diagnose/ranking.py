@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.compare import describe
-from wheelhop.diagnose.diagnosis import Grounds, Ranked, Step
+from wheelhop.diagnose.diagnosis import Grounds, Limit, Ranked, Step
 from wheelhop.diagnose.judge import SIGNIFICANT
 from wheelhop.diagnose.look import Candidate, Look, contradicted, summary_of
 from wheelhop.diagnose.next_run import angle_deg
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
+from wheelhop.files.words import listed
 from wheelhop.fit import Fit
 from wheelhop.vehicle import Drive
 
@@ -190,12 +191,16 @@ LEAST_LIKENESS = 0.03
 
 
 def explanation(
-    verdict: Sequence[str], steps: Sequence[Step], last: Look, grounds: Grounds
+    verdict: Sequence[str],
+    steps: Sequence[Step],
+    last: Look,
+    grounds: Grounds,
+    limits: Sequence[Limit],
 ) -> tuple[str, ...]:
     """What was found and, where something is left, what it looks like."""
     lines = []
     if tuple(verdict) == ("none",):
-        lines += _none(steps[0], last, grounds)
+        lines += _none(steps[0], last, grounds, limits)
     for before, after in pairwise(steps):
         lines.append(_fall(before, after))
     if verdict[-1] == "unknown":
@@ -222,15 +227,21 @@ def explanation(
     return tuple(lines)
 
 
-def _none(baseline: Step, last: Look, grounds: Grounds) -> list[str]:
-    if not grounds.more_than_noise:
-        return ["The baseline explains the records down to the noise."]
-    return [
-        f"The baseline comes to {baseline.over_floor:.3f} times the floor. Noise hardly leaves that"
-        f" (p = {grounds.by_chance:.1g}): there is a little more of it than stated, or something"
-        " faint is missing that these runs do not name.",
-        *_nearest(last),
-    ]
+def _none(baseline: Step, last: Look, grounds: Grounds, limits: Sequence[Limit]) -> list[str]:
+    if grounds.more_than_noise:
+        return [
+            f"The baseline comes to {baseline.over_floor:.3f} times the floor. Noise hardly leaves"
+            f" that (p = {grounds.by_chance:.1g}): there is a little more of it than stated, or"
+            " something faint is missing that these runs do not name.",
+            *_nearest(last),
+        ]
+    lines = ["The baseline explains the records down to the noise."]
+    hardly = [limit.effect for limit in limits if limit.unseen > 0.5]
+    if hardly:
+        lines.append(
+            f"These runs would hardly have shown {listed(hardly)}: other tracks or speeds would."
+        )
+    return lines
 
 
 def caveats(step: Step) -> list[str]:

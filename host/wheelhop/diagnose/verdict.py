@@ -9,7 +9,8 @@ what the runs tell of these, I.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from math import exp, inf, isfinite, log, tanh
+from dataclasses import replace
+from math import erf, exp, inf, log, prod, sqrt, tanh
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from wheelhop.diagnose.ranking import Angles, explanation, ranking
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.together import Stand
 from wheelhop.effects import Effect
-from wheelhop.fit import Workshop
+from wheelhop.fit import BROAD, Workshop
 
 DOUBT = 0.03
 """A rival that leaves only this share more than the effect chosen leaves a doubt, whatever the
@@ -50,7 +51,11 @@ def conclude(
     angles = Angles(first.rung.fit, first.screened, first.candidates)
     accepted = steps[-1].added
     verdict = (*accepted, "unknown") if steps[-1].above_floor else accepted or ("none",)
-    stands_on = grounds(verdict, steps, first, last, stands, workshop.noise)
+    shown = limits(last if last.screened else first, accepted)
+    stands_on = replace(
+        grounds(verdict, steps, first, last, stands, workshop.noise),
+        unseen=unseen(_of_the_vehicle(shown, effects), len(effects)),
+    )
     return Diagnosis(
         verdict=verdict,
         confidence=confidence(verdict, stands_on),
@@ -58,8 +63,8 @@ def conclude(
         ranking=ranking(first, angles, effects, steps[0]),
         ladder=tuple(steps),
         next_run=_next_run(workshop, accepted, first, angles),
-        explanation=explanation(verdict, steps, last, stands_on),
-        limits=limits(last if last.screened else first, accepted),
+        explanation=explanation(verdict, steps, last, stands_on, _of_the_vehicle(shown, effects)),
+        limits=shown,
     )
 
 
@@ -157,14 +162,16 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     all; where something is left, times how much of what the baseline left is explained in the end
     (a wrong effect may explain a part, hardly ever nearly everything), and less where a single run
     speaks for it. Of "none": how far the likeliest effect is from
-    being accepted, and whether noise alone leaves as much. Of "unknown": how far the residual is
+    being accepted, whether noise alone leaves as much, and what these runs could have shown. Of
+    "unknown": how far the residual is
     above the floor's own uncertainty.
     """
     if verdict[0] == "unknown":
         return CEILING * (1.0 - exp(-(grounds.over_floor - 1.0) / UNKNOWN_SCALE))
     if verdict[0] == "none":
         nothing_holds = 0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE)
-        return CEILING * nothing_holds * min(1.0, grounds.by_chance / SURELY_NONE)
+        only_noise = min(1.0, grounds.by_chance / SURELY_NONE)
+        return CEILING * nothing_holds * only_noise * (1.0 - grounds.unseen)
     leads = 0.5 + 0.5 * tanh(0.5 * grounds.lead / LEAD_SCALE)
     sure = CEILING * leads * (1.0 - grounds.p_value)
     if "unknown" not in verdict:
@@ -212,17 +219,35 @@ def limits(look: Look, accepted: Collection[str]) -> tuple[Limit, ...]:
     return tuple(sorted(found, key=lambda limit: limit.effect))
 
 
+def unseen(limits: Sequence[Limit], tried: int) -> float:
+    """Chance that an effect is there, weaker than its limit, if of the effects `tried` a machine
+    has one on the average and all are as likely."""
+    return 1.0 - prod(1.0 - limit.unseen / tried for limit in limits)
+
+
+def _of_the_vehicle(limits: Sequence[Limit], effects: Sequence[Effect]) -> list[Limit]:
+    """The limits of physics. What sensors and surveys do to none of these runs is not missing; a
+    vehicle has its bar on other runs, too."""
+    physics = {e.id for e in effects if e.place != "sensor" and not e.is_belief}
+    return [limit for limit in limits if limit.effect in physics]
+
+
 def _limit(look: Look, item: Screened) -> Limit:
+    """Nothing is believed of amplitudes but that they lie within `BROAD` scales, one standard
+    deviation. A switch is there or it is not."""
     variant = item.variant
     scale = np.array([p.scale for p in variant.amplitudes])
     gain = float(scale @ item.information @ scale)
     strength = float(np.sqrt(_needed(look, item) / gain)) if gain > 0.0 else inf
-    shown = isfinite(strength) and all(
+    possible = all(
         strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
         for p in variant.amplitudes
     )
+    weaker = 0.0 if all(p.switch for p in variant.amplitudes) else erf(strength / BROAD / sqrt(2.0))
+    weaker = weaker if possible else 1.0
     found = {p.name: p.absent + strength * p.scale for p in variant.amplitudes if not p.switch}
-    return Limit(variant.effect.id, variant.choice, found if shown else {}, shown)
+    shown = weaker < CEILING
+    return Limit(variant.effect.id, variant.choice, found if shown else {}, shown, weaker)
 
 
 def _needed(look: Look, item: Screened) -> float:

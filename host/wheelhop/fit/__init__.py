@@ -1,5 +1,6 @@
 """Fit: the vehicle's numbers, and what every run leaves free, from the records."""
 
+from wheelhop.fit.belief import BROAD
 from wheelhop.fit.bench import Bench, Trial, Workshop
 from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_density
 from wheelhop.fit.derivatives import Move, moves
@@ -19,6 +20,7 @@ from wheelhop.fit.result import Fit, RunFit
 from wheelhop.fit.rig_start import begin_component
 
 __all__ = [
+    "BROAD",
     "Bench",
     "Explained",
     "Fit",

@@ -12,6 +12,9 @@ from wheelhop.fit.parameters import Free
 
 Array = NDArray[np.float64]
 
+BROAD = 2.0
+"""Of what next to nothing is believed, so many of its scales are one standard deviation."""
+
 
 @dataclass(frozen=True, eq=False)
 class Belief:
@@ -25,12 +28,11 @@ class Belief:
 
     @classmethod
     def of(cls, free: Sequence[Free]) -> Belief:
-        """Each number by itself, as `Free` says. Where next to nothing is believed of it, twice
-        its scale stands for the width of what it is believed to be."""
+        """Each number by itself, as `Free` says; none is less certain than `BROAD`."""
         mean = np.array([f.mean / f.scale for f in free])
         weight = np.array([(f.scale / f.sigma) ** 2 for f in free])
         return cls(
-            tuple(free), mean, np.diag(weight), float(np.log(np.maximum(weight, 0.25)).sum())
+            tuple(free), mean, np.diag(weight), float(np.log(np.maximum(weight, BROAD**-2)).sum())
         )
 
     @classmethod

@@ -21,8 +21,9 @@ def headline(diagnosis: Diagnosis) -> str:
             " model and the sensors’ noise."
         )
     if verdict == ("none",):
+        shown = "" if diagnosis.grounds.shows_all else " that these runs could show"
         return (
-            "Nothing is missing: the baseline model explains the records"
+            f"Nothing is missing{shown}: the baseline model explains the records"
             " down to the sensors’ noise."
         )
     effects = {effect.id: effect for effect in diagnosis.ladder[-1].rung.model.effects}
@@ -110,7 +111,7 @@ def next_run_words(run: NextRun) -> str:
 def limit_words(limit: Limit) -> str:
     """From where on these runs would have shown an effect."""
     if not limit.shown:
-        return "not shown by these runs at any strength"
+        return "not shown by these runs at any strength it is likely to have"
     return listed([_amplitude(*item) for item in limit.amplitudes.items()]) or "if it is there"
 
 
