@@ -6,6 +6,7 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
 from wheelhop.diagnose.confirm import confirm, refit, worth_simulating
 from wheelhop.diagnose.screen import screen
+from wheelhop.effects.backlash import UNLIKE
 
 
 def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
@@ -50,6 +51,19 @@ def test_a_gap_that_is_never_used_up_is_not_believed_to_be_wide(tmp_path):
     mean, balance = values["backlash.gap_m"], values["backlash.balance"]
     assert mean * (1.0 + balance) == pytest.approx(0.001, rel=0.1)
     assert mean * (1.0 - balance) == pytest.approx(0.001, rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_gap_wider_than_any_strut_moves_is_found(tmp_path):
+    """It moves the records as any wider one does: a fit from below ends where front and rear just
+    reach the other side, unlike as no one believes them to be, and fails on the runs held out."""
+    hidden = {"backlash": {"gap_m": 0.01}}
+    folder = truth.make_campaign(tmp_path, seed=108, effects=hidden, preset="atv", short=True)
+    base = baseline_of(folder)
+    (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["backlash"]])
+    rung = confirm(base.workshop, base.rung, screened)
+    assert abs(rung.model.values["backlash.balance"]) < 3 * UNLIKE
+    assert rung.judging.rss < 1.05 * base.workshop.noise**2 * rung.judging.size
 
 
 def test_a_switch_is_no_rival_of_what_explains_nearly_all(tmp_path):

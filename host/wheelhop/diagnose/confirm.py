@@ -85,7 +85,7 @@ def confirm(
     bar = _bar(beside, screened.variant.effect.has_random_heights)
     best: Fit | None = None
     believed = False
-    starts = _starts(workshop, base, screened)[: len(SHARES)]
+    starts = _starts(workshop, base, screened)[:TRIES]
     forms = [choice for choice, _ in starts]
     for i, (_, model) in enumerate(starts):
         effect = model.effects[-1]
@@ -141,9 +141,13 @@ def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = Fal
     return validate(workshop, fit(workshop, model, shared, workshop.of_role("fit"), known))
 
 
-SHARES = (1.0, 0.4, 0.1)
+SHARES = (1.0, 0.4, 0.1, 4.0)
 """A fit begins at one of these shares of the amplitudes that screening expects: to first order
-strong effects are overrated."""
+strong effects are overrated, and what saturates is underrated. A gap that is never used up moves
+the records as any wider one does."""
+
+TRIES = 3
+"""So many fits of one effect at most."""
 
 SMALLEST_START = 0.05
 """And with at least this fraction of an amplitude's scale: at zero some laws are flat."""
