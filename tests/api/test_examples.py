@@ -15,7 +15,10 @@ SAYS = {
     "first_comparison": "worst: A",
     "own_recordings": "baseline",
     "read_logs": "missing: ",
+    "residual_by_band": "over_floor",
     "sweep_damping": "least error at 553 N s/m",
+    "what_to_drive": "told from digressive-damper",
+    "wheel_rate": "rear: wheel rate 6825",
 }
 
 
