@@ -61,7 +61,7 @@ def test_a_gap_wider_than_any_strut_moves_is_found(tmp_path):
     folder = truth.make_campaign(tmp_path, seed=108, effects=hidden, preset="atv", short=True)
     base = baseline_of(folder)
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["backlash"]])
-    rung = confirm(base.workshop, base.rung, screened)
+    rung = refit(base.workshop, confirm(base.workshop, base.rung, screened))
     assert abs(rung.model.values["backlash.balance"]) < 3 * UNLIKE
     assert rung.judging.rss < 1.05 * base.workshop.noise**2 * rung.judging.size
 
