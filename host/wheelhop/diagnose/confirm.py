@@ -81,33 +81,42 @@ def confirm(
     fit does it justice. What has no hope to come as far as one of the models `beside` it ends
     early.
     """
-    benches = workshop.of_role("fit")
     bar = _bar(beside, screened.variant.effect.has_random_heights)
     best: Fit | None = None
     believed = False
-    starts = _starts(workshop, base, screened)[:TRIES]
+    starts = _starts(workshop, base, screened)[: len(SHARES)]
     forms = [choice for choice, _ in starts]
     for i, (_, model) in enumerate(starts):
-        effect = model.effects[-1]
-        free = effect_parameters(workshop.parameters_of(effect), model, effect)
-        # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
-        amplitudes = [f for f in free if not f.is_shape]
-        if 0 < len(amplitudes) < len(free):
-            shared = [*base.fit.shared, *amplitudes]
-            model = fit(workshop, model, shared, benches, base.fit, bar=bar).model
-        found = fit(workshop, model, [*base.fit.shared, *free], benches, base.fit, bar=bar)
+        found, believable = _fitted_from(workshop, base, model, bar)
         if best is None or found.evidence > best.evidence:
-            best, believed = found, _believable(found, free)
+            best, believed = found, believable
         fine = best.error < ASTRAY * screened.error and believed
         tried = all_noise(best, workshop.noise) or set(forms[i + 1 :]) <= set(forms[: i + 1])
         if fine and tried:
             break
     assert best is not None
+    if not believed and any(p.is_shape for p in screened.variant.parameters):
+        found, _ = _fitted_from(workshop, base, _saturated(workshop, base, screened), bar)
+        best = max(best, found, key=lambda one: one.evidence)
     rough = validate(workshop, best, base.update)
     worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
     if worse:
         return min(rough, refit(workshop, rough, base), key=lambda rung: rung.fit.cost)
     return rough
+
+
+def _fitted_from(workshop: Workshop, base: Rung, start: Model, bar: float) -> tuple[Fit, bool]:
+    """A quick fit that begins at a model, and whether the numbers of its last effect lie where they
+    are believed to."""
+    effect, benches = start.effects[-1], workshop.of_role("fit")
+    free = effect_parameters(workshop.parameters_of(effect), start, effect)
+    # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
+    amplitudes = [f for f in free if not f.is_shape]
+    if 0 < len(amplitudes) < len(free):
+        shared = [*base.fit.shared, *amplitudes]
+        start = fit(workshop, start, shared, benches, base.fit, bar=bar).model
+    found = fit(workshop, start, [*base.fit.shared, *free], benches, base.fit, bar=bar)
+    return found, _believable(found, free)
 
 
 def _believable(found: Fit, free: Sequence[Free]) -> bool:
@@ -141,13 +150,13 @@ def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = Fal
     return validate(workshop, fit(workshop, model, shared, workshop.of_role("fit"), known))
 
 
-SHARES = (1.0, 0.4, 0.1, 4.0)
+SHARES = (1.0, 0.4, 0.1)
 """A fit begins at one of these shares of the amplitudes that screening expects: to first order
-strong effects are overrated, and what saturates is underrated. A gap that is never used up moves
-the records as any wider one does."""
+strong effects are overrated."""
 
-TRIES = 3
-"""So many fits of one effect at most."""
+SATURATED = 4.0
+"""Or at this one, where shapes have ended hard to believe: to first order what saturates is
+underrated. A gap that is never used up moves the records as any wider one does."""
 
 SMALLEST_START = 0.05
 """And with at least this fraction of an amplitude's scale: at zero some laws are flat."""
@@ -166,15 +175,38 @@ def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[st
     along; then more shares of the likeliest."""
     by_variant = []
     for item in (screened, *screened.others):
-        models = list(_starts_of(workshop, base, item))
+        switches = all(p.switch for p in item.variant.amplitudes)
+        shares = SHARES[:1] if switches else SHARES
+        models = list(_starts_of(workshop, base, item, shares))
         order = np.argsort(_misfits(workshop, base, models), kind="stable")
         by_variant.append([(item.variant.choice, models[i]) for i in order])
     return [*(models[0] for models in by_variant), *by_variant[0][1:]]
 
 
-def _starts_of(workshop: Workshop, base: Rung, screened: Screened) -> Iterator[Model]:
+def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model:
+    """The likeliest variant at a strength beyond what screening expects, what is believed of its
+    shapes included."""
+    tried = [
+        (model, item)
+        for item in (screened, *screened.others)
+        for model in _starts_of(workshop, base, item, [SATURATED])
+    ]
+    misfits = _misfits(workshop, base, [model for model, _ in tried])
+    away = [
+        sum(
+            ((item.variant.shapes[p.name] - p.believed) / p.scale) ** 2
+            for p in item.variant.parameters
+            if p.is_shape and p.believed is not None
+        )
+        for _, item in tried
+    ]
+    return tried[int(np.argmin(np.add(misfits, away)))][0]
+
+
+def _starts_of(
+    workshop: Workshop, base: Rung, screened: Screened, shares: Sequence[float]
+) -> Iterator[Model]:
     variant = screened.variant
-    shares = SHARES if any(not p.switch for p in variant.amplitudes) else SHARES[:1]
     absent = with_variant(base.model, variant, {})
     begins = begun(workshop, base.model, absent, variant.effect, variant.shapes)
     for share in shares:
