@@ -299,10 +299,10 @@ def trial(seed: int, folder: Path, elf: Path = ELF, small: Path = SMALL) -> Outc
 
 
 def table(outcomes: list[Outcome]) -> str:
-    """Figures by cause."""
+    """Figures by cause, and of all."""
     rows = [f"{'cause':18}{'trials':>8}{'decoded':>10}{'acknowledged':>14}{'lost':>8}{'wrong':>7}"]
-    for cause in CAUSES:
-        mine = [outcome for outcome in outcomes if outcome.cause == cause]
+    for cause in (*CAUSES, "all"):
+        mine = [outcome for outcome in outcomes if cause in (outcome.cause, "all")]
         decoded, safe, lost = (
             sum(getattr(outcome, key) for outcome in mine)
             for key in ("decoded", "acknowledged", "lost")
