@@ -74,7 +74,7 @@ __attribute__((noinline)) uint32_t closed_size(FIL& file, Block& block, uint16_t
 
 // Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
 __attribute__((noinline)) void close(const FIL& opened, Block& block, uint16_t number,
-                                         logfile::Describe describe) {
+                                     logfile::Describe describe) {
     FIL file = opened;  // `block` may lie in its memory
     const uint32_t blocks = closed_size(file, block, number, describe);
     if (blocks) logfile::cut_file(file, blocks << 9);

@@ -126,7 +126,7 @@ Trouble Session::begin_file(uint16_t number) {
 
 Trouble Session::stop(End end) {
     stopped_ = end != End::Full;
-    if (stopped_) board::unfinished = 0;
+    if (stopped_) board::unfinished = continues = 0;
     const bool flushed = flush();
     running_ = false;
     store_clock();
