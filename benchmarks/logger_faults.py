@@ -22,12 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.firmware.promises.boot_loaders import LOADERS
-from tests.firmware.promises.logger import Logger, configure
+from tests.firmware.promises.logger import Logger, configure, faults_of
 from tests.firmware.promises.reader import Log, acknowledgement, read_log
 from wheelhop.hil_sim import BadReply, CardImage, Event, Faults, PowerCut, Trace, from_array
 
 ROOT = Path(__file__).parents[1]
 ELF = ROOT / "build/firmware/nano/firmware.elf"
+SMALL = ROOT / "build/firmware/nano-small-files/firmware.elf"  # files of 64 blocks
 TABLE_HZ, TABLE_S = 400.0, 30.0
 WATCHDOG_S = 2.2  # it bites after 2 s
 PAUSE_CYCLES = 10_000  # between conversions: two runs of the converter
@@ -129,7 +130,7 @@ def cut(rng: Rng, one: Logger) -> Faults:
 
 
 def reset(rng: Rng, one: Logger) -> Faults:
-    """The controller starts anew, the card does not; it may be away meanwhile, or busy."""
+    """The controller starts anew, once or twice, the card does not; it may be away, or busy."""
     one.run(float(rng.uniform(0.0, 2.0)))
     kind = rng.integers(3)
     away = one.board.time + rng.uniform(0.0, 0.6) + (kind == 2) * WATCHDOG_S
@@ -146,7 +147,19 @@ def reset(rng: Rng, one: Logger) -> Faults:
         one.run(WATCHDOG_S)
     else:
         one.board.reset("external" if kind else "brown-out")
+    if rng.random() < 0.5:
+        one.run(float(rng.uniform(0.0, 1.8)))
+        one.board.reset("brown-out")
     return faults
+
+
+def fills(rng: Rng, one: Logger) -> Faults:
+    """A file is full, and the controller may start anew before the next one is there."""
+    one.until(lambda: bool(told := one.acknowledgements()) and told[-1].blocks >= 58, 30.0)
+    one.run(float(rng.uniform(0.0, 0.7)))
+    if rng.random() < 0.7:
+        one.board.reset("external" if rng.random() < 0.5 else "brown-out")
+    return Faults()
 
 
 CAUSES: dict[str, Callable[[Rng, Logger], Faults]] = {
@@ -160,6 +173,7 @@ CAUSES: dict[str, Callable[[Rng, Logger], Faults]] = {
     "refused writes": rejects,
     "power cuts": cut,
     "resets": reset,
+    "full files": fills,
     "supply sags": sags,
 }
 
@@ -220,7 +234,7 @@ def check(outcome: Outcome, log: Log, run: NDArray[np.void]) -> None:
             outcome.wrong.append(f"summary: due {due}, written {written}, lost {lost}")
 
 
-def trial(seed: int, folder: Path, elf: Path = ELF) -> Outcome:
+def trial(seed: int, folder: Path, elf: Path = ELF, small: Path = SMALL) -> Outcome:
     """One session with one fault; the seed chooses everything."""
     rng = np.random.default_rng(seed)
     cause = list(CAUSES)[seed % len(CAUSES)]
@@ -232,7 +246,8 @@ def trial(seed: int, folder: Path, elf: Path = ELF) -> Outcome:
     configure(card, f"size_mb = 1\nrate = {rate}\nstream = {stream}\n")
     signals = from_array(inputs(rng), TABLE_HZ, repeat=True)
     loader = (None, *LOADERS.values())[rng.integers(1 + len(LOADERS))]
-    with Logger(elf, card, signals=signals, trace=True, boot_loader=loader) as one:
+    program = small if cause == "full files" else elf
+    with Logger(program, card, signals=signals, trace=True, boot_loader=loader) as one:
         one.boot()
         if not one.command("start").ok:
             outcome.wrong.append("does not start")
@@ -277,17 +292,17 @@ def trial(seed: int, folder: Path, elf: Path = ELF) -> Outcome:
             outcome.wrong.append(f"{len(missing)} acknowledged blocks are not in the file")
         elif len(logs[session].scans) < told.written:
             outcome.wrong.append(f"{told.written} scans acknowledged, fewer in the file")
-    if check_text := card.check():
-        outcome.wrong.append(f"file system: {check_text.splitlines()[0]}")
+    if faults := faults_of(card):
+        outcome.wrong.append(f"file system: {faults[0]}")
     path.unlink()
     return outcome
 
 
 def table(outcomes: list[Outcome]) -> str:
-    """Figures by cause."""
+    """Figures by cause, and of all."""
     rows = [f"{'cause':18}{'trials':>8}{'decoded':>10}{'acknowledged':>14}{'lost':>8}{'wrong':>7}"]
-    for cause in CAUSES:
-        mine = [outcome for outcome in outcomes if outcome.cause == cause]
+    for cause in (*CAUSES, "all"):
+        mine = [outcome for outcome in outcomes if cause in (outcome.cause, "all")]
         decoded, safe, lost = (
             sum(getattr(outcome, key) for outcome in mine)
             for key in ("decoded", "acknowledged", "lost")
@@ -303,7 +318,11 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=500, help="how many trials (default 500)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first (default 0)")
     options = parser.parse_args()
-    subprocess.run([ROOT / "tools/build_firmware.sh", "nano"], check=True, stdout=sys.stderr)
+    subprocess.run(
+        [ROOT / "tools/build_firmware.sh", "nano", "nano-small-files"],
+        check=True,
+        stdout=sys.stderr,
+    )
     outcomes: list[Outcome] = []
     with tempfile.TemporaryDirectory() as folder, suppress(KeyboardInterrupt):
         for seed in range(options.first, options.first + options.seeds):

@@ -150,7 +150,6 @@ def channel() -> Drawing:
     d.box(344, 116, 112, 168, "none", "3 3")
     d.text(400, 84, "cable, to 3 m", anchor="middle", bold=True)
     d.text(400, 104, "3 × 0.14 mm², shield", anchor="middle", size=12)
-    d.wire((440, 284), (440, 308), (500, 308), dash="3 3")
     d.text(400, 302, "shield", anchor="middle", size=12, colour=SOFT)
 
     d.box(480, 60, 616, 556, "#f8f6ef", "6 4")
@@ -164,6 +163,7 @@ def channel() -> Drawing:
     d.dot(585, 200, BLUE)
     d.capacitor(585, 200, "1 nF", 40)
     d.wire((470, 260), (500, 260), (500, 316))
+    d.wire((440, 284), (440, 308), (500, 308), dash="3 3")
     d.dot(500, 308)
     d.ground(500, 316)
     d.text(515, 300, "shield: here only", size=12, colour=SOFT)

@@ -64,7 +64,7 @@ def session(sums, *, lost=(), late=(), close=True, session=SESSION, **changes):
                 len(blocks),
                 first_scan=first,
                 lost=int(gone[:first].sum()),
-                late=sum(scan <= first for scan in late),
+                late=sum(scan <= there[end - 1] for scan in late),
                 count=end - begin,
                 payload=pack_scans(sums[there[begin:end]]),
             )

@@ -25,7 +25,7 @@ LOST = (100, 101, 102, 300)
 
 def decoded(log):
     """Sums by scan number, as a reader gets them from a recording."""
-    recording = log.recording()
+    recording = log.recording(by_number=True)
     sums = recording.values * log.settings.conversions
     there = np.flatnonzero(~recording.missing)
     return {int(i): tuple(sums[i].astype(int).tolist()) for i in there}
@@ -120,7 +120,9 @@ def test_settings_of_another_width_are_noticed():
 def test_late_triggers_are_said():
     log = read_log(session(SUMS, late=(200, 210)))
     assert log.late == 2
-    assert any("2 late triggers" in step for step in log.recording().history)
+    said = "late triggers: by 0.3125 ms at the end, "
+    assert said + "brought to equal steps" in log.recording().history
+    assert said + "rows are by number all the same" in log.recording(by_number=True).history
 
 
 def test_a_part_is_the_part_of_the_whole():

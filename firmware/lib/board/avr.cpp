@@ -15,6 +15,12 @@
 // hardware, and the interrupt at its end chooses the next input. The software's delays do not move
 // the sampling instants.
 
+namespace board {
+
+uint32_t unfinished __attribute__((section(".noinit")));
+
+}  // namespace board
+
 namespace {
 
 // Bits of ports: button D2, LED D9, card select and SPI where the board has them.
@@ -72,6 +78,7 @@ void save_reset_flags() {
     uint8_t flags = MCUSR;
     if (!flags && version >= 5 && version != 0xFF) flags = handed_on;
     if (!flags && awake != kAwake) flags = _BV(PORF);
+    if (flags & _BV(PORF) || awake != kAwake) board::unfinished = 0;
     reset_flags = flags;
     awake = kAwake;
     MCUSR = 0;
@@ -117,8 +124,6 @@ uint16_t dice() {
 }
 
 void feed_watchdog() { wdt_reset(); }
-
-bool was_reset() { return !(reset_flags & _BV(PORF)); }
 
 const FlashChar* reset_cause() {
     const uint8_t flags = reset_flags;

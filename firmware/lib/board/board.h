@@ -12,7 +12,7 @@ uint32_t milliseconds();
 uint16_t dice();  // two bytes that differ from start to start
 void feed_watchdog();
 const FlashChar* reset_cause();
-bool was_reset();  // while the power was on, whatever the cause
+extern uint32_t unfinished;  // id of the session that a reset shall not end; none, 0, at power-up
 
 // SD card
 void card_select(bool selected);

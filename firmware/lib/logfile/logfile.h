@@ -47,10 +47,10 @@ Trouble publish(Work& work);
 // Cut the file of session `number` behind its first `blocks` blocks.
 Trouble cut(Work& work, uint16_t number, uint32_t blocks);
 
-// Close the file of a session that a reset has ended; its session id, 0 if there is none. `work`
-// and `block` may lie in the same memory; `describe` writes the summary's text.
+// Close the file of a session that a reset has ended. `work` and `block` may lie in the same
+// memory; `describe` writes the summary's text.
 using Describe = void (*)(Block& summary, uint32_t written);
-uint32_t recover(Work& work, Block& block, uint16_t number, Describe describe);
+void recover(Work& work, Block& block, uint16_t number, Describe describe);
 
 // Hand every line of HOP.CFG to `take`, and `context` with it; nothing happens if there is no such
 // file.

@@ -73,21 +73,21 @@ __attribute__((noinline)) uint32_t closed_size(FIL& file, Block& block, uint16_t
 }
 
 // Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
-__attribute__((noinline)) uint32_t close(const FIL& opened, Block& block, uint16_t number,
-                                         logfile::Describe describe) {
+__attribute__((noinline)) void close(const FIL& opened, Block& block, uint16_t number,
+                                     logfile::Describe describe) {
     FIL file = opened;  // `block` may lie in its memory
     const uint32_t blocks = closed_size(file, block, number, describe);
-    // All that may be in `block` now is of the session: a header, a last block, a summary.
-    return blocks && logfile::cut_file(file, blocks << 9) == FR_OK ? block.session : 0;
+    if (blocks) logfile::cut_file(file, blocks << 9);
 }
 
 }  // namespace
 
 namespace logfile {
 
-uint32_t recover(Work& work, Block& block, uint16_t number, Describe describe) {
-    if (open_session(work.file, work.name, number, FA_READ | FA_WRITE) != FR_OK) return 0;
-    return close(work.file, block, number, describe);
+void recover(Work& work, Block& block, uint16_t number, Describe describe) {
+    if (open_session(work.file, work.name, number, FA_READ | FA_WRITE) == FR_OK) {
+        close(work.file, block, number, describe);
+    }
 }
 
 }  // namespace logfile

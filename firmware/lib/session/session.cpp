@@ -78,9 +78,8 @@ Trouble Session::meet() {
     if (!trouble_ && (!known_card_ || card.id() != card_id_)) {
         known_card_ = true;
         card_id_ = card.id();
-        const uint32_t closed = logfile::recover(first.work, first.block,
-                                                 identity::session_number(), report::put_recovered);
-        if (closed && board::was_reset()) continues = closed;
+        logfile::recover(first.work, first.block, identity::session_number(),
+                         report::put_recovered);
         config_errors = 0;
         logfile::read_config(first.work, take_config_line, this);
         if (!card.present()) trouble_ = kNoCard;  // then nothing of this is sure
@@ -91,11 +90,11 @@ Trouble Session::meet() {
 
 logfile::Work& Session::work() { return first.work; }
 
-bool Session::interrupted() const { return settings.resume && continues; }
+bool Session::interrupted() const { return settings.resume && board::unfinished; }
 
 Trouble Session::start(bool resumes) {
     if (meet()) return trouble_;
-    if (!resumes) continues = 0;
+    continues = resumes ? board::unfinished : 0;
     uint16_t number = identity::session_number();
     trouble_ =
         logfile::create(second.volume, first.work, first.block, number, settings.size_mb, place_);
@@ -120,15 +119,16 @@ Trouble Session::begin_file(uint16_t number) {
     card.longest_busy_ms = 0;
     in_flight_ = sealed_ = false;
     running_ = true;
+    board::unfinished = id_;
     board::sample(settings.conversions);
     return kNoTrouble;
 }
 
 Trouble Session::stop(End end) {
+    stopped_ = end != End::Full;
+    if (stopped_) board::unfinished = continues = 0;
     const bool flushed = flush();
     running_ = false;
-    stopped_ = end != End::Full;
-    continues = stopped_ ? 0 : id_;
     store_clock();
     end_ = end;
     supply_mv = supply_from(board::reference_code());

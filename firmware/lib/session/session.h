@@ -80,7 +80,7 @@ class Session {
     uint32_t epoch_s = 0;  // when the logger was switched on, since 1970; 0: no host has told
     // When the session began or ended, so that card and line say the same; 0: no host has told.
     uint32_t unix_s = 0;
-    uint32_t continues = 0;  // id of the session that this one goes on with, or the next one may
+    uint32_t continues = 0;  // id of the session that this one goes on with
     uint16_t config_errors = 0;
     uint16_t supply_mv = 0;  // the last reading; 0: no sensible one
 

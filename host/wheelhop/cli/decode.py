@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from wheelhop.calibration import Constants, read_constants
 from wheelhop.cli.convert import check_target
 from wheelhop.cli.progress import stages
@@ -77,13 +79,23 @@ def _parts(
         check_target(path, arguments.force)
         stage(f"decoding {log.name}: scans {begin} to {end - 1}")
         from_, to = max(begin - MARGIN, 0), min(end + MARGIN, log.due)
-        recording = _corrected(log.recording(from_, to), arguments, constants)
+        recording = log.recording(from_, to, by_number=arguments.raw)
+        margin, rows = _rows(log, from_, begin, end, arguments.raw)
+        recording = _corrected(recording, arguments, constants)
         part = replace(
             recording,
-            values=recording.values[begin - from_ : end - from_],
-            start_s=recording.start_s + (begin - from_) / recording.rate_hz,
+            values=recording.values[margin:rows],
+            start_s=recording.start_s + margin / recording.rate_hz,
         )
         yield path, part
+
+
+def _rows(log: Log, zero: int, begin: int, end: int, by_number: bool) -> tuple[int, int]:
+    """First row of scans `begin` … `end` − 1, and the one behind their last, counted from scan
+    number `zero`: late triggers let rows run ahead of numbers."""
+    late = log.late_before(np.array([zero, begin, end])) * (not by_number)
+    first, stop = np.ceil((late[1:] - late[0]) / (8 * log.settings.conversions)).astype(int)
+    return begin - zero + int(first), end - zero + int(stop)
 
 
 def _corrected(

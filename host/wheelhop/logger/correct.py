@@ -116,22 +116,23 @@ def correct_clock(recording: Recording) -> Recording:
 
 def _undo(recording: Recording, responses: Sequence[Response | None]) -> NDArray[np.float64]:
     values = recording.values.copy()
-    runs = _runs(~recording.missing)
+    whole = runs(~recording.missing)
     for column, response in enumerate(responses):
         if response is None:
             continue
-        taps = _inverse(response, recording.rate_hz)
-        for begin, end in runs:
-            values[begin:end, column] = _filter(values[begin:end, column], taps)
+        taps = inverse_taps(response, recording.rate_hz)
+        for begin, end in whole:
+            values[begin:end, column] = filtered(values[begin:end, column], taps)
     return values
 
 
-def _runs(there: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs(there: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return begin and end of each stretch without a gap."""
     edges = np.flatnonzero(np.diff(there, prepend=False, append=False))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
-def _inverse(response: Response, rate_hz: float) -> NDArray[np.float64]:
+def inverse_taps(response: Response, rate_hz: float) -> NDArray[np.float64]:
     """Return the (2·TAPS + 1,) taps of 1/H in band, fading to 1 towards the Nyquist frequency."""
     frequency = np.linspace(0, rate_hz / 2, GRID // 2 + 1)
     edge, top = BAND * rate_hz / 2, rate_hz / 2
@@ -145,11 +146,14 @@ def _inverse(response: Response, rate_hz: float) -> NDArray[np.float64]:
     return taps
 
 
-def _filter(values: NDArray[np.float64], taps: NDArray[np.float64]) -> NDArray[np.float64]:
+def filtered(values: NDArray[np.float64], taps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (n,) or (n, channels) values behind a filter, both ends continued by reflection."""
     from scipy.signal import oaconvolve  # takes long to import
 
     if len(values) == 1:
         return values
-    padded = np.pad(values, TAPS, mode="reflect", reflect_type="odd")
-    filtered: NDArray[np.float64] = oaconvolve(padded, taps, mode="valid")
-    return filtered
+    margin = [(TAPS, TAPS), (0, 0)][: values.ndim]
+    padded = np.pad(values, margin, mode="reflect", reflect_type="odd")
+    column = taps.reshape(-1, *[1] * (values.ndim - 1))
+    result: NDArray[np.float64] = oaconvolve(padded, column, mode="valid", axes=0)
+    return result

@@ -85,7 +85,8 @@ def warnings(log: Log) -> Iterator[str]:
     if log.summary is None:
         yield "not closed: what was in the logger's memory at the end, and perhaps a block, is gone"
     if log.late:
-        yield f"late triggers: scans at the end are {log.late * CONVERSION_S * 1e3:g} ms late"
+        late_ms = f"{log.late * CONVERSION_S * 1e3:g} ms"
+        yield f"late triggers: scans at the end are {late_ms} late; decode allows for it"
     if change := supply_change(log.notes):
         yield f"{change.text}: battery, plug and the 3.3 V regulator; see wheelhop health"
     if number(head, "config_errors"):

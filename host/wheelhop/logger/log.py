@@ -16,6 +16,7 @@ from wheelhop.logger.block import (
     unpack_scans,
 )
 from wheelhop.logger.error import LoggerError
+from wheelhop.logger.late import at_equal_steps
 from wheelhop.logger.recording import CODE, Channel, Recording
 from wheelhop.logger.settings import (
     CONVERSION_S,
@@ -26,6 +27,7 @@ from wheelhop.logger.settings import (
 from wheelhop.logger.survey import ROUND, Progress, Verdict, open_source, pieces
 
 POINTS = frozenset(f"{end}{corner}" for end in "AB" for corner in range(1, 5))
+LATE_END = 65535  # at which their count stays
 MOST_INVENTED_BYTES = 1 << 30  # of rows without a sample, beyond which a gap is not believed
 
 
@@ -142,6 +144,18 @@ class Log:
         """True time of the first conversion, seconds since 1970; None: nobody told the logger."""
         return number(self.header, "unix_s") or None
 
+    def late_before(self, numbers: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return (m,) how many late triggers each scan has behind it: so many conversions later
+        than its number says it was taken (SPEC.md, "Scans").
+
+        A block tells those up to its last scan: where they have grown, its scans are taken to have
+        half of the growth behind them.
+        """
+        told = np.concatenate([[0], self.blocks["late"], [self.late]]).astype(np.float64)
+        ends = self.blocks["first_scan"] + self.blocks["count"]
+        halfway: NDArray[np.float64] = (told[:-1] + told[1:]) / 2
+        return halfway[np.searchsorted(ends, numbers, "right")]
+
     def scans(
         self, first: int = 0, stop: int | None = None, progress: Progress = lambda done: None
     ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.uint16]]]:
@@ -194,9 +208,16 @@ class Log:
             raise LoggerError(f"{self.name}: byte {offset}: changed while it was read: try again")
 
     def recording(
-        self, first: int = 0, stop: int | None = None, progress: Progress = lambda done: None
+        self,
+        first: int = 0,
+        stop: int | None = None,
+        progress: Progress = lambda done: None,
+        by_number: bool = False,
     ) -> Recording:
         """Return scans `first` … `stop` − 1, all by default, in codes; missing ones are NaN.
+
+        Where triggers were late, rows are the signal at equal steps of time, and there are more of
+        them than scans; with `by_number` they are the scans as they are.
 
         Raises LoggerError where the header is damaged, or where gaps would fill the memory.
         """
@@ -217,15 +238,20 @@ class Log:
                 np.divide(sums, settings.conversions, out=values[run])
             else:
                 values[numbers - first] = sums / settings.conversions
-        missing = int(np.isnan(values[:, 0]).sum())
+        history = list(self._history(int(np.isnan(values[:, 0]).sum()), stop - first))
+        late = self.late_before(np.arange(first, stop + 1))
+        if self.late:
+            history.append(_lateness(late, by_number))
+        if (late[:-1] > late[0]).any() and not by_number:
+            values = at_equal_steps(values, (late[:-1] - late[0]) / (8 * settings.conversions))
         return Recording(
             values,
             float(settings.rate_hz),
             channels,
-            start_s=settings.mean_instant_s + first / settings.rate_hz,
+            start_s=settings.mean_instant_s + first / settings.rate_hz + late[0] * CONVERSION_S,
             averaging_s=8 * settings.conversions * CONVERSION_S,
             start_unix_s=self.start_unix_s,
-            history=tuple(self._history(missing, stop - first)),
+            history=tuple(history),
             notes=self.notes,
         )
 
@@ -250,11 +276,6 @@ class Log:
         )
         if missing:
             yield f"{missing} of {rows} scans are missing: left out, as NaN"
-        if self.late:
-            yield (
-                f"{self.late} late triggers: at the end, scans are"
-                f" {self.late * CONVERSION_S * 1e3:g} ms later than their number says"
-            )
 
     @property
     def notes(self) -> dict[str, str]:
@@ -270,3 +291,11 @@ class Log:
             if low.scan >= 0 and rate_hz > 0:
                 notes["low_supply_s"] = f"{low.scan / rate_hz:.2f}"
         return notes
+
+
+def _lateness(late: NDArray[np.float64], by_number: bool) -> str:
+    """What late triggers mean for rows whose scans have so many behind them, (n + 1,)."""
+    if late[-1] >= LATE_END:
+        return f"{LATE_END} late triggers or more: times at the end are unknown"
+    text = f"late triggers: by {late[-1] * CONVERSION_S * 1e3:g} ms at the end"
+    return text + (", rows are by number all the same" if by_number else ", brought to equal steps")

@@ -43,6 +43,12 @@ def elf(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def small_files(tmp_path_factory):
+    """The Nano's firmware, whose files are small."""
+    return built("nano-small-files", tmp_path_factory.mktemp("small"))
+
+
+@pytest.fixture(scope="session")
 def mega_elf(tmp_path_factory):
     """The Mega's firmware."""
     return built("mega", tmp_path_factory.mktemp("mega"))

@@ -8,7 +8,9 @@ from benchmarks.logger_faults import CAUSES, trial
 
 
 @pytest.mark.parametrize("seed", range(16, 16 + len(CAUSES)))
-def test_every_decoded_scan_is_its_own_and_every_acknowledged_one_is_there(elf, tmp_path, seed):
-    outcome = trial(seed, tmp_path, Path(elf))
+def test_every_decoded_scan_is_its_own_and_every_acknowledged_one_is_there(
+    elf, small_files, tmp_path, seed
+):
+    outcome = trial(seed, tmp_path, Path(elf), Path(small_files))
     assert outcome.wrong == []
     assert outcome.decoded >= outcome.acknowledged > 0

@@ -5,7 +5,6 @@ from threading import Lock
 
 import pytest
 
-from tests.firmware.promises.conftest import built
 from tests.firmware.promises.logger import Logger, configure
 from wheelhop.cli import download
 from wheelhop.hil_sim import CardImage, constant
@@ -15,12 +14,6 @@ from wheelhop.logger.link import Link
 CODES = [100.0, 200, 300, 400, 600, 700, 800, 1000]
 BLOCKS = 64  # of a file, in this build
 NAMES = [f"HOP0000{k}.HOP" for k in range(1, 5)]
-
-
-@pytest.fixture(scope="module")
-def small_files(tmp_path_factory):
-    """The Nano's firmware, whose files are small."""
-    return built("nano-small-files", tmp_path_factory.mktemp("small"))
 
 
 class Port:

@@ -149,6 +149,30 @@ def test_triggers_that_are_lost_are_counted(logger, card, cycles):
     assert scans_with_another_inputs_voltage(log) == {}
 
 
+def test_scans_behind_late_triggers_are_decoded_at_their_times(logger, card):
+    wave_hz = 4.0
+    steps = np.arange(2000)[:, None] * np.ones(8) * 0.5e-3
+    wave = from_array(512 + 400 * np.sin(2 * np.pi * wave_hz * steps), 2000.0, repeat=True)
+    one = logger(card, trace=True, signals=wave)
+    one.board.trace()
+    assert one.command("start").ok
+    one.run(0.2)
+    for _ in range(80):
+        one.run(0.005 + 2500 / CPU_HZ / 50)
+        one.board.hold_cpu(2200)
+    one.run(2.0)
+    assert one.command("stop").ok
+    log = wheelhop_log(card.read("HOP00001.HOP"))
+    assert log.late > 40  # nearly a scan
+    triggers, _ = triggers_of(one.board.trace(), one.log())
+    first_s = triggers[int(triggers[1] - triggers[0] != 2500)] / CPU_HZ  # one was by hand
+    recording = log.recording()
+    at_s = first_s + SAMPLE_DELAY_S + recording.time_s
+    truth = 512 + 400 * np.sin(2 * np.pi * wave_hz * at_s)
+    off = np.abs(recording.values + 0.5 - truth[:, None])
+    assert np.nanmax(off[-150:-10]) < 2  # codes; left by number, they are 80 off
+
+
 def wait_in_a_scan_that_reads_the_supply(one, position, cycles):
     """At 400 scans a second, keep the interrupt waiting behind a conversion of the next such scan.
 

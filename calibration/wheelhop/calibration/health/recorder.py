@@ -36,7 +36,7 @@ def recorder_findings(recording: Recording) -> Iterator[Finding]:
     if late:
         yield Finding(
             "late", (), f"{late:.0f} conversions came late, by 0.16 ms each", CERTAIN, late,
-            start, stop, "time stamps do not allow for it; tell the makers of the firmware",
+            start, stop, "times allow for it; tell the makers of the firmware",
         )  # fmt: skip
 
 

@@ -101,12 +101,32 @@ TEST(a_session_has_the_next_number_that_is_free) {
         Rig rig;
         // Of a logger that has counted elsewhere.
         if (name[3] == '6') identity::set_session_number(65534);
-        if (name[7] == '2') identity::set_session_number(0);
+        if (name[7] == '2') fake::eeprom.assign(64, 0xFF);  // a new logger
         CHECK(rig.session.start() == kNoTrouble);
         rig.run(50);
         CHECK(rig.stop() == kNoTrouble && decode(name).scans == 50);
     }
     CHECK(decode("HOP00001.HOP").scans == 50);
+}
+
+// Whatever has happened to its blocks since: the end of it is known.
+TEST(a_file_that_was_closed_is_not_touched_again) {
+    if (!insert_card()) return;
+    {
+        Rig rig;
+        CHECK(rig.session.start() == kNoTrouble);
+        rig.run(37 * 200);
+        CHECK(rig.stop() == kNoTrouble);
+    }
+    for (size_t at = 0; at + 512 <= fake::card.content.size(); at += 512) {
+        uint8_t* block = &fake::card.content[at];
+        if (!memcmp(block, "HOP1D", 5) && block[12] >= 60) block[99] ^= 1;
+    }
+    const std::vector<uint8_t> before = fake::card.content;
+    const int writes = fake::card.writes;
+    Rig rig;
+    CHECK(rig.session.meet() == kNoTrouble);
+    CHECK(fake::card.writes == writes && fake::card.content == before);
 }
 
 TEST(only_a_session_that_was_cut_off_is_gone_on_with) {
@@ -122,7 +142,8 @@ TEST(only_a_session_that_was_cut_off_is_gone_on_with) {
             if (stopped) CHECK(rig.stop() == kNoTrouble);
         }
         Rig rig;
-        CHECK(rig.session.meet() == kNoTrouble);
+        CHECK(rig.session.meet() == kNoTrouble && rig.session.interrupted() != stopped);
+        CHECK(rig.session.start(true) == kNoTrouble);
         CHECK(rig.session.continues == (stopped ? 0 : id));
     }
 }
