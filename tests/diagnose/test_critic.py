@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from wheelhop.compare import estimate_noise_between_samples
-from wheelhop.diagnose.critic import Number, _bounds, _laws, _moved, _untold
+from wheelhop.diagnose.critic import Number, _bounds, _laws, _moved, _rivals, _untold
+from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.effects import load_effects
 
 LIBRARY = load_effects()
@@ -30,6 +31,28 @@ def test_a_knee_at_rest_is_friction():
 
 def test_a_knee_that_is_told_from_rest_is_a_knee():
     assert list(_laws([LOSS, replace(KNEE, value=0.15)], DAMPER)) == []
+
+
+def ranked(effect, fitted, held_out):
+    return Ranked(effect, "suspension", fitted, fitted, held_out, 9.0, 1e-6, (), {}, "")
+
+
+@pytest.mark.parametrize(
+    ("fitted", "held_out", "said"),
+    [(0.00762, 0.00531, True), (0.00761, 0.0062, False), (0.0095, 0.00528, False)],
+)
+def test_the_verdict_is_both_names_where_another_comes_as_far(fitted, held_out, said):
+    """The one named is 13 % above the floor."""
+    ranking = [ranked("digressive-damper", 0.00761, 0.00528)]
+    ranking += [ranked("dry-friction", fitted, held_out), ranked("backlash", None, None)]
+    found = list(_rivals(ranking, ["digressive-damper"], 0.0067, 0.00468))
+    assert ["digressive-damper or dry-friction" in f.remedy for f in found] == [True] * said
+    assert list(_rivals(ranking, [], 0.0067, 0.00468)) == []
+
+
+def test_a_law_that_leaves_noise_alone_has_no_rivals():
+    ranking = [ranked("dry-friction", 0.0067, 0.00468), ranked("backlash", 0.0068, 0.00475)]
+    assert list(_rivals(ranking, ["dry-friction"], 0.0067, 0.00468)) == []
 
 
 def test_a_law_without_strength_is_none():

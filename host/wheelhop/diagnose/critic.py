@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.compare import Slice, estimate_noise_between_samples
-from wheelhop.diagnose.diagnosis import Diagnosis, Step
+from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step
 from wheelhop.effects import Effect
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
@@ -66,6 +66,12 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
     numbers, covariance = numbers_of(step)
     effects = step.rung.model.effects
     return [
+        *_rivals(
+            diagnosis.ranking,
+            [e.id for e in effects],
+            step.comparison.floor.error_fit,
+            step.comparison.floor.error_validate,
+        ),
         *_laws(numbers, effects),
         *_bounds(numbers, effects),
         *_moved(numbers, effects),
@@ -74,6 +80,37 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
         *_fair_band(step),
         *_floor(step),
     ]
+
+
+def _rivals(
+    ranking: Sequence[Ranked], accepted: Sequence[str], floor_fit: float, floor_held_out: float
+) -> Iterator[Finding]:
+    """Effects that come as far as the one accepted: on fitted and on held-out runs there is less
+    power between the two than between the better of them and the floor. A law that leaves more than
+    noise cannot rule out another by less than that."""
+    own = next((r for r in ranking if [r.effect] == list(accepted)), None)
+    if own is None or own.confirmed_error is None or own.validated_error is None:
+        return
+    for other in ranking:
+        if other is own or other.confirmed_error is None or other.validated_error is None:
+            continue
+        if _as_far(other.confirmed_error, own.confirmed_error, floor_fit) and _as_far(
+            other.validated_error, own.validated_error, floor_held_out
+        ):
+            yield Finding(
+                "after",
+                "either",
+                f"{own.effect} and {other.effect}",
+                f"{other.effect} comes as far as {own.effect}: held out,"
+                f" {100 * other.validated_error:.3g} % against {100 * own.validated_error:.3g} %;"
+                f" to the floor, {100 * floor_held_out:.3g} %, it is further.",
+                f"Read the verdict as {own.effect} or {other.effect}, and record slower and faster"
+                " runs.",
+            )
+
+
+def _as_far(other: float, own: float, floor: float) -> bool:
+    return other**2 - own**2 <= max(own**2 - floor**2, 0.0)
 
 
 def _laws(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:

@@ -216,6 +216,7 @@ class _Problem:
                 other = model.with_values(_stepped(free, model.values))
                 moved[free.name] = (other, self.workshop.systems(other))
 
+        @RUNS_AWAY
         def linearise_run(bench: Bench) -> RunFit:
             own = self.own(bench, model)
             old = self.known.get(bench.run.id)
