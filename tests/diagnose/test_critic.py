@@ -1,12 +1,13 @@
 """What a fit's own numbers betray, told from the numbers alone."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from wheelhop.compare import estimate_noise_between_samples
-from wheelhop.diagnose.critic import Number, _bounds, _laws, _moved, _rivals, _untold
+from wheelhop.compare import Slice, estimate_noise_between_samples
+from wheelhop.diagnose.critic import Number, _bounds, _fair_band, _laws, _moved, _rivals, _untold
 from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.effects import load_effects
 
@@ -31,6 +32,32 @@ def test_a_knee_at_rest_is_friction():
 
 def test_a_knee_that_is_told_from_rest_is_a_knee():
     assert list(_laws([LOSS, replace(KNEE, value=0.15)], DAMPER)) == []
+
+
+def step(*errors, above_floor=True):
+    """A rung with these errors in bands of equal power, an octave each."""
+    bands = [Slice(f"{2**i}", e**2, 1.0, 0.0, 0.0) for i, e in enumerate(errors)]
+    total = Slice("all", sum(b.residual for b in bands), len(bands), 0.0, 1.0)
+    breakdown = SimpleNamespace(band=bands, total=total)
+    return SimpleNamespace(comparison=SimpleNamespace(breakdown=breakdown), above_floor=above_floor)
+
+
+@pytest.mark.parametrize(
+    ("baseline", "last", "said"),
+    [
+        ([0.5, 0.3, 0.5, 0.6, 1.3, 1.1], [], "1, 8"),  # beyond 8 Hz it is worse than no model
+        ([0.2, 0.1, 0.2, 0.2, 0.9, 0.9], [], "1, 8"),  # everywhere better, but not as much
+        ([0.5, 0.3, 0.5, 0.6, 1.3, 1.1], [0.5, 0.3, 0.5, 0.6, 0.8, 0.7], "1, 8"),
+        ([0.6] * 6, [], ""),
+        ([1.2, 1.1, 1.2, 1.1, 0.9, 1.0], [], ""),  # fair in too little of it
+    ],
+)
+def test_the_band_in_which_a_model_is_fair_is_offered(baseline, last, said):
+    ladder = [step(*baseline), step(*(last or baseline))]
+    offers = [f.remedy for f in _fair_band(ladder)]
+    assert offers == ([f"Set band_hz = [{said}] in campaign.toml to look only there."] * bool(said))
+    ladder[-1].above_floor = False
+    assert list(_fair_band(ladder)) == []
 
 
 def ranked(effect, fitted, held_out):

@@ -26,8 +26,8 @@ NEAR = 2.0
 UNTOLD = 0.9
 """Share of the prior's variance from which the data have said next to nothing of a direction."""
 FAIR = 0.5
-"""A band is fair if the error in it is at most this much of that over all, and it holds at least
-this much of the band, counted in octaves."""
+"""A band is fair if the error in it is at most this much of that over all, or beyond it the model
+leaves more than there is; and if it holds at least this much of the band, counted in octaves."""
 MISFIT = 1.5  # an estimated floor over a second estimate
 SCALED = ("body.mass", "inertia", "stiffness", "damping", "unsprung_mass")
 ALONG_SCALE = 0.9
@@ -77,7 +77,7 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
         *_moved(numbers, effects),
         *_no_vehicle(step, numbers),
         *_untold(numbers, covariance),
-        *_fair_band(step),
+        *_fair_band(diagnosis.ladder),
         *_floor(step),
     ]
 
@@ -245,32 +245,50 @@ def _untold(numbers: Sequence[Number], covariance: Array) -> Iterator[Finding]:
         )
 
 
-def _fair_band(step: Step) -> Iterator[Finding]:
-    """The widest stretch of the band in which the error is half of that over all."""
-    bands, total = step.comparison.breakdown.band, step.comparison.breakdown.total
-    if not step.above_floor or len(bands) < 4 or not total.measured > 0.0:
+def _fair_band(ladder: Sequence[Step]) -> Iterator[Finding]:
+    """Where the last model is fair; or else the baseline, for an effect found may stand for what
+    the baseline gets wrong."""
+    for step, who in ((ladder[-1], "the same model"), (ladder[0], "the baseline")):
+        bands, total = step.comparison.breakdown.band, step.comparison.breakdown.total
+        if not ladder[-1].above_floor or len(bands) < 4 or not total.measured > 0.0:
+            return
+        found = _fairest(bands, (FAIR * total.error) ** 2), _explained(bands)
+        best = next((b for b in found if FAIR * len(bands) <= len(b) < len(bands)), None)
+        if best is None:
+            continue
+        residual, measured = sum(b.residual for b in best), sum(b.measured for b in best)
+        low, high = best[0].name, best[-1].name
+        yield Finding(
+            "after",
+            "fair-band",
+            "band_hz",
+            f"From {low} to {high} Hz {who} leaves {100 * np.sqrt(residual / measured):.0f} %, over"
+            f" the whole band {100 * total.error:.0f} %: it is fairest there.",
+            f"Set band_hz = [{low}, {high}] in campaign.toml to look only there.",
+            "possible",
+        )
         return
-    allowed = (FAIR * total.error) ** 2
-    best: Sequence[Slice] = ()
+
+
+def _stretches(bands: Sequence[Slice]) -> Iterator[Sequence[Slice]]:
     for first in range(len(bands)):
         for last in range(first + 1, len(bands) + 1):
-            part = bands[first:last]
-            residual, measured = sum(b.residual for b in part), sum(b.measured for b in part)
-            if residual <= allowed * measured and len(part) > len(best):
-                best = part
-    if len(best) < FAIR * len(bands) or len(best) == len(bands):
-        return
-    residual, measured = sum(b.residual for b in best), sum(b.measured for b in best)
-    low, high = best[0].name, best[-1].name
-    yield Finding(
-        "after",
-        "fair-band",
-        "band_hz",
-        f"From {low} to {high} Hz the same model leaves {100 * np.sqrt(residual / measured):.0f} %,"
-        f" over the whole band {100 * total.error:.0f} %: it is fairest there.",
-        f"Set band_hz = [{low}, {high}] in campaign.toml to look only there.",
-        "possible",
+            yield bands[first:last]
+
+
+def _fairest(bands: Sequence[Slice], allowed: float) -> Sequence[Slice]:
+    """The widest stretch in which so much of the power is left, no more; empty if none is."""
+    fair = (
+        part
+        for part in _stretches(bands)
+        if sum(b.residual for b in part) <= allowed * sum(b.measured for b in part)
     )
+    return max(fair, key=len, default=())
+
+
+def _explained(bands: Sequence[Slice]) -> Sequence[Slice]:
+    """The stretch in which the model explains most: beyond it, it leaves more than no model."""
+    return max(_stretches(bands), key=lambda part: sum(b.measured - b.residual for b in part))
 
 
 def _floor(step: Step) -> Iterator[Finding]:
