@@ -207,8 +207,7 @@ class _Problem:
         return model
 
     def linearise(self, model: Model) -> Fit:
-        """Residuals, derivatives, noise and cost at a model; a model that is not stable leaves
-        infinitely much."""
+        """Residuals, derivatives, noise and cost at a model; infinite if it is not stable."""
         systems = self.workshop.systems(model)
         moved = {}
         for free in self.shared:
