@@ -87,6 +87,7 @@ def _of_axles(workshop: Workshop, judging: Fit) -> float:
     model = judging.model
     systems, astray = workshop.systems(model), workshop.astray
 
+    @RUNS_AWAY
     def added(bench: Bench) -> float:
         wrong = astray.get(bench.run.id)
         if wrong is None:
