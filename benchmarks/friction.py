@@ -2,9 +2,8 @@
 
 Every draw hides force tanh(v / creep) at one end of the ATV: 40 to 120 N, 2 to 20 mm/s, recorded at
 100 to 1000 Hz, 6 runs (`tests/truth/other_laws.py`, MuJoCo). The verdict is right if it calls that
-friction, or gives both names where it is hard to tell from another; a damper alone is wrong. The
-rivals are the suspension's effects, all of which act where a strut moves; `--all` asks the whole
-library.
+friction, or the critic gives both names; a damper alone is wrong. The rivals are the suspension's
+effects, all of which act where a strut moves; `--all` asks the whole library.
 """
 
 from __future__ import annotations
@@ -82,7 +81,8 @@ def main() -> None:
             campaign = read_campaign(draw.write(Path(work)))
             vehicle, began = read_vehicle(campaign.vehicle_file), time.process_time()
             found = diagnose(campaign, vehicle, library, jobs=1)
-        named = set(found.verdict) | {e for r in found.ranking[:1] for e in r.ambiguous_with}
+        named = set(found.verdict)
+        named |= {name for f in found.findings if f.kind == "either" for name in f.about.split()}
         right += NAME in named
         last = found.ladder[-1]
         print(

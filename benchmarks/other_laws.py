@@ -13,14 +13,14 @@ import tempfile
 from pathlib import Path
 
 from tests.diagnose.cases import diagnosed, oracle_of
-from tests.diagnose.machines import FURTHER, MACHINES, MISTAKEN, rivals
+from tests.diagnose.machines import FURTHER, MACHINES, rivals
 from tests.truth import PRESETS, make_effect
 from tests.truth.campaign import write_campaign
 
 
 def main() -> None:
     """Print a line for each machine."""
-    machines = MACHINES | FURTHER | MISTAKEN
+    machines = MACHINES | FURTHER
     parser = argparse.ArgumentParser(prog="python -m benchmarks.other_laws")
     parser.add_argument("--seed", type=int, default=101)
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(machines))

@@ -60,6 +60,16 @@ def test_clipped_peaks_are_told_from_the_peaks_of_a_sine():
     assert found(sines) == [] == found(np.round(8 * (531 + 20 * sines)) / 8, CODE)
 
 
+def test_crests_met_in_step_with_the_samples_are_not_cut_off():
+    """Ten samples a wave and a little noise: each crest is met at the same place. Cut off where
+    three samples in a row are, it is told again."""
+    turn = 2 * np.pi * 10.0 * TIME
+    noise = np.random.default_rng(2).normal(size=len(TIME))
+    column = 60 * np.cos(turn) + 20 * np.cos(2 * turn + 0.5) + 0.12 * noise
+    assert ("clipping", "B2") not in found(with_column(column))
+    assert ("clipping", "B2") in found(with_column(np.clip(column, -100.0, 40.0)))
+
+
 def test_the_converters_end_is_certain():
     codes = 512 + 20 * road()
     codes[100:103, 2] = 1023.0

@@ -1,12 +1,14 @@
 """What a fit's own numbers betray, told from the numbers alone."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from wheelhop.compare import estimate_noise_between_samples
-from wheelhop.diagnose.critic import Number, _bounds, _laws, _moved, _untold
+from wheelhop.compare import Slice, estimate_noise_between_samples
+from wheelhop.diagnose.critic import Number, _bounds, _fair_band, _laws, _moved, _rivals, _untold
+from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.effects import load_effects
 
 LIBRARY = load_effects()
@@ -30,6 +32,54 @@ def test_a_knee_at_rest_is_friction():
 
 def test_a_knee_that_is_told_from_rest_is_a_knee():
     assert list(_laws([LOSS, replace(KNEE, value=0.15)], DAMPER)) == []
+
+
+def step(*errors, above_floor=True):
+    """A rung with these errors in bands of equal power, an octave each."""
+    bands = [Slice(f"{2**i}", e**2, 1.0, 0.0, 0.0) for i, e in enumerate(errors)]
+    total = Slice("all", sum(b.residual for b in bands), len(bands), 0.0, 1.0)
+    breakdown = SimpleNamespace(band=bands, total=total)
+    return SimpleNamespace(comparison=SimpleNamespace(breakdown=breakdown), above_floor=above_floor)
+
+
+@pytest.mark.parametrize(
+    ("baseline", "last", "said"),
+    [
+        ([0.5, 0.3, 0.5, 0.6, 1.3, 1.1], [], "1, 8"),  # beyond 8 Hz it is worse than no model
+        ([0.2, 0.1, 0.2, 0.2, 0.9, 0.9], [], "1, 8"),  # everywhere better, but not as much
+        ([0.5, 0.3, 0.5, 0.6, 1.3, 1.1], [0.5, 0.3, 0.5, 0.6, 0.8, 0.7], "1, 8"),
+        ([0.6] * 6, [], ""),
+        ([1.2, 1.1, 1.2, 1.1, 0.9, 1.0], [], ""),  # fair in too little of it
+    ],
+)
+def test_the_band_in_which_a_model_is_fair_is_offered(baseline, last, said):
+    ladder = [step(*baseline), step(*(last or baseline))]
+    offers = [f.remedy for f in _fair_band(ladder)]
+    assert offers == ([f"Set band_hz = [{said}] in campaign.toml to look only there."] * bool(said))
+    ladder[-1].above_floor = False
+    assert list(_fair_band(ladder)) == []
+
+
+def ranked(effect, fitted, held_out):
+    return Ranked(effect, "suspension", fitted, fitted, held_out, 9.0, 1e-6, (), {}, "")
+
+
+@pytest.mark.parametrize(
+    ("fitted", "held_out", "said"),
+    [(0.00762, 0.00531, True), (0.00761, 0.0062, False), (0.0095, 0.00528, False)],
+)
+def test_the_verdict_is_both_names_where_another_comes_as_far(fitted, held_out, said):
+    """The one named is 13 % above the floor."""
+    ranking = [ranked("digressive-damper", 0.00761, 0.00528)]
+    ranking += [ranked("dry-friction", fitted, held_out), ranked("backlash", None, None)]
+    found = list(_rivals(ranking, ["digressive-damper"], 0.0067, 0.00468))
+    assert ["digressive-damper or dry-friction" in f.remedy for f in found] == [True] * said
+    assert list(_rivals(ranking, [], 0.0067, 0.00468)) == []
+
+
+def test_a_law_that_leaves_noise_alone_has_no_rivals():
+    ranking = [ranked("dry-friction", 0.0067, 0.00468), ranked("backlash", 0.0068, 0.00475)]
+    assert list(_rivals(ranking, ["dry-friction"], 0.0067, 0.00468)) == []
 
 
 def test_a_law_without_strength_is_none():

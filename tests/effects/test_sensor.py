@@ -50,3 +50,30 @@ def test_sensor_polarity_tries_every_channel_and_every_pair():
     (wrong,) = EFFECTS["sensor-polarity"].with_choice("B1").parameters_for(ATV, CHANNELS)
     assert wrong.switch  # nothing is fitted: a cable is right or wrong
     assert EFFECTS["sensor-gain"].choices(CHANNELS) == NAMES
+
+
+def test_what_came_just_before_and_after_is_all_a_restored_mount_lacks():
+    """Cut from a longer record, the foot's motion comes back but for the two jumps at its ends."""
+    rate_hz, n, around = 100.0, 1000, 2000
+    rng, mount = np.random.default_rng(4), EFFECTS["sensor-mount"].with_choice("A1")
+    theta = {"loose": 1.0, "freq_hz": 24.5, "zeta": 0.03}
+    frequency_hz = np.fft.rfftfreq(n + 2 * around, 1 / rate_hz)
+    foot = np.fft.rfft(rng.normal(size=n + 2 * around)) * (np.abs(frequency_hz - 20) < 19)
+    ratio = frequency_hz / theta["freq_hz"]
+    damper = 1 + 2j * theta["zeta"] * ratio
+    inside = slice(around, around + n)
+    truth, measured = (
+        np.fft.irfft(s)[inside, None] for s in (foot, foot * damper / (damper - ratio**2))
+    )
+
+    of_axle = [c for c in CHANNELS if c.name == "A1"]
+
+    def restored(**jumps):
+        return mount.restore(theta | jumps, measured, of_axle, rate_hz)[:, 0]
+
+    begun = restored()
+    wrong = truth[:, 0] - begun
+    known = np.stack([restored(before_m_s2=1.0), restored(after_m_s2=1.0)], axis=1) - begun[:, None]
+    left = wrong - known @ np.linalg.lstsq(known, wrong, rcond=None)[0]
+    assert np.abs(wrong).max() > 0.5 * truth.std()
+    assert np.sum(left**2) < 0.02 * np.sum(wrong**2)

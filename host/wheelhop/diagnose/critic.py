@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.compare import Slice, estimate_noise_between_samples
-from wheelhop.diagnose.diagnosis import Diagnosis, Step
+from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step
 from wheelhop.effects import Effect
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
@@ -26,8 +26,8 @@ NEAR = 2.0
 UNTOLD = 0.9
 """Share of the prior's variance from which the data have said next to nothing of a direction."""
 FAIR = 0.5
-"""A band is fair if the error in it is at most this much of that over all, and it holds at least
-this much of the band, counted in octaves."""
+"""A band is fair if the error in it is at most this much of that over all, or beyond it the model
+leaves more than there is; and if it holds at least this much of the band, counted in octaves."""
 MISFIT = 1.5  # an estimated floor over a second estimate
 SCALED = ("body.mass", "inertia", "stiffness", "damping", "unsprung_mass")
 ALONG_SCALE = 0.9
@@ -66,14 +66,51 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
     numbers, covariance = numbers_of(step)
     effects = step.rung.model.effects
     return [
+        *_rivals(
+            diagnosis.ranking,
+            [e.id for e in effects],
+            step.comparison.floor.error_fit,
+            step.comparison.floor.error_validate,
+        ),
         *_laws(numbers, effects),
         *_bounds(numbers, effects),
         *_moved(numbers, effects),
         *_no_vehicle(step, numbers),
         *_untold(numbers, covariance),
-        *_fair_band(step),
+        *_fair_band(diagnosis.ladder),
         *_floor(step),
     ]
+
+
+def _rivals(
+    ranking: Sequence[Ranked], accepted: Sequence[str], floor_fit: float, floor_held_out: float
+) -> Iterator[Finding]:
+    """Effects that come as far as the one accepted: on fitted and on held-out runs there is less
+    power between the two than between the better of them and the floor. A law that leaves more than
+    noise cannot rule out another by less than that."""
+    own = next((r for r in ranking if [r.effect] == list(accepted)), None)
+    if own is None or own.confirmed_error is None or own.validated_error is None:
+        return
+    for other in ranking:
+        if other is own or other.confirmed_error is None or other.validated_error is None:
+            continue
+        if _as_far(other.confirmed_error, own.confirmed_error, floor_fit) and _as_far(
+            other.validated_error, own.validated_error, floor_held_out
+        ):
+            yield Finding(
+                "after",
+                "either",
+                f"{own.effect} and {other.effect}",
+                f"{other.effect} comes as far as {own.effect}: held out,"
+                f" {100 * other.validated_error:.3g} % against {100 * own.validated_error:.3g} %;"
+                f" to the floor, {100 * floor_held_out:.3g} %, it is further.",
+                f"Read the verdict as {own.effect} or {other.effect}, and record slower and faster"
+                " runs.",
+            )
+
+
+def _as_far(other: float, own: float, floor: float) -> bool:
+    return other**2 - own**2 <= max(own**2 - floor**2, 0.0)
 
 
 def _laws(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
@@ -208,32 +245,50 @@ def _untold(numbers: Sequence[Number], covariance: Array) -> Iterator[Finding]:
         )
 
 
-def _fair_band(step: Step) -> Iterator[Finding]:
-    """The widest stretch of the band in which the error is half of that over all."""
-    bands, total = step.comparison.breakdown.band, step.comparison.breakdown.total
-    if not step.above_floor or len(bands) < 4 or not total.measured > 0.0:
+def _fair_band(ladder: Sequence[Step]) -> Iterator[Finding]:
+    """Where the last model is fair; or else the baseline, for an effect found may stand for what
+    the baseline gets wrong."""
+    for step, who in ((ladder[-1], "the same model"), (ladder[0], "the baseline")):
+        bands, total = step.comparison.breakdown.band, step.comparison.breakdown.total
+        if not ladder[-1].above_floor or len(bands) < 4 or not total.measured > 0.0:
+            return
+        found = _fairest(bands, (FAIR * total.error) ** 2), _explained(bands)
+        best = next((b for b in found if FAIR * len(bands) <= len(b) < len(bands)), None)
+        if best is None:
+            continue
+        residual, measured = sum(b.residual for b in best), sum(b.measured for b in best)
+        low, high = best[0].name, best[-1].name
+        yield Finding(
+            "after",
+            "fair-band",
+            "band_hz",
+            f"From {low} to {high} Hz {who} leaves {100 * np.sqrt(residual / measured):.0f} %, over"
+            f" the whole band {100 * total.error:.0f} %: it is fairest there.",
+            f"Set band_hz = [{low}, {high}] in campaign.toml to look only there.",
+            "possible",
+        )
         return
-    allowed = (FAIR * total.error) ** 2
-    best: Sequence[Slice] = ()
+
+
+def _stretches(bands: Sequence[Slice]) -> Iterator[Sequence[Slice]]:
     for first in range(len(bands)):
         for last in range(first + 1, len(bands) + 1):
-            part = bands[first:last]
-            residual, measured = sum(b.residual for b in part), sum(b.measured for b in part)
-            if residual <= allowed * measured and len(part) > len(best):
-                best = part
-    if len(best) < FAIR * len(bands) or len(best) == len(bands):
-        return
-    residual, measured = sum(b.residual for b in best), sum(b.measured for b in best)
-    low, high = best[0].name, best[-1].name
-    yield Finding(
-        "after",
-        "fair-band",
-        "band_hz",
-        f"From {low} to {high} Hz the same model leaves {100 * np.sqrt(residual / measured):.0f} %,"
-        f" over the whole band {100 * total.error:.0f} %: it is fairest there.",
-        f"Set band_hz = [{low}, {high}] in campaign.toml to look only there.",
-        "possible",
+            yield bands[first:last]
+
+
+def _fairest(bands: Sequence[Slice], allowed: float) -> Sequence[Slice]:
+    """The widest stretch in which so much of the power is left, no more; empty if none is."""
+    fair = (
+        part
+        for part in _stretches(bands)
+        if sum(b.residual for b in part) <= allowed * sum(b.measured for b in part)
     )
+    return max(fair, key=len, default=())
+
+
+def _explained(bands: Sequence[Slice]) -> Sequence[Slice]:
+    """The stretch in which the model explains most: beyond it, it leaves more than no model."""
+    return max(_stretches(bands), key=lambda part: sum(b.measured - b.residual for b in part))
 
 
 def _floor(step: Step) -> Iterator[Finding]:

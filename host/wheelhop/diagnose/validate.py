@@ -12,6 +12,7 @@ from functools import cached_property
 
 from wheelhop.diagnose.judge import Rung, best_first, log_odds, unforeseen
 from wheelhop.fit import Bench, Fit, Workshop, fit, follow, update
+from wheelhop.fit.bench import RUNS_AWAY
 from wheelhop.simulate import Model
 
 INEXACT = 1e-3
@@ -86,6 +87,7 @@ def _of_axles(workshop: Workshop, judging: Fit) -> float:
     model = judging.model
     systems, astray = workshop.systems(model), workshop.astray
 
+    @RUNS_AWAY
     def added(bench: Bench) -> float:
         wrong = astray.get(bench.run.id)
         if wrong is None:
@@ -109,6 +111,7 @@ def _of_effects(workshop: Workshop, judging: Fit) -> float:
         return 0.0
     systems = workshop.systems(model), workshop.systems(bare)
 
+    @RUNS_AWAY
     def contributed(bench: Bench) -> float:
         full, rest = bench.records(list(zip((model, bare), systems, strict=True)))
         difference = bench.coefficients(full - rest)

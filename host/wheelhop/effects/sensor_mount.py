@@ -36,9 +36,15 @@ STRUCK = 3.0
 """A mount may still ring with so many m/s², one standard deviation, from what came before."""
 
 
+BEYOND = 30.0
+"""Just before and after its record, a channel that drives the model may read so many m/s² more or
+less than its point reflection: as much as a shaken mount reads."""
+
+
 class SensorMount(Effect):
     """The sensor's mass on the mount's spring and damper: the sensor reads its own motion. Of what
-    shook it before the record only the run-up is known, so how it rings then is free in each run.
+    shook it before the record only the run-up is known, so how it rings then is free in each run;
+    and so is, where the channel drives the model, what it read just before the record and after.
     """
 
     id = "sensor-mount"
@@ -86,10 +92,19 @@ class SensorMount(Effect):
         )
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
-        """How the mount rings when the record begins, beyond what the run-up makes it do."""
-        return (
+        """How the mount rings when the record begins, beyond what the run-up makes it do; and the
+        jumps at the ends of a record that is set right. These are no amplitudes: of a mount that
+        sits tight nothing beyond the record matters."""
+        ringing = (
             Parameter("ring_cos_m_s2", "m/s²", "ringing when the record begins", STRUCK),
             Parameter("ring_sin_m_s2", "m/s²", "and a quarter of a turn later", STRUCK),
+        )
+        if run.on_road:
+            return ringing
+        return (
+            *ringing,
+            Parameter("before_m_s2", "m/s²", "reading before the record", BEYOND, starts=(0.0,)),
+            Parameter("after_m_s2", "m/s²", "and after it", BEYOND, starts=(0.0,)),
         )
 
     def shape_starts(self, probe: Probe) -> Sequence[Values]:
@@ -153,7 +168,8 @@ class SensorMount(Effect):
             return 1.0 / (1.0 + theta["loose"] * (_transmissibility(frequency_hz, *shape) - 1.0))
 
         changed = np.array(measured)
-        changed[:, i : i + 1] = transferred(measured[:, i : i + 1], rate_hz, factor)
+        jumps = theta.get("before_m_s2", 0.0), theta.get("after_m_s2", 0.0)
+        changed[:, i : i + 1] = transferred(measured[:, i : i + 1], rate_hz, factor, jumps)
         return changed
 
     def _column(self, channels: Sequence[Channel]) -> int:

@@ -15,14 +15,18 @@ MARGIN_S = 0.5
 
 
 def transferred(
-    record: Array, rate_hz: float, transfer: Callable[[Array], NDArray[np.complex128]]
+    record: Array,
+    rate_hz: float,
+    transfer: Callable[[Array], NDArray[np.complex128]],
+    jumps: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
     """A record (n, c) after a filter whose transfer function at frequencies (f,), Hz, is `transfer`
     (f, c) or (f, 1), with exp(+iωt); for filters that remember a moment, no longer.
 
     The filter acts in the frequency domain. Beyond its ends the record is continued by its own
     point reflection, which fades to one level, so that nothing jumps where the transform closes it
-    to a ring.
+    to a ring. What really came before and after differs from that by `jumps`, in the record's unit,
+    which fade as well: two numbers nobody recorded.
     """
     margin = min(round(MARGIN_S * rate_hz), len(record) - 1)
     longer = np.pad(record, ((margin, margin), (0, 0)), mode="reflect", reflect_type="odd")
@@ -31,6 +35,8 @@ def transferred(
     level = 0.5 * (record[0] + record[-1])
     longer[margin + len(record) :] = level + fade * (longer[margin + len(record) :] - level)
     longer[:margin] = level + fade[::-1] * (longer[:margin] - level)
+    longer[:margin] += jumps[0] * fade[::-1]
+    longer[margin + len(record) :] += jumps[1] * fade
     spectrum = fft.rfft(longer, axis=0) * transfer(fft.rfftfreq(n, 1.0 / rate_hz))
     return np.asarray(fft.irfft(spectrum, n, axis=0)[margin : margin + len(record)])
 

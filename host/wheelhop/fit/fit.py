@@ -207,8 +207,7 @@ class _Problem:
         return model
 
     def linearise(self, model: Model) -> Fit:
-        """Residuals, derivatives, noise and cost at a model; a model that is not stable leaves
-        infinitely much."""
+        """Residuals, derivatives, noise and cost at a model; infinite if it is not stable."""
         systems = self.workshop.systems(model)
         moved = {}
         for free in self.shared:
@@ -216,6 +215,7 @@ class _Problem:
                 other = model.with_values(_stepped(free, model.values))
                 moved[free.name] = (other, self.workshop.systems(other))
 
+        @RUNS_AWAY
         def linearise_run(bench: Bench) -> RunFit:
             own = self.own(bench, model)
             old = self.known.get(bench.run.id)

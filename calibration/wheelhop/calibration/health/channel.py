@@ -123,7 +123,7 @@ def _clipping(recording: Recording, c: int, column: Array) -> Iterator[Finding]:
         at_end, near = int(np.sum(depth <= width)), int(np.sum(depth <= 10 * width))
         at_rail = channel.unit == CODE and (end > RAILS[1] if side == "top" else end < RAILS[0])
         piled = at_end >= FEWEST_CLIPPED and at_end > PILE * (near - at_end) and 10 * width < span
-        if not (at_rail or piled):
+        if not (at_rail or (piled and _crests_differ(column, depth <= width, width))):
             continue
         rows = np.flatnonzero(np.abs(recording.values[:, c] - end) <= width)
         level = "the converter's end" if at_rail else f"{end:.4g} {channel.unit}"
@@ -133,6 +133,18 @@ def _clipping(recording: Recording, c: int, column: Array) -> Iterator[Finding]:
             else LIKELY, at_end / FEWEST_CLIPPED, *_when(recording, rows[0], rows[-1] + 1),
             "drive slower, mount the sensor softer, or take one of a larger range",
         )  # fmt: skip
+
+
+def _crests_differ(column: Array, at_end: NDArray[np.bool_], width: float) -> bool:
+    """Whether what leads to the end and away from it differs more than the end does.
+
+    Samples in step with a periodic motion meet each crest at the same place: they are as alike
+    there as if they were cut off, but so are their neighbours. A limit makes crests of different
+    size alike. Of the neighbours the mean counts, which a crest met a little earlier or later
+    leaves as it was.
+    """
+    i = np.flatnonzero(at_end[1:-1]) + 1
+    return bool(len(i)) and float(np.std(column[i - 1] + column[i + 1])) / 2 > width
 
 
 def _level(recording: Recording, c: int, levels: Array) -> Iterator[Finding]:
