@@ -56,8 +56,8 @@ def candidate(
     """Fit one structure with at most this many poles and judge it.
 
     Poles that the runs do not need may end in a worse minimum. Where not all of `order` were kept,
-    or one is no mode that the runs resolve, fewer are tried, too (`below`, if two fewer have been),
-    and the Bayesian information criterion decides. With a `start` just its poles are fitted.
+    or one is no mode that the runs resolve, fewer are tried, too (`below`, if they have been), and
+    the Bayesian information criterion decides. With a `start` just its poles are fitted.
 
     Raises
     ------
@@ -67,7 +67,9 @@ def candidate(
     found = _fitted(measured, structure, order, suspensions, start)
     if start is not None or order < 4 or _sound(found, measured):
         return found
-    fewer = below or candidate(measured, structure, order - 2, suspensions)
+    fewer = below
+    if fewer is None:
+        fewer = candidate(measured, structure, min(order - 2, found.order), suspensions)
     return replace(min(fewer, found, key=lambda c: c.bic), asked=order)
 
 
