@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from wheelhop.campaign import CampaignError
+from wheelhop.identify.folded import apart, beyond_chance
 from wheelhop.identify.gram import Stack, condensed, projected, transient_basis, unabsorbed
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.problem import Point, Problem, descend
@@ -52,7 +53,8 @@ def identify(
     Noise of the inputs counts as well as that of the outputs: at each line the weight is one over
     σ² (1 + Σ|H|²), H from the fit before (errors in both, with the weights held: R. Pintelon and
     J. Schoukens, System Identification, 2nd ed., chapter 9). Of stated level, it is also taken out
-    of the inputs' power, unless it leaves too little of it.
+    of the inputs' power, unless it leaves too little of it. Lines of a run that leave more than
+    noise may are weighed by what they leave (`folded`).
 
     Sections that the runs do not need are left out again: those without which the sum of squares
     grows by less than information criteria ask for their numerators and initial states.
@@ -79,7 +81,7 @@ def identify(
     fitter = _Fitter(runs, structure, order, inputs, outputs, suspensions, noise_rms)
     point = fitter.first(start)
     fitter.reweigh(point)
-    point = fitter.refined(point.numbers)
+    point = fitter.doubted(fitter.refined(point.numbers))
     return fitter.result(point if start is not None else fitter.pruned(point))
 
 
@@ -107,7 +109,8 @@ class _Fitter:
         suspensions: Suspensions | None,
         noise_rms: float | None,
     ) -> None:
-        self.runs, self.structure, self.order = runs, structure, order
+        self.runs, self.structure, self.order = list(runs), structure, order
+        self.excess = [np.ones(len(p.omega)) for p in runs]
         self.inputs, self.outputs = inputs, outputs
         self.suspensions, self.noise_rms = suspensions, noise_rms
         rows = sum(2 * len(p.omega) * len(p.runs) for p in runs)
@@ -227,6 +230,16 @@ class _Fitter:
         self.problem, self.order = problem, self.order + 2
         return None
 
+    def doubted(self, point: Point) -> Point:
+        """With lines that leave more than noise may weighed by what they leave."""
+        h = self.result(point, covariance=False)
+        excess = beyond_chance(h, self.runs, self.weights, self.problem.output_weight)
+        if all((power == 1.0).all() for power in excess):
+            return point
+        self.runs, self.excess = apart(self.runs, excess)
+        self.reweigh(point)
+        return self.refined(point.numbers)
+
     def reweigh(self, point: Point) -> None:
         """Weights from the noise and what the last fit says of its way to the outputs."""
         h = self.result(point, covariance=False)
@@ -234,7 +247,7 @@ class _Fitter:
             np.sqrt(1.0 + np.mean(np.sum(np.abs(h(1j * p.omega)) ** 2, axis=2), axis=1))
             for p in self.runs
         ]
-        weights = [1.0 / g for g in growth]
+        weights = [1.0 / (g * np.sqrt(e)) for g, e in zip(growth, self.excess, strict=True)]
         if self.noise_rms is not None:
             lines = sum(len(p.runs) * len(p.omega) for p in self.runs)
             energy = sum(len(p.runs) * p.samples for p in self.runs) * self.noise_rms**2

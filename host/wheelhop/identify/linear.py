@@ -247,10 +247,7 @@ def _quiet_half(runs: Sequence[Spectra], rate_hz: float) -> list[Spectra]:
     for part, peak in zip(runs, travel, strict=True):
         keep = np.flatnonzero(peak <= limit)
         if len(keep):
-            names = tuple(part.runs[i] for i in keep)
-            out.append(
-                Spectra(names, part.omega, part.inputs[keep], part.outputs[keep], part.samples)
-            )
+            out.append(part.only(keep))
     return out
 
 

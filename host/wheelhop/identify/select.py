@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import CampaignError
-from wheelhop.identify.identify import identify
+from wheelhop.identify.folded import narrow
+from wheelhop.identify.identify import WASTED, identify
 from wheelhop.identify.judge import Judged, judge
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.sections import Sections
@@ -50,9 +51,43 @@ def candidate(
     order: int,
     suspensions: Suspensions | None,
     start: Sections | None = None,
+    below: Candidate | None = None,
 ) -> Candidate:
-    """Fit one structure at one order, from `start` if given, and judge it. Raises CampaignError as
-    `identify` does."""
+    """Fit one structure with at most this many poles and judge it.
+
+    Poles that the runs do not need may end in a worse minimum. Where not all of `order` were kept,
+    or one is no mode that the runs resolve, fewer are tried, too (`below`, if they have been), and
+    the Bayesian information criterion decides. With a `start` just its poles are fitted.
+
+    Raises
+    ------
+    CampaignError
+        As `identify` does.
+    """
+    found = _fitted(measured, structure, order, suspensions, start)
+    if start is not None or order < 4 or _sound(found, measured):
+        return found
+    fewer = below
+    if fewer is None:
+        fewer = candidate(measured, structure, min(order - 2, found.order), suspensions)
+    return replace(min(fewer, found, key=lambda c: c.bic), asked=order)
+
+
+def _sound(found: Candidate, measured: Measured) -> bool:
+    """Whether all poles asked for were kept, as modes that the runs resolve."""
+    longest_s = max(2 * np.pi / float(part.omega[1] - part.omega[0]) for part in measured.fit)
+    sections = found.model.sections
+    apart = narrow(sections, longest_s) | (sections.zeta > WASTED)
+    return found.order == found.asked and not apart.any()
+
+
+def _fitted(
+    measured: Measured,
+    structure: Structure,
+    order: int,
+    suspensions: Suspensions | None,
+    start: Sections | None,
+) -> Candidate:
     model = identify(
         measured.fit,
         structure,
@@ -80,10 +115,11 @@ def of_orders(
     orders: Sequence[int] = ORDERS,
 ) -> list[Candidate]:
     """One candidate for each order that the runs are long enough for."""
-    found = []
+    found: list[Candidate] = []
     for order in orders:
+        below = found[-1] if found and found[-1].asked == order - 2 else None
         try:
-            found.append(candidate(measured, structure, order, suspensions))
+            found.append(candidate(measured, structure, order, suspensions, below=below))
         except CampaignError:
             if not found:
                 raise

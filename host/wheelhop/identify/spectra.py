@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +38,13 @@ class Spectra:
     outputs: ComplexArray  #: (r, k, n)
     samples: int
 
-    def part(self, first: int, stop: int) -> Spectra:
-        """The runs from `first` up to, not including, `stop`."""
-        pick = slice(first, stop)
-        return Spectra(
-            self.runs[pick], self.omega, self.inputs[pick], self.outputs[pick], self.samples
+    def only(self, which: NDArray[np.int64]) -> Spectra:
+        """The runs of these numbers."""
+        return replace(
+            self,
+            runs=tuple(self.runs[i] for i in which),
+            inputs=self.inputs[which],
+            outputs=self.outputs[which],
         )
 
 

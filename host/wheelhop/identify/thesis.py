@@ -64,12 +64,14 @@ UNPUBLISHED = (
     " stands for them"
 )
 FIRST_GUESS = {
-    1: "from the step at B1 alone, with which section 2.4 begins: one increment at four points"
-    " cannot hold four modes, and what it shows hangs on which steps are fitted, which is not said"
-    " (with all four no eigenvalue oscillates)",
-    2: "two increments hold all four modes of the equivalent vehicle, and ours are exactly those;"
-    " the printed ones differ from Table 2.1 itself by up to 58 %, which needs no more than an"
-    " integrator's errors of a thousandth of the motion",
+    1: "from the step at B1 alone, with which section 2.4 begins (all four give nothing that"
+    " oscillates): one increment at four points cannot hold four modes, and hangs on those of the"
+    " frame that are not printed; with one bending mode the step at B1 gives it within 4 %"
+    " (benchmarks/table_a2.py)",
+    2: "of a frame with more modes than the equivalent vehicle's one: two increments at four points"
+    " hold four modes, so with no more of them two and three would print the same pairs. With one"
+    " bending mode the step at B1 gives two increments within 10 %, three within 25 %"
+    " (benchmarks/table_a2.py)",
 }
 """By number of increments in the state."""
 
