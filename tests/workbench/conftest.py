@@ -5,8 +5,9 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -27,11 +28,15 @@ def describe_vehicle(page: object) -> None:
 def workbench(
     *arguments: object, home: Path | None = None
 ) -> Iterator[tuple[str, subprocess.Popen]]:
-    """`wheelhop workbench` as a user starts it: its address, and the process. With a `home`, no
-    other program's emulated logger is in the way."""
-    environment = dict(os.environ)
-    if home is not None:
-        environment |= {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
+    """`wheelhop workbench` as a user starts it: its address, and the process. It has a home of its
+    own, where no other program's emulated logger or draft is in the way."""
+    with ExitStack() as stack:
+        home = home or Path(stack.enter_context(TemporaryDirectory(ignore_cleanup_errors=True)))
+        yield from _served(arguments, home)
+
+
+def _served(arguments: tuple[object, ...], home: Path) -> Iterator[tuple[str, subprocess.Popen]]:
+    environment = {**os.environ, "HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
     command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser"]
     process = subprocess.Popen(
         [*command, *map(str, arguments)],

@@ -33,6 +33,13 @@ def turn(page, name):
     page.wait_for_timeout(600)  # the picture, for those who look at it
 
 
+def wait_until(holds, limit_s=20.0):
+    until = time.monotonic() + limit_s
+    while not holds():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+
+
 def find_out(page):
     turn(page, "What is missing")
     page.get_by_role("button", name="Find out what is missing").click()
@@ -85,7 +92,7 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         turn(second, "What is missing")
         assert "dry-friction" in second.locator(".verdict h2").inner_text()
 
-        page.locator(".verdict").get_by_role("button", name="Add it to the model").click()
+        page.locator(".verdict").get_by_role("button", name="Add dry-friction to the model").click()
         page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
         assert figure(page, "error / floor") < 1.1
         second.locator("dl.key", has_text="baseline + dry-friction").wait_for()
@@ -208,15 +215,23 @@ def test_runs_and_channels_are_left_out_and_taken_back(clean, open_page):
 
 def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
     files = write_foreign(tmp_path)
-    with workbench() as (address, _):
+    with workbench(home=tmp_path) as (address, process):
         page = open_page(address)
         page.set_input_files("input[type=file]", [str(file) for file in files])
         speeds = page.get_by_label("speed, km/h")
-        speeds.nth(2).wait_for()  # all that could be guessed was: they are read at once
+        speeds.nth(2).wait_for()
         for i in range(3):
             speeds.nth(i).fill("10")
+        wait_until(lambda: next(tmp_path.rglob("draft.json")).read_text().count("10.0,") == 3)
+        process.kill()
+    with workbench(home=tmp_path) as (address, _):
+        page = open_page(address)
+        speeds = page.get_by_label("speed, km/h")
+        speeds.nth(2).wait_for()
+        assert speeds.nth(2).input_value() == "10"  # the server was killed, nothing is lost
 
         begin = page.locator(".stretches [data-edge=from]").first
+        begin.scroll_into_view_if_needed()
         box, whole = begin.bounding_box(), page.locator(".stretches").first.bounding_box()
         page.mouse.move(box["x"] + 2, box["y"] + 20)
         page.mouse.down()
@@ -226,7 +241,9 @@ def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
         page.wait_for_function("document.querySelector('[aria-label=\"from, s\"]').value > 8.05")
 
         page.get_by_role("button", name="Make the campaign").click()
-        page.get_by_text("this one is needed: weight on both front wheels").wait_for()
+        page.get_by_text(
+            "weight on both front wheels, ready to drive, driver aboard, kg; weight"
+        ).wait_for()
         describe_vehicle(page)
         page.screenshot(path=pictures / "guide.png", full_page=True)
         page.get_by_label("new folder").fill(str(tmp_path / "made"))
@@ -234,6 +251,7 @@ def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
         page.get_by_role("tab", name="Overview").wait_for()
         for point in NAMES:
             assert page.locator("svg.plan text", has_text=point).count() >= 1
+    assert not list(tmp_path.rglob("draft.json"))
     first, *others = read_campaign(tmp_path / "made").runs
     assert len(others) == 2
     assert len(first.time_s) == pytest.approx((15.5 - 8.1) * 100, abs=15)

@@ -30,10 +30,11 @@ class Workbench:
     @property
     def draft(self) -> Draft:
         """The runs in the making: of a new campaign, or for the one that is open."""
-        from wheelhop.workbench.draft import Draft  # it knows every format of recordings
+        from wheelhop.workbench.kept import draft_folder, resume  # they know every format
 
         if self._draft is None:
-            self._draft = Draft(None if self.desk is None else self.desk.campaign.folder)
+            into = None if self.desk is None else self.desk.campaign.folder
+            self._draft = resume(draft_folder(into, self._claims), into)
         return self._draft
 
     def put(self, folder: Path) -> None:

@@ -12,6 +12,11 @@ from wheelhop.workbench.guide import Guide
 from wheelhop.workbench.record_view import RecordView
 
 LOOK_S = 0.5
+WORDS = (
+    "A <em>campaign</em> is one vehicle, driven a few times over known ground, with accelerometers"
+    " on its axles and its body. Drop the files, say what was driven, and give four numbers of the"
+    " vehicle: the workbench fits a model and finds out which physics it is missing."
+)
 
 
 class Start:
@@ -25,18 +30,19 @@ class Start:
         self._notice.set_visibility(False)
         with ui.element("div").classes("bench-main"):
             with ui.element("section"):
-                ui.html("Open a campaign", sanitize=False, tag="h2")
+                ui.html("From recordings to what the model is missing", sanitize=False, tag="h2")
+                ui.html(f"<p>{WORDS}</p>", sanitize=False)
+                guide = Guide(bench.draft, self.put, self._say)
+            with ui.element("section"):
+                ui.html("Open a campaign that is there", sanitize=False, tag="h2")
                 with ui.row().classes("bench-controls"):
-                    self._folder = ui.input("folder that holds campaign.toml")
+                    self._folder = ui.input("its folder").props("dense outlined")
                     self._folder.classes("bench-path").on("keydown.enter", self._open)
                     ui.button("Open", on_click=self._open).props("no-caps unelevated")
                 self._list_examples()
             with ui.element("section"):
                 ui.html("Record with the logger", sanitize=False, tag="h2")
                 recording = ui.element("div")
-            with ui.element("section"):
-                ui.html("Make a campaign of recordings", sanitize=False, tag="h2")
-                guide = Guide(bench.draft, self.put, self._say)
             with recording:
                 RecordView(bench.recorder, Path.home() / "wheelhop", guide.take)
         ui.timer(LOOK_S, self._look)
