@@ -4,7 +4,7 @@ and every guess can be seen and changed."""
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +45,7 @@ class Guide:
     the folder of the campaign that was made, or joined."""
 
     def __init__(
-        self, draft: Draft, done: Callable[[Path], None], say: Callable[[str], None]
+        self, draft: Draft, done: Callable[[Path], Awaitable[None]], say: Callable[[str], None]
     ) -> None:
         self._draft, self._done, self._say = draft, done, say
         self._shown: dict[object, object] = {}
@@ -300,7 +300,7 @@ class Guide:
             self._say(str(error))
             return
         await run.io_bound(drop, draft)
-        self._done(folder)
+        await self._done(folder)
 
 
 TYPICAL = {q.name: None for q in QUESTIONS} | {

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from html import escape
 from importlib.resources import files
+from math import isfinite
 
 from nicegui import ui
 
@@ -80,6 +81,7 @@ class Page:
             for key, _ in TABS:
                 self._panels[key] = ui.element("div").props(f"data-view={key}")
         self._tabs.set_value("overview")
+        self._look()
         ui.timer(LOOK_S, self._look)
 
     def _top(self) -> None:
@@ -147,6 +149,8 @@ def _job_words(desk: Desk) -> str:
         return ""
     took = time.monotonic() - job.since_s
     words = f"{job.title}: {job.line} · {took:.0f} s"
+    if isfinite(job.error) and "error" not in job.line:
+        words = f"{job.title}: {job.line} · E {percent(job.error)} · {took:.0f} s"
     if job.diagnosing and desk.baseline_took_s:
         low, high = 2 * desk.baseline_took_s, 15 * desk.baseline_took_s
         words += f" (usually {low:.0f} to {high:.0f} s)"

@@ -173,6 +173,14 @@ class Said:
 
 
 @dataclass(frozen=True)
+class Converging:
+    """A fit is at this iteration, from 1, and leaves the error E on the runs it is fitted to."""
+
+    iteration: int
+    error: float
+
+
+@dataclass(frozen=True)
 class Findings:
     """What the gate found before any fit: (severity, sentence with remedy)."""
 
@@ -216,5 +224,15 @@ class Done:
 
 
 Message = (
-    Said | Findings | Library | Climbed | Ranking | Concluded | Law | AxleToBody | Refused | Done
+    Said
+    | Converging
+    | Findings
+    | Library
+    | Climbed
+    | Ranking
+    | Concluded
+    | Law
+    | AxleToBody
+    | Refused
+    | Done
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nicegui import ui
+from nicegui import run, ui
 
 from wheelhop.files import InputError
 from wheelhop.workbench.bench import Workbench, examples
@@ -24,6 +24,7 @@ class Start:
 
     def __init__(self, bench: Workbench) -> None:
         self._bench = bench
+        self._reading = ""
         with ui.element("header").classes("bench-head"):
             ui.html("wheelhop workbench", sanitize=False, tag="h1")
         self._notice = ui.label().classes("bench-notice").props('role="status"')
@@ -47,20 +48,25 @@ class Start:
                 RecordView(bench.recorder, Path.home() / "wheelhop", guide.take)
         ui.timer(LOOK_S, self._look)
 
-    def put(self, folder: Path) -> None:
-        """Open a campaign; a mistake is said."""
+    async def put(self, folder: Path) -> None:
+        """Open a campaign; a mistake is said, and how far reading is."""
+        self._say(f"reading {folder}")
         try:
-            self._bench.put(folder)
+            await run.io_bound(self._bench.put, folder, self._read)
         except InputError as error:
             self._say(str(error))
             return
         if self._bench.desk is not None:
             self._bench.desk.begin()
 
-    def _open(self) -> None:
+    async def _open(self) -> None:
         text = self._folder.value.strip()
         if text:
-            self.put(Path(text).expanduser())
+            await self.put(Path(text).expanduser())
+
+    def _read(self, line: str) -> None:
+        """Told by the thread that reads; shown by the next look."""
+        self._reading = line
 
     def _list_examples(self) -> None:
         found = examples()
@@ -78,5 +84,8 @@ class Start:
         self._notice.set_visibility(bool(line))
 
     def _look(self) -> None:
+        if self._reading:
+            self._say(self._reading)
+            self._reading = ""
         if self._bench.desk is not None:
             ui.navigate.reload()
