@@ -11,7 +11,8 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from tests.truth.campaign import make_campaign
+from tests.truth.campaign import make_campaign, write_campaign
+from tests.truth.presets import PRESETS, planned_runs
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 PATIENCE_MS = 180_000
@@ -98,6 +99,16 @@ def friction(tmp_path_factory):
     hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
     folder = tmp_path_factory.mktemp("friction")
     return make_campaign(folder, seed=101, effects=hidden, short=True)
+
+
+@pytest.fixture(scope="session")
+def small(tmp_path_factory):
+    """Three runs, nothing hidden: for tests of the page, where a fit is only to be there soon."""
+    kept = ("washboard-low-slow", "washboard-high-slow", "herringbone-low-fast")
+    planned = planned_runs(PRESETS["atv"], short=True, lateral_offset_mm=0.0)
+    others = [run.id for run in planned if run.id not in kept]
+    folder, preset = tmp_path_factory.mktemp("small"), PRESETS["atv"]
+    return write_campaign(folder, preset, [], seed=102, short=True, draft=True, without=others)
 
 
 @pytest.fixture(scope="session")

@@ -301,7 +301,8 @@ class Desk:
                 self.job.line = text
             case Converging(_, error):
                 self.job.error = error
-                self.errors = (*self.errors, error)
+                if not self.job.long:
+                    self.errors = (*self.errors, error)
             case Findings(found):
                 self.findings, self.criticism = found, ()
             case Library(cards):

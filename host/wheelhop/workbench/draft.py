@@ -195,13 +195,15 @@ class Draft:
         """What has to be filled in before there is a campaign, run by run, then of the vehicle."""
         found = []
         for piece in self.pieces:
-            words = [] if piece.speed_kmph is not None else ["speed, km/h"]
-            words += [FIELD_WORDS[key] for key, value in piece.track.items() if value is None]
+            words = [] if piece.speed_kmph is not None else ["speed"]
+            words += [
+                _short(FIELD_WORDS[key]) for key, value in piece.track.items() if value is None
+            ]
             if piece.taken and words:
                 found.append(f"run {piece.id}: {' and '.join(words)}")
         if self.into is None:
             missing = [q for q in QUESTIONS if q.needed and self.answers.get(q.name) is None]
-            found += [f"{q.words}, {q.unit}" for q in missing]
+            found += [_short(q.words) for q in missing]
         return found
 
     def _taken(self, folder: Path) -> list[Piece]:
@@ -242,9 +244,14 @@ class Draft:
         return vehicle_toml(known(name, given), better)
 
 
+def _short(words: str) -> str:
+    """Without the unit and what explains it."""
+    return words.partition(",")[0]
+
+
 def _speed_in(name: str) -> float | None:
     """The speed that a file's name tells, km/h: "washboard 7,5kmh"."""
-    found = re.search(r"(\d+(?:[.,]\d+)?)[\s_-]*(?:km-?/?h|kmph|kph)", name, re.IGNORECASE)
+    found = re.search(r"(\d+(?:[.,]\d+)?)[\s_-]*(?:km[-_/]?h|kmph|kph)", name, re.IGNORECASE)
     return float(found[1].replace(",", ".")) if found else None
 
 

@@ -10,8 +10,8 @@ from nicegui import ui
 from wheelhop.workbench.charts import AFTER, FLOOR, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.view import Looking, acting
-from wheelhop.workbench.where_view import WAITING
 
+WAITING = "<p class='soft'>The model is being fitted; its numbers stand here after that.</p>"
 CONVERGES = (
     "Adding an effect begins at several strengths and forms, each of which falls by itself; the"
     " best is then fitted in full."
@@ -26,7 +26,7 @@ class ModelView:
         self._seen: object = None
         self._drawn: object = None
         self._chips = acting("", self._act)
-        with ui.element("section") as self._fit:
+        with ui.element("div") as self._fit:
             ui.html("<h3>How the fit converges</h3>", sanitize=False)
             self._chart = ui.echart({}).classes("bench-trace")
             self._chart.props('aria-label="error against iteration"')
@@ -54,8 +54,8 @@ class ModelView:
         self._fit.set_visibility(len(desk.errors) > 1)
         count = np.arange(1, len(desk.errors) + 1)
         lines = [Line("error E, runs fitted", count, 100 * np.array(desk.errors), AFTER, 2.0)]
-        if desk.rungs and desk.rungs[0].floor > 0:
-            floor = np.full(len(count), 100 * desk.rungs[0].floor)
+        if desk.rungs and desk.rungs[0].floor_fit > 0:
+            floor = np.full(len(count), 100 * desk.rungs[0].floor_fit)
             lines.append(Line("noise floor", count, floor, FLOOR, dashed=True))
         panel = Panel("iteration", "error E, %", lines, log=True)
         options = chart([panel], (100,), (0,))

@@ -95,12 +95,16 @@ class Page:
             self._figures = ui.html("", sanitize=False)
         with ui.element("div").classes("bench-work"):
             self._work = ui.label().props('role="status" aria-live="polite"')
-            self._cancel = ui.button("Stop", on_click=desk.cancel).props("outline dense no-caps")
+            self._cancel = ui.button("Stop", on_click=self._give_up).props("outline dense no-caps")
             self._undo = ui.button("Undo", on_click=desk.undo).props("flat dense no-caps")
             self._redo = ui.button("Redo", on_click=desk.redo).props("flat dense no-caps")
             ui.button("Close", on_click=self._bench.clear).props("flat dense no-caps").tooltip(
                 "put this campaign away and open another"
             )
+
+    def _give_up(self) -> None:
+        self._desk.cancel()
+        self._look()
 
     def _go(self, view: str) -> None:
         self._tabs.set_value(view)

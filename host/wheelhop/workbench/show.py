@@ -74,6 +74,7 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
         error=step.rung.error,
         error_fit=step.rung.error_fit,
         floor=step.floor,
+        floor_fit=comparison.floor.error_fit,
         at_floor=not step.above_floor,
         runs=grid.rows,
         channels=grid.columns,

@@ -54,16 +54,17 @@ class Rung:
     """One model of the ladder: which effects it has, the error E it leaves, and where.
 
     ``error`` is E on the runs that judge, ``floor`` what the sensors' noise alone leaves of them;
-    ``ratio`` (runs, channels) is residual over floor, NaN where the model predicts nothing.
-    ``points`` say where the channels sit. ``shape`` is the vehicle's, None of a component;
-    ``numbers`` are its numbers, by their dotted names.
-    ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
+    ``error_fit`` and ``floor_fit`` are those of the runs fitted. ``ratio`` (runs, channels) is
+    residual over floor, NaN where the model predicts nothing. ``points`` say where the channels
+    sit. ``shape`` is the vehicle's, None of a component; ``numbers`` are its numbers, by their
+    dotted names. ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
     """
 
     added: tuple[str, ...]
     error: float
     error_fit: float
     floor: float
+    floor_fit: float
     at_floor: bool
     runs: tuple[str, ...]
     channels: tuple[str, ...]
