@@ -203,7 +203,7 @@ def test_work_is_given_up_at_once(small, open_page):
         page.get_by_role("button", name="Find out what is missing").wait_for()
 
 
-def test_runs_and_channels_are_left_out_and_taken_back(small, open_page):
+def test_runs_and_channels_are_left_out_and_taken_back(small, open_page, pictures):
     with workbench(small) as (address, _):
         page = open_page(address)
         page.wait_for_selector("table.heat td.h0")
@@ -211,6 +211,9 @@ def test_runs_and_channels_are_left_out_and_taken_back(small, open_page):
         page.wait_for_selector("tr.out")
         page.get_by_role("button", name="take in").click()
         page.wait_for_selector("tr.out", state="detached")
+        turn(page, "The model")
+        page.get_by_role("heading", name="How the fit converges").wait_for()
+        page.screenshot(path=pictures / "converging.png")
 
 
 def test_three_files_become_a_campaign(tmp_path, open_page, pictures):

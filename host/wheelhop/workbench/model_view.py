@@ -48,16 +48,17 @@ class ModelView:
     def _show_fit(self) -> None:
         """Every iteration of the last fits, live."""
         desk = self._desk
-        if desk.errors == self._drawn:
+        floor = desk.rungs[0].floor_fit if desk.rungs else 0.0
+        if (desk.errors, floor) == self._drawn:
             return
-        self._drawn = desk.errors
+        self._drawn = desk.errors, floor
         self._fit.set_visibility(len(desk.errors) > 1)
         count = np.arange(1, len(desk.errors) + 1)
         lines = [Line("error E, runs fitted", count, 100 * np.array(desk.errors), AFTER, 2.0)]
-        if desk.rungs and desk.rungs[0].floor_fit > 0:
-            floor = np.full(len(count), 100 * desk.rungs[0].floor_fit)
-            lines.append(Line("noise floor", count, floor, FLOOR, dashed=True))
-        panel = Panel("iteration", "error E, %", lines, log=True)
+        if floor > 0:
+            level = np.full(len(count), 100 * floor)
+            lines.append(Line("noise floor", count, level, FLOOR, dashed=True))
+        panel = Panel("iteration", "error E, runs fitted, %", lines, log=True)
         options = chart([panel], (100,), (0,))
         options["xAxis"][0]["type"] = "value"
         self._chart.options.update(options)
