@@ -27,15 +27,16 @@ SHOWN = """async (view) => {
   const tabs = [...document.querySelectorAll('[role=tab]')];
   const panels = [...document.querySelectorAll('[data-view]')];
   const at = panels.findIndex(panel => panel.dataset.view === view);
-  if (panels[at].offsetParent !== null) {
+  const shown = () => getComputedStyle(panels[at]).visibility === 'visible';
+  if (shown()) {
     const other = tabs[at ? 0 : 1];
     other.click();
-    while (panels[at].offsetParent !== null) await new Promise(requestAnimationFrame);
+    while (shown()) await new Promise(requestAnimationFrame);
     await new Promise(requestAnimationFrame);
   }
   const began = performance.now();
   tabs[at].click();
-  while (panels[at].offsetParent === null) await new Promise(requestAnimationFrame);
+  while (!shown()) await new Promise(requestAnimationFrame);
   await new Promise(requestAnimationFrame);
   return performance.now() - began;
 }"""

@@ -202,6 +202,23 @@ def test_reading_is_not_what_a_user_waits_for():
     assert best < 0.5  # 0.09 s on a laptop core
 
 
+def test_recordings_of_runs_left_out_are_not_read(folder):
+    (folder / "runs/fast.csv").write_text("no recording\n")
+    assert [run.id for run in read_campaign(folder, skip=["fast"]).runs] == ["slow"]
+
+
+def test_of_very_many_runs_it_is_said_how_far_reading_is(folder):
+    toml, slow = folder / "campaign.toml", (folder / "runs/slow.csv").read_text()
+    head, rows = slow.split("\n", 1)
+    run = '[[run]]\nid = "{0}"\nfile = "runs/{0}.csv"\nrole = "fit"\nspeed_kmph = 5\n'
+    for i in range(250):
+        (folder / f"runs/{i}.csv").write_text(f"{head}\n{rows.replace(',', f',{i}', 1)}")
+        edit(toml, "[[run]]", f'{run.format(i)}track.kind = "flat"\n\n[[run]]')
+    said = []
+    read_campaign(folder, progress=said.append)
+    assert said[-1] == "reading recording 200 of 252"
+
+
 names = st.text(
     st.characters(categories=("L", "N", "P", "S", "Zs"), exclude_characters=',"\\'), min_size=1
 ).filter(lambda name: name == name.strip() and name != "time_s" and name.isprintable())

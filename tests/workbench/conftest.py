@@ -5,12 +5,14 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
-from tests.truth.campaign import make_campaign
+from tests.truth.campaign import make_campaign, write_campaign
+from tests.truth.presets import PRESETS, planned_runs
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 PATIENCE_MS = 180_000
@@ -27,11 +29,15 @@ def describe_vehicle(page: object) -> None:
 def workbench(
     *arguments: object, home: Path | None = None
 ) -> Iterator[tuple[str, subprocess.Popen]]:
-    """`wheelhop workbench` as a user starts it: its address, and the process. With a `home`, no
-    other program's emulated logger is in the way."""
-    environment = dict(os.environ)
-    if home is not None:
-        environment |= {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
+    """`wheelhop workbench` as a user starts it: its address, and the process. It has a home of its
+    own, where no other program's emulated logger or draft is in the way."""
+    with ExitStack() as stack:
+        home = home or Path(stack.enter_context(TemporaryDirectory(ignore_cleanup_errors=True)))
+        yield from _served(arguments, home)
+
+
+def _served(arguments: tuple[object, ...], home: Path) -> Iterator[tuple[str, subprocess.Popen]]:
+    environment = {**os.environ, "HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
     command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser"]
     process = subprocess.Popen(
         [*command, *map(str, arguments)],
@@ -93,6 +99,16 @@ def friction(tmp_path_factory):
     hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
     folder = tmp_path_factory.mktemp("friction")
     return make_campaign(folder, seed=101, effects=hidden, short=True)
+
+
+@pytest.fixture(scope="session")
+def small(tmp_path_factory):
+    """Three runs, nothing hidden: for tests of the page, where a fit is only to be there soon."""
+    kept = ("washboard-low-slow", "washboard-high-slow", "herringbone-low-fast")
+    planned = planned_runs(PRESETS["atv"], short=True, lateral_offset_mm=0.0)
+    others = [run.id for run in planned if run.id not in kept]
+    folder, preset = tmp_path_factory.mktemp("small"), PRESETS["atv"]
+    return write_campaign(folder, preset, [], seed=102, short=True, draft=True, without=others)
 
 
 @pytest.fixture(scope="session")

@@ -18,9 +18,9 @@ def violations(page):
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
-def test_contrast_names_and_room(clean, browser, tmp_path):
+def test_contrast_names_and_room(small, browser, tmp_path):
     """WCAG 2.1, A and AA, as far as a program can tell; light and dark, on a tablet too."""
-    with workbench(clean, home=tmp_path) as (address, _):
+    with workbench(small, home=tmp_path) as (address, _):
         for size, scheme in zip(NARROW, ("light", "dark"), strict=True):
             width, height = size
             context = browser.new_context(
@@ -39,8 +39,8 @@ def test_contrast_names_and_room(clean, browser, tmp_path):
             context.close()
 
 
-def test_a_sensor_is_reached_by_keys(clean, open_page):
-    with workbench(clean) as (address, _):
+def test_a_sensor_is_reached_by_keys(small, open_page):
+    with workbench(small) as (address, _):
         page = open_page(address)
         page.locator("svg.plan [role=button]").first.focus()
         page.keyboard.press("Enter")

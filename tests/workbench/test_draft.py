@@ -9,6 +9,7 @@ from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.files import InputError
 from wheelhop.vehicle import read_vehicle
 from wheelhop.workbench.draft import NOT_USED, Draft
+from wheelhop.workbench.kept import drop, keep, resume
 
 NAMES = {
     **{"A1": "Acc axle FL", "A2": "Acc axle FR", "A3": "Acc axle RL", "A4": "Acc axle RR"},
@@ -43,7 +44,7 @@ def write_foreign(folder: Path, count: int = 3) -> list[Path]:
 
 @pytest.fixture
 def draft(tmp_path) -> Draft:
-    draft = Draft()
+    draft = Draft(tmp_path / "draft")
     for file in write_foreign(tmp_path):
         draft.add(file)
     draft.read()
@@ -136,31 +137,60 @@ def test_a_mistake_gets_a_line_and_leaves_nothing(draft, tmp_path, spoil):
     assert not (tmp_path / "made").exists()
 
 
-def test_two_sensors_in_one_place_are_refused(draft):
+def test_two_sensors_in_one_place_are_refused(draft, tmp_path):
     draft.columns[1].place = draft.columns[0].place
     with pytest.raises(InputError):
         draft.read()
+    with pytest.raises(InputError):  # what was read before is not what the columns say now
+        draft.make(tmp_path / "made", "My car")
+
+
+def test_a_draft_that_was_kept_is_the_same(draft, tmp_path):
+    draft.pieces[0].choose("washboard")
+    draft.pieces[0].track["pitch_mm"] = 400.0
+    draft.pieces[1].to_s -= 2.0
+    draft.columns[3].place, draft.columns[4].unit = NOT_USED, "mg"
+    draft.better["body.mass_kg"], draft.title = 250.0, 'Mein "Auto" \u00fc'
+    keep(draft)
+    again = resume(draft.folder, None)
+    for name in ("files", "columns", "pieces", "answers", "better", "title"):
+        assert getattr(again, name) == getattr(draft, name), name
+    again.read()
+    assert again.pieces == draft.pieces
+
+    draft.files[0].unlink()  # its runs go, the others stay
+    assert len(resume(draft.folder, None).pieces) == 2
+    drop(draft)
+    assert not draft.folder.exists()
+    keep(draft)
+    assert not draft.folder.exists()
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"files": 3}', '{"files": [null]}'])
+def test_what_is_no_draft_begins_anew(tmp_path, text):
+    (tmp_path / "draft.json").write_text(text)
+    assert resume(tmp_path, None).files == []
 
 
 def test_what_a_file_s_name_tells_is_not_asked(tmp_path):
     for file, name in zip(
         write_foreign(tmp_path),
-        ("washboard 7,5 km_h.csv", "One-sided Washboard 13kmh.csv", "lawn.csv"),
+        ("washboard 7,5 km_h.csv", "One-sided Washboard 13kmh.csv", "Twist_9_kmh.csv"),
         strict=True,
     ):
         file.rename(tmp_path / name.replace("km_h", "kmh"))
-    draft = Draft()
+    draft = Draft(tmp_path / "draft")
     for file in sorted(tmp_path.glob("*.csv")):
         draft.add(file)
     draft.read()
     found = {(piece.kind, piece.speed_kmph) for piece in draft.pieces}
-    assert found == {("washboard", 7.5), ("one-sided-washboard", 13.0), ("unknown", None)}
+    assert found == {("washboard", 7.5), ("one-sided-washboard", 13.0), ("chassis-twist", 9.0)}
 
 
 def test_runs_join_a_campaign_or_none_does(draft, tmp_path):
     folder = tmp_path / "made"
     draft.make(folder, "My car")
-    more = Draft(folder)
+    more = Draft(tmp_path / "more", folder)
     for file in write_foreign(tmp_path):
         more.add(file)
     more.read()

@@ -31,7 +31,8 @@ def rigid_wheels(run):
     moved = np.ones_like(heights)
     signals = Signals(RATE_HZ, moved, moved, heights, heights, x)
     names = (run.id,), POINTS, POINTS
-    return Rung((), 0.1, 0.1, 0.1, False, *names, SHAPE, {}, NOTHING, NOTHING[0], {run.id: signals},
+    errors = (0.1, 0.1, 0.1, 0.1)
+    return Rung((), *errors, False, *names, SHAPE, {}, NOTHING, NOTHING[0], {run.id: signals},
                 (), {})  # fmt: skip
 
 

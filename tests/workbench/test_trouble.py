@@ -13,9 +13,9 @@ FITTED = "table.heat td:is(.h0, .h1, .h2, .h3, .h4)"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
-def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(clean, tmp_path, open_page):
+def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(small, tmp_path, open_page):
     folder = tmp_path / "campaign"
-    shutil.copytree(clean, folder, ignore=shutil.ignore_patterns("session.toml"))
+    shutil.copytree(small, folder, ignore=shutil.ignore_patterns("session.toml"))
     (folder / "session.toml").mkdir()  # as of a folder that may not be written to
     with workbench(folder) as (address, process):
         page = open_page(address)
@@ -37,10 +37,10 @@ def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(clean, tmp_
         page.get_by_role("button", name="Next run").wait_for()
 
 
-def test_an_effect_s_file_is_shown_before_it_runs(clean, tmp_path, open_page):
-    ran, file = tmp_path / "ran", clean / "my_effects.py"
+def test_an_effect_s_file_is_shown_before_it_runs(small, tmp_path, open_page):
+    ran, file = tmp_path / "ran", small / "my_effects.py"
     file.write_text(f"open({str(ran)!r}, 'w')\nraise RuntimeError('not an effect')\n")
-    with workbench(clean) as (address, _):
+    with workbench(small) as (address, _):
         page = open_page(address)
         page.wait_for_selector(FITTED)
         page.get_by_role("tab", name="What is missing").click()

@@ -1,7 +1,9 @@
 """`read_campaign`: from the folder on disk to a `Campaign`, or one line that says what is wrong."""
 
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -31,6 +33,9 @@ from wheelhop.campaign.types import (
 )
 from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
 
+T = TypeVar("T")
+Progress = Callable[[str], None]
+
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
 TOP_KEYS = (
@@ -42,16 +47,22 @@ LARGEST_M_S2 = 1e6  # a hundred thousand g: a broken file, and powers of it over
 LONGEST_AVERAGING = 3.0  # sample periods
 ROUNDED = 1e-3
 """A window of three periods, written with a few digits, may be longer by this share."""
+TOLD = 100  # runs between two words of progress
 MOST_SHOWN = 20  # keys that are missing
 NOT_RECORDED = "if it was not recorded, list under [channels] in campaign.toml those that were"
 
 
-def read_campaign(folder: str | Path) -> Campaign:
+def read_campaign(
+    folder: str | Path, skip: Container[str] = (), progress: Progress = lambda text: None
+) -> Campaign:
     """Read the campaign in `folder` strictly: nothing is guessed, no mistake is passed over.
 
     Without [channels] the recordings hold the eight points and nothing else. With [channels] they
     hold at least those; further columns are left alone, so that is how a user leaves one out.
     Either way `channels` follow the column order of the first run's recording.
+
+    Runs whose ids are in `skip` are left out, and their recordings not read; `progress` is told how
+    far reading is, every hundred runs.
 
     Raises `CampaignError`, one line naming file, key or row, and remedy, for every mistake in
     campaign.toml and the recordings; the same samples to fit and to judge are one of them.
@@ -61,7 +72,8 @@ def read_campaign(folder: str | Path) -> Campaign:
     if not folder.is_dir():
         what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
         raise CampaignError(f"{folder}: {what}")
-    campaign = _read(read_toml(folder / "campaign.toml", CampaignError), folder)
+    top = read_toml(folder / "campaign.toml", CampaignError)
+    campaign = _read(top, folder, lambda id_: id_ not in skip, progress)
     refuse_leaks(campaign)
     return campaign
 
@@ -69,10 +81,11 @@ def read_campaign(folder: str | Path) -> Campaign:
 def check_run(folder: Path, text: str, id_: str) -> None:
     """Raise the `CampaignError` of `read_campaign` if `text` were campaign.toml in `folder`, as far
     as that text and the recording of one run are at fault; the others are not read."""
-    _read(parse_toml(text, folder / "campaign.toml", CampaignError), folder, id_)
+    top = parse_toml(text, folder / "campaign.toml", CampaignError)
+    _read(top, folder, lambda other: other == id_, lambda text: None)
 
 
-def _read(top: Table, folder: Path, only: str | None = None) -> Campaign:
+def _read(top: Table, folder: Path, wanted: Callable[[str], bool], progress: Progress) -> Campaign:
     top.format()
     if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
         return read_component(top, folder)
@@ -90,9 +103,10 @@ def _read(top: Table, folder: Path, only: str | None = None) -> Campaign:
         channels=_channels(top.table("channels")) if "channels" in top else (),
         runs=(),
     )
-    drives = [_drive(run, folder) for run in top.tables("run", "id")]
+    listed = top.tables("run", "id")
+    drives = [_drive(run, folder) for run in _counted(listed, "run", progress)]
     check_entries(top, drives)
-    return _with_recordings(empty, [drive for drive in drives if only in (None, drive.id)])
+    return _with_recordings(empty, [drive for drive in drives if wanted(drive.id)], progress)
 
 
 def _refuse_gaps(top: Table) -> None:
@@ -175,12 +189,20 @@ def _course(run: Table) -> Course | None:
         raise run.error(f"speed_along {error}: [[0, 5.0], [20, 12.0]]") from None
 
 
-def _with_recordings(campaign: Campaign, drives: list[_Drive]) -> Campaign:
+def _counted(items: Sequence[T], what: str, progress: Progress) -> Iterator[T]:
+    """The items one by one; `progress` hears of every `TOLD`th."""
+    for i, item in enumerate(items):
+        if i % TOLD == 0 and len(items) > TOLD:
+            progress(f"reading {what} {i} of {len(items)}")
+        yield item
+
+
+def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progress) -> Campaign:
     channels = campaign.channels
     runs: list[Run] = []
     beside = campaign.folder / CONSTANTS_FILE
     constants = beside if beside.is_file() else None
-    for drive in drives:
+    for drive in _counted(drives, "recording", progress):
         columns, values = read_columns(drive.file, constants)
         if not campaign.channels:
             _check_only_points(drive.file, columns)

@@ -15,6 +15,7 @@ from wheelhop.diagnose.judge import Rung
 from wheelhop.diagnose.validate import validate
 from wheelhop.fit import (
     Free,
+    Watch,
     Workshop,
     begin_component,
     find_start,
@@ -41,9 +42,15 @@ class Baseline:
 
 
 def fit_baseline(
-    campaign: Campaign, vehicle: Vehicle, *, jobs: int | None = None, progress: Progress
+    campaign: Campaign,
+    vehicle: Vehicle,
+    *,
+    jobs: int | None = None,
+    progress: Progress,
+    watch: Watch = lambda iteration, error: None,
 ) -> Baseline:
-    """Find every run's start, fit the nominal vehicle, validate it, and settle the noise floor.
+    """Find every run's start, fit the nominal vehicle, validate it, and settle the noise floor;
+    `watch` sees this fit and all later ones in the same workshop converge.
 
     Raises
     ------
@@ -56,13 +63,14 @@ def fit_baseline(
     progress("finding each run's start and speed")
     free = tuple(vehicle_parameters(campaign, vehicle))
     model = _started(workshop, model, free)
-    fitted = fit(
-        workshop,
-        model,
-        free,
-        workshop.of_role("fit"),
-        progress=lambda text: progress(f"fitting the baseline: {text}"),
-    )
+
+    def told(iteration: int, error: float) -> None:
+        progress(f"fitting the baseline: iteration {iteration}, error {error:.4f}")
+        watch(iteration, error)
+
+    workshop.watch = told
+    fitted = fit(workshop, model, free, workshop.of_role("fit"))
+    workshop.watch = watch
     if not np.isfinite(fitted.rss):
         raise CampaignError(
             f"{campaign.vehicle_file}: a vehicle with these numbers runs away from the road: one of"

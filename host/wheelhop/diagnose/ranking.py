@@ -15,7 +15,7 @@ from wheelhop.diagnose.look import Candidate, Look, contradicted, summary_of
 from wheelhop.diagnose.next_run import angle_deg
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import Effect
-from wheelhop.files.words import listed
+from wheelhop.files.words import chance, listed
 from wheelhop.fit import Fit
 from wheelhop.vehicle import Drive
 
@@ -153,12 +153,13 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
         return "screened: others explain far more"
     before, after = look.rung.error_judging, candidate.rung.error_judging
     change = f"error {percent(before)} → {percent(after)}"
+    odds = f"p = {chance(candidate.p)}".replace("= <", "<")
     if candidate.beside:
-        return f"accepted together with {candidate.beside}: {change}, p = {candidate.p:.1g}"
+        return f"accepted together with {candidate.beside}: {change}, {odds}"
     if chosen is not None and candidate.id == chosen.id:
-        return f"accepted: {change}, p = {candidate.p:.1g}"
+        return f"accepted: {change}, {odds}"
     if not candidate.holds:
-        return f"{_why_not_believed(candidate)}: {change}, p = {candidate.p:.1g}"
+        return f"{_why_not_believed(candidate)}: {change}, {odds}"
     if chosen is not None:
         best = percent(chosen.rung.error_judging)
         if after > chosen.rung.error_judging and percent(after) != best:
@@ -167,7 +168,7 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
         if less < 0.0:
             return f"{change}, but {chosen.id} leaves less of the runs"
         return f"{change}, but all runs speak for {chosen.id}: log evidence {less:.0f} more"
-    return f"{change}, p = {candidate.p:.1g}"
+    return f"{change}, {odds}"
 
 
 def _why_not_believed(candidate: Candidate) -> str:

@@ -1,7 +1,7 @@
 """Fit: the vehicle's numbers, and what every run leaves free, from the records."""
 
 from wheelhop.fit.belief import BROAD
-from wheelhop.fit.bench import Bench, Trial, Workshop
+from wheelhop.fit.bench import Bench, Trial, Watch, Workshop
 from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_density
 from wheelhop.fit.derivatives import Move, moves
 from wheelhop.fit.fit import fit, follow, foreseen, update
@@ -32,6 +32,7 @@ __all__ = [
     "RunFit",
     "Spectrum",
     "Trial",
+    "Watch",
     "Workshop",
     "begin_component",
     "effect_parameters",

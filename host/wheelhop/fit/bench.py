@@ -120,9 +120,13 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
+Watch = Callable[[int, float], None]
+"""Told of every iteration of a fit of shared numbers: which one, from 1, and the error E so far."""
+
+
 class Workshop:
     """All runs of a campaign on their benches, worked on by a few threads; `model` is the nominal
-    vehicle."""
+    vehicle, `watch` sees every fit converge."""
 
     def __init__(
         self,
@@ -134,6 +138,7 @@ class Workshop:
     ) -> None:
         self.campaign = campaign
         self.nominal = model.values
+        self.watch: Watch = lambda iteration, error: None
         self._pool = ThreadPoolExecutor(jobs or min(processors(), 8))
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
         nominal = self.systems(model)

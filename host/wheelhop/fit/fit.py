@@ -8,7 +8,7 @@ wrong somewhere must not outvote the rest, nor what is believed of the vehicle.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,7 +50,6 @@ def fit(
     shared: Sequence[Free],
     benches: Sequence[Bench],
     known: Fit | None = None,
-    progress: Callable[[str], None] | None = None,
     bar: float = -np.inf,
 ) -> Fit:
     """Fit the shared parameters and what each of the runs leaves free (Levenberg–Marquardt).
@@ -63,7 +62,7 @@ def fit(
     belief = Belief.of(shared)
     if shared or len(benches) < 2 or model.random_heights is not None:
         problem = _Problem(workshop, belief, tuple(benches), known, density_free=bool(shared))
-        return _solved(problem, model, progress, bar)
+        return _solved(problem, model, bar)
     # Runs that share nothing are fitted each by itself: one that is lost keeps no other waiting.
     return _together(workshop.each(lambda bench: fit(workshop, model, (), [bench], known), benches))
 
@@ -129,18 +128,13 @@ def foreseen(
 
 
 @RUNS_AWAY
-def _solved(
-    problem: _Problem,
-    model: Model,
-    progress: Callable[[str], None] | None = None,
-    bar: float = -np.inf,
-) -> Fit:
+def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
     state, damping, fresh = problem.linearise(problem.completed(model)), 1e-3, True
     if not np.isfinite(state.cost):
         return state
     for iteration in range(ITERATIONS):
-        if progress is not None:
-            progress(f"iteration {iteration + 1}, error {state.error:.4f}")
+        if problem.shared:
+            problem.workshop.watch(iteration + 1, state.error)
         trial = problem.stepped(state, damping)
         drop = state.cost - trial.cost if np.isfinite(trial.cost) else -np.inf
         gain = drop / max(state.cost, state.size)

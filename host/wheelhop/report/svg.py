@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from html import escape
 from io import BytesIO, StringIO
@@ -74,7 +75,12 @@ def inline(figure: Figure, name: str, description: str) -> str:
 
 
 def equation(latex: str) -> str:
-    """A formula as an <svg> element; its source text where matplotlib does not know a command."""
+    """A formula as <svg> elements, its parts between quads each by itself, so that a long one finds
+    line ends; the source text of what matplotlib does not know."""
+    return " ".join(_formula(part) for part in re.split(r"\s*\\quad\s*", latex))
+
+
+def _formula(latex: str) -> str:
     file = StringIO()
     options: dict[Any, Any] = {
         "svg.fonttype": "path",
@@ -92,7 +98,7 @@ def equation(latex: str) -> str:
             )
     except ValueError:
         return f"<code>{escape(latex)}</code>"
-    name = "eq" + re.sub(r"\W", "", latex)[:24]
+    name = f"eq{hashlib.sha256(latex.encode()).hexdigest()[:12]}"
     return _embedded(file.getvalue(), name, latex, keep_size=True)
 
 

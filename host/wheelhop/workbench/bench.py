@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,16 +31,17 @@ class Workbench:
     @property
     def draft(self) -> Draft:
         """The runs in the making: of a new campaign, or for the one that is open."""
-        from wheelhop.workbench.draft import Draft  # it knows every format of recordings
+        from wheelhop.workbench.kept import draft_folder, resume  # they know every format
 
         if self._draft is None:
-            self._draft = Draft(None if self.desk is None else self.desk.campaign.folder)
+            into = None if self.desk is None else self.desk.campaign.folder
+            self._draft = resume(draft_folder(into, self._claims), into)
         return self._draft
 
-    def put(self, folder: Path) -> None:
+    def put(self, folder: Path, progress: Callable[[str], None] = lambda text: None) -> None:
         """Open a campaign in place of the one that is there; raises CampaignError, and then that
-        one stays."""
-        campaign = read_campaign(folder)
+        one stays. `progress` is told how far reading is."""
+        campaign = read_campaign(folder, progress=progress)
         if self.desk is None or not same(self.desk.campaign, campaign):
             claims = ExitStack()
             claims.enter_context(claimed(folder, "workbench", CampaignError))

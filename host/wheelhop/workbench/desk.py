@@ -33,6 +33,7 @@ from wheelhop.workbench.shown import (
     Card,
     Climbed,
     Concluded,
+    Converging,
     Done,
     Findings,
     Law,
@@ -51,20 +52,22 @@ if TYPE_CHECKING:
 @dataclass
 class Job:
     """What the worker is at: a title, the line it said last, since when (s), whether it diagnoses,
-    and whether it is so long that another wish ends it."""
+    whether it is so long that another wish ends it, and the error E its fit is at."""
 
     title: str
     line: str
     since_s: float
     diagnosing: bool
     long: bool
+    error: float = float("nan")
 
 
 class Desk:
     """One campaign on the workbench.
 
     `rungs` lead to the model chosen as far as they are fitted; `rankings` are by the effects the
-    model ranked against had; `notice` is a line the user should read, an error or what was written.
+    model ranked against had; `errors` are E after every iteration of the last fits; `notice` is a
+    line the user should read, an error or what was written.
     """
 
     def __init__(self, campaign: Campaign, effects_file: Path | None) -> None:
@@ -80,6 +83,7 @@ class Desk:
         self.law: Law | None = None
         self.between: AxleToBody | None = None
         self.job: Job | None = None
+        self.errors: tuple[float, ...] = ()
         self.baseline_took_s = 0.0
         self._session = self._read()
         self._past: list[Choice] = []
@@ -250,6 +254,7 @@ class Desk:
         title = next((title for title, wish in wishes.items() if wish), "fitting")
         long = order.diagnose or order.law
         self.job = Job(title, "starting", time.monotonic(), order.diagnose, long)
+        self.errors = ()
         self._orders.send(order)
         self._changed()
 
@@ -294,6 +299,10 @@ class Desk:
         match message:
             case Said(text):
                 self.job.line = text
+            case Converging(_, error):
+                self.job.error = error
+                if not self.job.long:
+                    self.errors = (*self.errors, error)
             case Findings(found):
                 self.findings, self.criticism = found, ()
             case Library(cards):

@@ -13,13 +13,13 @@ from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.tracks import KINDS
 from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
-from wheelhop.files import read_text, remove, write_text
+from wheelhop.files import InputError, read_text, remove, write_text
 from wheelhop.formats import Map, Pick, draft_mapping, read, read_mapping
 from wheelhop.formats.places import likely_point
 from wheelhop.logger.recording import Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
-from wheelhop.workbench.questions import QUESTIONS, known
+from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, known
 
 UNITS = ("m/s²", "g", "mg", "mm/s²", "cm/s²")
 NOT_USED = "not used"
@@ -28,6 +28,8 @@ PLACES = (*POINTS, "body", NOT_USED)
 FREE_FORM = (".csv", ".txt", ".tsv", ".dat", ".asc")
 TRACKS = tuple(kind for kind in KINDS if kind not in ("profile", "iso8608", "cobblestone"))
 """Kinds of track that need no file and no drawing of lots."""
+SHORT = {"twist": "chassis-twist", "sweep": "sine-sweep"}
+"""What people call them, too."""
 
 
 @dataclass
@@ -65,13 +67,15 @@ class Piece:
 class Draft:
     """What the guided page fills in: a new campaign, or more runs for the one in folder `into`.
 
-    `constants` are those of the logger's sensors, None: nominal ones. `answers` are to `QUESTIONS`,
-    `better` are numbers of the vehicle known better than estimated, by their dotted names; None:
-    not known.
+    It is kept in `folder` (`kept`), with the recordings that came from the browser. `constants` are
+    those of the logger's sensors, None: nominal ones. `answers` are to `QUESTIONS`, `better` are
+    numbers of the vehicle known better than estimated, by their dotted names; None: not known.
+    `title` and `target` are the campaign's, the latter a folder. `trouble` says why the recordings
+    cannot be read as their columns are named now.
     """
 
-    def __init__(self, into: Path | None = None) -> None:
-        self.into = into
+    def __init__(self, folder: Path, into: Path | None = None) -> None:
+        self.folder, self.into = folder, into
         self.constants: Path | None = None
         self.files: list[Path] = []
         self.columns: list[Column] = []
@@ -79,7 +83,14 @@ class Draft:
         self.recordings: dict[Path, Recording] = {}
         self.answers: dict[str, float | None] = dict.fromkeys(q.name for q in QUESTIONS)
         self.better: dict[str, float | None] = {}
+        self.title, self.target = "My campaign", ""
+        self.trouble = self.kept = ""
         self._map: Map | None = None
+
+    def clear(self) -> None:
+        """Begin anew with other recordings; what is known of the vehicle stays."""
+        self.files, self.columns, self.pieces, self.recordings = [], [], [], {}
+        self.trouble, self._map = "", None
 
     def add(self, file: Path) -> None:
         """One more recording; the first one says what the columns are. Raises InputError."""
@@ -94,16 +105,15 @@ class Draft:
             self._map = read_mapping(written)
         self.columns = [_column(pick) for pick in self._map.picks]
 
-    @property
-    def all_placed(self) -> bool:
-        """Whether every sensor's place was guessed, each one once."""
-        places = [c.place for c in self.columns if c.place != NOT_USED]
-        return len(set(places)) == len(places) == len(self.columns)
-
     def read(self) -> None:
         """Read every recording and find the stretches that were driven; what was said of those
-        found before stays. Raises InputError."""
-        self.recordings = {file: self._read(file) for file in self.files}
+        found before stays. Raises InputError, and then the recordings stay as they were read."""
+        self.trouble = ""
+        try:
+            self.recordings = {file: self._read(file) for file in self.files}
+        except InputError as error:
+            self.trouble = str(error)
+            raise
         known = {piece.file for piece in self.pieces}
         for file, recording in self.recordings.items():
             if file in known:
@@ -123,6 +133,7 @@ class Draft:
                 )
                 new.choose(_track_in(file.stem))
                 self.pieces.append(new)
+        self.pieces.sort(key=lambda piece: (piece.file, piece.from_s))
 
     def _read(self, file: Path) -> Recording:
         if file.suffix.lower() == ".hop":
@@ -180,20 +191,35 @@ class Draft:
             remove(made)
             raise
 
+    def gaps(self) -> list[str]:
+        """What has to be filled in before there is a campaign, run by run, then of the vehicle."""
+        found = []
+        for piece in self.pieces:
+            words = [] if piece.speed_kmph is not None else ["speed"]
+            words += [
+                _short(FIELD_WORDS[key]) for key, value in piece.track.items() if value is None
+            ]
+            if piece.taken and words:
+                found.append(f"run {piece.id}: {' and '.join(words)}")
+        if self.into is None:
+            missing = [q for q in QUESTIONS if q.needed and self.answers.get(q.name) is None]
+            found += [_short(q.words) for q in missing]
+        return found
+
     def _taken(self, folder: Path) -> list[Piece]:
+        if self.trouble:
+            raise CampaignError(self.trouble)
         taken = [piece for piece in self.pieces if piece.taken]
         if not taken:
             raise CampaignError(f"{folder}: no stretch is taken: take one that was driven")
         if len({piece.id for piece in taken}) < len(taken):
             raise CampaignError(f"{folder}: two runs have the same name: give each its own")
+        if gaps := self.gaps():
+            raise CampaignError(f"still needed: {'; '.join(gaps)}")
         return taken
 
     def _add(self, folder: Path, piece: Piece) -> Path:
-        if piece.speed_kmph is None:
-            raise CampaignError(f"run {piece.id}: how fast was it driven? Fill in its speed")
-        empty = [key for key, value in piece.track.items() if value is None]
-        if empty:
-            raise CampaignError(f"run {piece.id}: fill in what its track's {', '.join(empty)} is")
+        assert piece.speed_kmph is not None  # there is no gap
         recording = cut(self.recordings[piece.file], piece.from_s, piece.to_s)
         numbers = {key: value for key, value in piece.track.items() if value is not None}
         track: dict[str, str | float] = {"kind": piece.kind, **numbers}
@@ -202,10 +228,6 @@ class Draft:
         return add_run(folder, recording, new)
 
     def _vehicle_text(self, name: str) -> str:
-        missing = [q for q in QUESTIONS if q.needed and self.answers.get(q.name) is None]
-        if missing:
-            words = "; ".join(f"{q.words}, {q.unit}" for q in missing)
-            raise CampaignError(f"the vehicle: this one is needed: {words}")
         for question in QUESTIONS:
             value = self.answers.get(question.name)
             if value is not None:
@@ -222,9 +244,14 @@ class Draft:
         return vehicle_toml(known(name, given), better)
 
 
+def _short(words: str) -> str:
+    """Without the unit and what explains it."""
+    return words.partition(",")[0]
+
+
 def _speed_in(name: str) -> float | None:
     """The speed that a file's name tells, km/h: "washboard 7,5kmh"."""
-    found = re.search(r"(\d+(?:[.,]\d+)?)\s*-?(?:km-?/?h|kmph|kph)", name, re.IGNORECASE)
+    found = re.search(r"(\d+(?:[.,]\d+)?)[\s_-]*(?:km[-_/]?h|kmph|kph)", name, re.IGNORECASE)
     return float(found[1].replace(",", ".")) if found else None
 
 
@@ -232,7 +259,8 @@ def _track_in(name: str) -> str:
     """The kind of track that a file's name tells; "unknown" where it tells none."""
     words = re.sub(r"[^a-z0-9]+", "-", name.lower())
     kinds = sorted(TRACKS, key=len, reverse=True)
-    return next((kind for kind in kinds if kind in words), "unknown")
+    called = {kind: kind for kind in kinds} | SHORT
+    return next((kind for word, kind in called.items() if word in words), "unknown")
 
 
 def _name(file: Path) -> str:

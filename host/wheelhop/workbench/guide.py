@@ -4,8 +4,7 @@ and every guess can be seen and changed."""
 from __future__ import annotations
 
 import re
-import tempfile
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +12,17 @@ from nicegui import run, ui
 from nicegui.events import GenericEventArguments, UploadEventArguments
 
 from wheelhop.campaign.read import CONSTANTS_FILE
-from wheelhop.files import InputError
+from wheelhop.files import InputError, make_folder
 from wheelhop.files.words import label_of, unit_of
 from wheelhop.vehicle.estimate import estimate
 from wheelhop.workbench.draft import PLACES, TRACKS, UNITS, Draft, Piece
-from wheelhop.workbench.questions import QUESTIONS, known
+from wheelhop.workbench.kept import drop, keep
+from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, TRACK_WORDS, known
 from wheelhop.workbench.stretches import stretches_html
 
 FIELD = "dense outlined"
+LOOK_S = 0.5
+"""What was filled in longer ago is kept."""
 ENDINGS = (
     *(".csv", ".txt", ".tsv", ".dat", ".asc", ".mf4", ".tdms", ".uff", ".unv", ".lvm", ".hop"),
     ".parquet",
@@ -36,28 +38,6 @@ PLACE_WORDS = {
     **{f"B{i}": f"B{i}: body, {corner}" for i, corner in enumerate(CORNERS, start=1)},
     "body": "body, place not known",
 }
-TRACK_WORDS = {
-    "washboard": "washboard: waves across the track",
-    "one-sided-washboard": "washboard under the left wheels only",
-    "herringbone": "herringbone: waves at an angle",
-    "chassis-twist": "chassis twist: left and right in antiphase",
-    "sine-sweep": "sine sweep: waves that grow shorter",
-    "half-sine-bump": "one bump, half a sine",
-    "step-bump": "one bump, a step",
-    "flat": "flat ground",
-    "unknown": "not surveyed: a lawn, a trail",
-}
-FIELD_WORDS = {
-    "amplitude_mm": "amplitude, mm (half of trough to crest)",
-    "pitch_mm": "wavelength, mm",
-    "pitch_start_mm": "wavelength at the start, mm",
-    "pitch_end_mm": "wavelength at the end, mm",
-    "length_mm": "length, mm",
-    "height_mm": "height, mm",
-    "width_mm": "width, mm",
-    "angle_deg": "angle, °",
-    "lateral_offset_mm": "offset to the left, mm",
-}
 
 
 class Guide:
@@ -65,12 +45,14 @@ class Guide:
     the folder of the campaign that was made, or joined."""
 
     def __init__(
-        self, draft: Draft, done: Callable[[Path], None], say: Callable[[str], None]
+        self, draft: Draft, done: Callable[[Path], Awaitable[None]], say: Callable[[str], None]
     ) -> None:
         self._draft, self._done, self._say = draft, done, say
-        self._uploads = tempfile.TemporaryDirectory(prefix="wheelhop-", ignore_cleanup_errors=True)
+        self._shown: dict[object, object] = {}
+        self._reading = False
         self._drawn: dict[Path, tuple[object, ...]] = {}
         upload = ui.upload(multiple=True, auto_upload=True, on_upload=self._upload)
+        upload.on("rejected", lambda: say(f"A file was not taken. Taken are: {TAKEN}"))
         upload.props(f'accept="{",".join(ENDINGS)}"').classes("hidden")
         button = ui.element("button").classes("bench-drop")
         button.on("click", js_handler=f"() => runMethod({upload.id}, 'pickFiles', [])")
@@ -81,72 +63,118 @@ class Guide:
                 "<strong>Drop recordings here, or press to choose them</strong>", sanitize=False
             )
             ui.label(TAKEN)
+        self._busy = ui.label("Reading the recordings.").classes("soft").props('role="status"')
+        self._anew = ui.button("Begin anew", on_click=self._forget)
+        self._anew.props("flat dense no-caps").tooltip("forget these recordings and begin anew")
         self._columns = ui.element("div")
         self._runs = ui.element("div")
         self._vehicle = ui.element("div")
         self._end = ui.element("div")
-        if draft.files:
-            self._show_columns()
-        if draft.recordings:
-            self._show_rest()
+        self._show()
+        if draft.files and not draft.recordings:
+            ui.timer(0.01, self._read, once=True)
+        ui.timer(LOOK_S, self._look)
 
     async def take(self, file: Path, folder: Path) -> None:
         """One more recording; constants of the logger's sensors are looked for in `folder`."""
         draft = self._draft
         beside = [place / CONSTANTS_FILE for place in (draft.into, folder) if place is not None]
         draft.constants = next((path for path in beside if path.is_file()), draft.constants)
+        begun = bool(draft.files)
         try:
             await run.io_bound(draft.add, file)
         except InputError as error:
             self._say(str(error))
             return
-        self._say("")
-        self._show_columns()
-        if draft.all_placed:
-            await self._read()
+        await self._read()
+        if not begun:
+            self._columns.run_method("scrollIntoView", {"behavior": "smooth", "block": "start"})
 
     async def _upload(self, event: UploadEventArguments) -> None:
-        name = re.sub(r"[^\w.()-]+", "_", Path(event.file.name).name)[-100:] or "recording.csv"
-        target = Path(self._uploads.name) / name
-        await event.file.save(target)
+        name = re.sub(r"[^\w.() -]+", "_", Path(event.file.name).name)[-100:] or "recording.csv"
+        target = self._draft.folder / name
+        try:
+            await run.io_bound(make_folder, target.parent)
+            await event.file.save(target)
+        except OSError as error:
+            self._say(f"{target}: cannot be written: {error.strerror}")
+            return
         await self.take(target, target.parent)
 
-    def _show_columns(self) -> None:
-        self._columns.clear()
-        draft = self._draft
-        if not draft.columns:
+    async def _read(self) -> None:
+        """Read what was dropped as its columns are named now; once more if they were named anew
+        meanwhile."""
+        if self._reading:
             return
+        self._reading, named = True, None
+        draft, line = self._draft, ""
+        self._show()
+        while named != _named(draft):
+            named, line = _named(draft), ""
+            try:
+                await run.io_bound(draft.read)
+            except InputError as error:
+                line = str(error)
+        if not line and not draft.pieces and draft.files:
+            line = "no stretch of 5 s or more was driven: add one"
+        self._reading = False
+        self._say(line)
+        self._show()
+
+    def _look(self) -> None:
+        """Keep what was filled in, and show what another tab has added."""
+        try:
+            keep(self._draft)
+        except InputError as error:
+            self._say(f"what is filled in here is not kept: {error}")
+        self._show()
+
+    def _show(self) -> None:
+        """Every step that is due, those made anew of which there is something else to fill in."""
+        draft = self._draft
+        self._busy.set_visibility(self._reading)
+        self._anew.set_visibility(bool(draft.files) and not self._reading)
+        if self._reading:
+            return
+        columns = tuple((column.key, column.name) for column in draft.columns)
+        pieces = tuple(id(piece) for piece in draft.pieces)
+        there = bool(draft.recordings)
+        for part, state, show in (
+            (self._columns, columns, self._show_columns),
+            (self._runs, (id(draft.recordings), pieces, there), self._show_runs),
+            (self._vehicle, there and draft.into is None, self._show_vehicle),
+            (self._end, there, self._show_end),
+        ):
+            if self._shown.get(part, False) != state:
+                self._shown[part] = state
+                part.clear()
+                if draft.columns if part is self._columns else there:
+                    show()
+
+    async def _forget(self) -> None:
+        await run.io_bound(drop, self._draft)
+        self._say("")
+        self._show()
+
+    def _show_columns(self) -> None:
+        draft = self._draft
         with self._columns:
-            names = ", ".join(file.name for file in draft.files)
             ui.html("What the columns are", sanitize=False, tag="h3")
-            ui.label(f"As guessed from the names in {names}: change what is wrong.").classes("soft")
+            ui.label(
+                "As guessed from the names in your files: change what is wrong. A column that is no"
+                " vertical acceleration of axle or body is not used."
+            ).classes("soft")
             with ui.element("div").classes("bench-columns"):
                 for column in draft.columns:
                     with ui.row().classes("bench-controls"):
                         ui.label(column.name).classes("bench-name")
                         words = {place: PLACE_WORDS.get(place, place) for place in PLACES}
-                        ui.select(words, label="sits at").bind_value(column, "place").props(FIELD)
-                        ui.select(list(UNITS), label="unit").bind_value(column, "unit").props(FIELD)
-            ui.button("Read them", on_click=self._read).props("no-caps unelevated")
-
-    async def _read(self) -> None:
-        try:
-            await run.io_bound(self._draft.read)
-        except InputError as error:
-            self._say(str(error))
-            return
-        self._say("" if self._draft.pieces else "no stretch of 5 s or more was driven: add one")
-        self._show_rest()
-
-    def _show_rest(self) -> None:
-        self._show_runs()
-        if self._draft.into is None:
-            self._show_vehicle()
-        self._show_end()
-        self._runs.run_method("scrollIntoView", {"behavior": "smooth", "block": "nearest"})
+                        place = ui.select(words, label="sits at").bind_value(column, "place")
+                        unit = ui.select(list(UNITS), label="unit").bind_value(column, "unit")
+                    for element in (place, unit):
+                        element.props(FIELD).on_value_change(self._read)
 
     def _show_runs(self) -> None:
-        self._runs.clear()
         self._drawn = {}
         with self._runs:
             ui.html("Which stretches were driven, and over what", sanitize=False, tag="h3")
@@ -177,7 +205,7 @@ class Guide:
 
         def more() -> None:
             self._draft.new_piece(file)
-            self._show_runs()
+            self._show()
 
         drawing.on("stretch", moved, args=["detail"])
         draw()
@@ -207,7 +235,7 @@ class Guide:
             roles = {"fit": "fitted", "validate": "held out"}
             ui.select(roles, label="role").bind_value(piece, "role").props(FIELD).classes("short")
             tracks = {kind: TRACK_WORDS.get(kind, kind) for kind in TRACKS}
-            kind = ui.select(tracks, label="track", value=piece.kind).props(FIELD)
+            kind = ui.select(tracks, label="track").bind_value(piece, "kind").props(FIELD)
             fields = ui.row().classes("bench-controls")
 
         def show_fields() -> None:
@@ -217,14 +245,13 @@ class Guide:
                     _number(FIELD_WORDS.get(key, key), piece.track, key)
 
         def chosen() -> None:
-            piece.choose(str(kind.value))
+            piece.choose(piece.kind)
             show_fields()
 
         show_fields()
         kind.on_value_change(chosen)
 
     def _show_vehicle(self) -> None:
-        self._vehicle.clear()
         draft = self._draft
         with self._vehicle:
             ui.html("What you know of the vehicle", sanitize=False, tag="h3")
@@ -245,46 +272,46 @@ class Guide:
                     _number(f"{label_of(key)}, {unit_of(key)}", draft.better, key)
 
     def _show_end(self) -> None:
-        self._end.clear()
-        into = self._draft.into
+        draft = self._draft
+        draft.target = draft.target or str(_free(Path.home()))
         with self._end:
-            if into is not None:
+            if draft.into is not None:
                 ui.html("Take them", sanitize=False, tag="h3")
-                button = ui.button("Add these runs to the campaign", on_click=self._join)
+                button = ui.button("Add these runs to the campaign", on_click=self._finish)
                 button.props("no-caps unelevated")
                 return
             ui.html("Where to keep it", sanitize=False, tag="h3")
             with ui.row().classes("bench-controls"):
-                title = ui.input("title", value="My campaign").props(FIELD)
-                folder = ui.input("new folder", value=str(_free(Path.home())))
+                ui.input("title").bind_value(draft, "title").props(FIELD)
+                folder = ui.input("new folder").bind_value(draft, "target")
                 folder.props(FIELD).classes("bench-path")
+                button = ui.button("Make the campaign", on_click=self._finish)
+                button.props("no-caps unelevated")
 
-                async def make() -> None:
-                    target = Path(folder.value.strip()).expanduser()
-                    try:
-                        await run.io_bound(self._draft.make, target, title.value.strip())
-                    except InputError as error:
-                        self._say(str(error))
-                        return
-                    self._done(target)
-
-                ui.button("Make the campaign", on_click=make).props("no-caps unelevated")
-
-    async def _join(self) -> None:
-        into = self._draft.into
-        assert into is not None
+    async def _finish(self) -> None:
+        draft = self._draft
+        folder = draft.into or Path(draft.target.strip()).expanduser()
         try:
-            await run.io_bound(self._draft.join, into)
+            if draft.into is None:
+                await run.io_bound(draft.make, folder, draft.title.strip())
+            else:
+                await run.io_bound(draft.join, folder)
         except InputError as error:
             self._say(str(error))
             return
-        self._done(into)
+        await run.io_bound(drop, draft)
+        await self._done(folder)
 
 
 TYPICAL = {q.name: None for q in QUESTIONS} | {
     **{"front_kg": 130.0, "rear_kg": 160.0, "wheelbase_m": 1.4, "track_width_m": 1.2}
 }
 """Only to know which numbers a vehicle has."""
+
+
+def _named(draft: Draft) -> object:
+    """What the columns are said to be."""
+    return [(column.place, column.unit) for column in draft.columns], tuple(draft.files)
 
 
 def _number(words: str, numbers: dict[str, float | None], key: str) -> None:

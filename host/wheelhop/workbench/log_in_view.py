@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from nicegui import ui
+from pathlib import Path
+
+from nicegui import run, ui
 
 from wheelhop.campaign import ComponentCampaign
 from wheelhop.files import InputError
@@ -22,9 +24,9 @@ class LogInView:
             ui.html(ON_RIG, sanitize=False)
             return
 
-        def done(_: object) -> None:
+        async def done(folder: Path) -> None:
             try:
-                bench.put(desk.campaign.folder)
+                await run.io_bound(bench.put, folder)
             except InputError as error:
                 desk.say(str(error))
                 return

@@ -18,6 +18,18 @@ from wheelhop.workbench.view import Looking, acting
 SHOWN_S = 2.5
 """So much of a run is drawn on a card, around the largest signature."""
 
+BEFORE = "Every effect of the library is tried."
+WORKING = (
+    "Every effect of the library is tried; the ranking fills in below. You may look elsewhere"
+    " meanwhile, or press Stop above."
+)
+COLUMNS = {
+    "screened": "error E expected with the effect, to first order",
+    "confirmed": "E reached in full simulation, fitted with the vehicle",
+    "held out": "E of that model on runs no fit has seen: it decides",
+    "log evidence": "how much more likely the records are with the effect, as a logarithm",
+    "p": "chance that any effect does so well without being there",
+}
 NONE = (
     "<h3>none</h3><p>No effect of the library shows in what the model leaves, beyond the noise.</p>"
     "<p>That is no proof that nothing is there: below the strengths in this list these runs would"
@@ -48,7 +60,8 @@ class MissingView:
             with ui.element("div"):
                 self._table = acting("", self._act)
                 OwnEffects(desk)
-            with ui.element("aside").classes("card"):
+            self._aside = ui.element("aside").classes("card")
+            with self._aside:
                 self._card = acting("", self._act)
                 self._chart = ui.echart({}).classes("bench-trace")
 
@@ -63,8 +76,7 @@ class MissingView:
             self._seen = seen
             self._verdict.set_content("" if diagnosing else self._verdict_html())
             self._table.set_content(self._table_html(ranking) if ranking else "")
-            hint = "" if ranking or diagnosing else "Every effect of the library is tried."
-            self._hint.set_text(hint)
+            self._hint.set_text(WORKING if diagnosing else "" if ranking else BEFORE)
         self._law.set_content(_law_html(desk.law) if desk.law is not None else "")
         self._show_card(ranking)
 
@@ -79,8 +91,8 @@ class MissingView:
         missing = [e for e in verdict.effects if e not in ("none", "unknown")]
         words = "".join(f"<li>{escape(line)}</li>" for line in verdict.explanation)
         left = [e for e in missing if e not in self._desk.choice.added]
-        add = '<button class="primary" data-act="add all">Add it to the model</button>'
-        add = add.replace("it", "them") if len(left) > 1 else add
+        label = f"Add {escape(' and '.join(left))} to the model"
+        add = f'<button class="primary" data-act="add all">{label}</button>'
         following = f"<p>To record next: {escape(verdict.next_run)}</p>" if verdict.next_run else ""
         extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], "")
         return (
@@ -93,19 +105,11 @@ class MissingView:
         tried = [row for row in ranking.rows if row.screened is not None]
         rows = "".join(self._row(i, row) for i, row in enumerate(tried, start=1))
         others = [row for row in ranking.rows if row.screened is None]
-        heads = "".join(
-            f'<th class="r" title="{tip}">{name}</th>'
-            for name, tip in (
-                ("screened", "error E that first order expects"),
-                ("confirmed", "E reached in full simulation, fitted with the vehicle"),
-                ("held out", "E of that model on runs no fit has seen"),
-                ("log evidence", "relative to the baseline's"),
-                ("p", "chance that any of the effects does so well without being there"),
-            )
-        )
+        heads = "".join(f'<th class="r">{name}</th>' for name in COLUMNS)
+        legend = "; ".join(f"<strong>{name}</strong>: {words}" for name, words in COLUMNS.items())
         return (
             f'<table class="ranking"><thead><tr><th></th><th>effect</th>{heads}</tr></thead>'
-            f"<tbody>{rows}</tbody></table>{_not_applicable(others)}"
+            f"<tbody>{rows}</tbody></table><p class='soft'>{legend}.</p>{_not_applicable(others)}"
         )
 
     def _row(self, number: int, row: Row) -> str:
@@ -132,6 +136,7 @@ class MissingView:
         if drawn == self._drawn:
             return
         self._drawn = drawn
+        self._aside.set_visibility(row is not None or card is not None)
         self._card.set_content(self._card_html(card, row, trace) if row or card else "")
         self._chart.set_visibility(trace is not None)
         if trace is not None:
@@ -144,7 +149,7 @@ class MissingView:
         if name in self._desk.choice.added:
             parts.append('<p class="soft">It is part of the model.</p>')
         elif card and (row is None or row.screened is not None):
-            label = "Add it to the model"
+            label = f"Add {escape(name)} to the model"
             parts.append(
                 f'<p><button class="primary" data-act="add" data-effect="{escape(name)}">{label}'
                 "</button></p>"

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from html import escape
 
+import numpy as np
 from nicegui import ui
 
+from wheelhop.workbench.charts import AFTER, FLOOR, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.view import Looking, acting
-from wheelhop.workbench.where_view import WAITING
+
+WAITING = "<p class='soft'>The model is being fitted; its numbers stand here after that.</p>"
+CONVERGES = (
+    "Adding an effect begins at several strengths and forms, each of which falls by itself; the"
+    " best is then fitted in full."
+)
 
 
 class ModelView:
@@ -17,7 +24,13 @@ class ModelView:
     def __init__(self, desk: Desk, looking: Looking) -> None:
         self._desk, self._looking = desk, looking
         self._seen: object = None
+        self._drawn: object = None
         self._chips = acting("", self._act)
+        with ui.element("div") as self._fit:
+            ui.html("<h3>How the fit converges</h3>", sanitize=False)
+            self._chart = ui.echart({}).classes("bench-trace")
+            self._chart.props('aria-label="error against iteration"')
+            ui.html(f"<p class='soft'>{CONVERGES}</p>", sanitize=False)
         self._body = ui.html(WAITING, sanitize=False)
 
     def show(self) -> None:
@@ -30,6 +43,26 @@ class ModelView:
             self._chips.set_content(self._added())
             body = rung.html["ladder"] + rung.html["model"] if rung else WAITING
             self._body.set_content(body)
+        self._show_fit()
+
+    def _show_fit(self) -> None:
+        """Every iteration of the last fits, live."""
+        desk = self._desk
+        floor = desk.rungs[0].floor_fit if desk.rungs else 0.0
+        if (desk.errors, floor) == self._drawn:
+            return
+        self._drawn = desk.errors, floor
+        self._fit.set_visibility(len(desk.errors) > 1)
+        count = np.arange(1, len(desk.errors) + 1)
+        lines = [Line("error E, runs fitted", count, 100 * np.array(desk.errors), AFTER, 2.0)]
+        if floor > 0:
+            level = np.full(len(count), 100 * floor)
+            lines.append(Line("noise floor", count, level, FLOOR, dashed=True))
+        panel = Panel("iteration", "error E, runs fitted, %", lines, log=True)
+        options = chart([panel], (100,), (0,))
+        options["xAxis"][0]["type"] = "value"
+        self._chart.options.update(options)
+        self._chart.update()
 
     def _added(self) -> str:
         added = self._desk.choice.added

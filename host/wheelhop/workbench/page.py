@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from html import escape
 from importlib.resources import files
+from math import isfinite
 
 from nicegui import ui
 
@@ -37,6 +38,9 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("vehicle", "Vehicle", VehicleView),
     ("out", "Take away", OutView),
 )
+ASLEEP = "asleep"
+"""Of panels that are not looked at. They keep their size: a chart that is shown again would else be
+laid out and drawn anew."""
 LOG_IN = "record"
 TABS = ((LOG_IN, "Record"), *((key, label) for key, label, _ in VIEWS))
 """In the order of the work: what is recorded comes first."""
@@ -66,6 +70,7 @@ class Page:
         self._bench, self._desk = bench, desk
         ui.page_title(f"wheelhop: {desk.campaign.title}")
         self._seen = -1
+        self._fresh: set[str] = set()
         self._looking = Looking(go=self._go)
         with ui.element("header").classes("bench-head"):
             self._top()
@@ -78,8 +83,9 @@ class Page:
         self._panels = {}
         with ui.element("div").classes("bench-main"):
             for key, _ in TABS:
-                self._panels[key] = ui.element("div").props(f"data-view={key}")
+                self._panels[key] = ui.element("div").props(f"data-view={key}").classes(ASLEEP)
         self._tabs.set_value("overview")
+        self._look()
         ui.timer(LOOK_S, self._look)
 
     def _top(self) -> None:
@@ -89,25 +95,34 @@ class Page:
             self._figures = ui.html("", sanitize=False)
         with ui.element("div").classes("bench-work"):
             self._work = ui.label().props('role="status" aria-live="polite"')
-            self._cancel = ui.button("Stop", on_click=desk.cancel).props("outline dense no-caps")
+            self._cancel = ui.button("Stop", on_click=self._give_up).props("outline dense no-caps")
             self._undo = ui.button("Undo", on_click=desk.undo).props("flat dense no-caps")
             self._redo = ui.button("Redo", on_click=desk.redo).props("flat dense no-caps")
             ui.button("Close", on_click=self._bench.clear).props("flat dense no-caps").tooltip(
                 "put this campaign away and open another"
             )
 
+    def _give_up(self) -> None:
+        self._desk.cancel()
+        self._look()
+
     def _go(self, view: str) -> None:
         self._tabs.set_value(view)
 
     def _turned(self) -> None:
-        """Show the view whose tab was chosen; it is built when it is looked at first."""
+        """Show the view whose tab was chosen."""
         chosen = str(self._tabs.value)
         for key, panel in self._panels.items():
-            panel.set_visibility(key == chosen)
-        if chosen not in self._views:
-            with self._panels[chosen]:
-                self._views[chosen] = self._made(chosen)
-        self._views[chosen].show()
+            panel.classes(remove=ASLEEP) if key == chosen else panel.classes(ASLEEP)
+        self._refresh(chosen)
+
+    def _refresh(self, key: str) -> None:
+        """Build a view, or bring it up to date."""
+        self._fresh.add(key)
+        if key not in self._views:
+            with self._panels[key]:
+                self._views[key] = self._made(key)
+        self._views[key].show()
 
     def _made(self, chosen: str) -> View:
         if chosen == LOG_IN:
@@ -125,8 +140,10 @@ class Page:
         if desk.job is not None:
             self._work.set_text(_job_words(desk))
         if desk.version == self._seen:
+            self._prepare()
             return
         self._seen = desk.version
+        self._fresh.clear()
         self._figures.set_content(_figures(desk))
         self._cancel.set_visibility(desk.job is not None)
         self._undo.set_enabled(desk.can_undo)
@@ -137,7 +154,14 @@ class Page:
         self._notice.clear()
         with self._notice:
             ui.label(desk.notice)
-        self._views[str(self._tabs.value)].show()
+        self._refresh(str(self._tabs.value))
+
+    def _prepare(self) -> None:
+        """While there is nothing else to do, one view more is made ready, so that a click finds it
+        so."""
+        waiting = [key for key, _, _ in VIEWS if key not in self._fresh]
+        if waiting:
+            self._refresh(waiting[0])
 
 
 def _job_words(desk: Desk) -> str:
@@ -147,6 +171,8 @@ def _job_words(desk: Desk) -> str:
         return ""
     took = time.monotonic() - job.since_s
     words = f"{job.title}: {job.line} · {took:.0f} s"
+    if isfinite(job.error) and "error" not in job.line:
+        words = f"{job.title}: {job.line} · E {percent(job.error)} · {took:.0f} s"
     if job.diagnosing and desk.baseline_took_s:
         low, high = 2 * desk.baseline_took_s, 15 * desk.baseline_took_s
         words += f" (usually {low:.0f} to {high:.0f} s)"

@@ -1,4 +1,5 @@
-"""What a user may know of a vehicle: asked on the page, and by `wheelhop new`. Loads no room."""
+"""What a user may know of a vehicle: asked on the page, and by `wheelhop new`; and of the tracks.
+Loads no room."""
 
 from __future__ import annotations
 
@@ -64,6 +65,29 @@ QUESTIONS = (
     Question("wheel_radius_m", "radius of the wheels, from hub to ground", "m", 0.03, 2.0),
     Question("driver_kg", "weight of the driver", "kg", 20.0, 250.0),
 )
+
+TRACK_WORDS = {
+    "washboard": "washboard: waves across the track",
+    "one-sided-washboard": "washboard under the left wheels only",
+    "herringbone": "herringbone: waves at an angle",
+    "chassis-twist": "chassis twist: left and right in antiphase",
+    "sine-sweep": "sine sweep: waves that grow shorter",
+    "half-sine-bump": "one bump, half a sine",
+    "step-bump": "one bump, a step",
+    "flat": "flat ground",
+    "unknown": "not surveyed: a lawn, a trail",
+}
+FIELD_WORDS = {
+    "amplitude_mm": "amplitude, mm (half of trough to crest)",
+    "pitch_mm": "wavelength, mm",
+    "pitch_start_mm": "wavelength at the start, mm",
+    "pitch_end_mm": "wavelength at the end, mm",
+    "length_mm": "length, mm",
+    "height_mm": "height, mm",
+    "width_mm": "width, from edge to edge, mm",
+    "angle_deg": "angle, °",
+    "lateral_offset_mm": "how far left of its middle you drove, mm",
+}
 
 
 def known(name: str, given: Answers) -> Known:

@@ -45,17 +45,17 @@ def serve(
     port: int = 0,
     browse: bool = True,
     tell: Callable[[str], None] = print,
+    progress: Callable[[str], None] = lambda text: None,
 ) -> None:
     """Open a campaign on the workbench, or none yet, and serve it until interrupted.
 
     ``port`` 0 takes any that is free; ``tell`` is given the address; ``emulated`` switches on an
-    emulated logger. Raises CampaignError for a
-    campaign that cannot be read, a folder that has a workbench already, and an address that is
-    taken.
+    emulated logger; ``progress`` is told how far reading is. Raises CampaignError for a campaign
+    that cannot be read, a folder that has a workbench already, and an address that is taken.
     """
     bench = Workbench(effects_file)
     if folder is not None:
-        bench.put(folder)
+        bench.put(folder, progress)
     if emulated:
         bench.recorder.emulate()
     with _bound(host, port) as listening:

@@ -30,6 +30,8 @@ from wheelhop.workbench import shown
 Array = NDArray[np.float64]
 
 OPEN = "screened; it may still be simulated in full"
+COMMAND = "wheelhop law"
+"""A line of the verdict that names this is for the command line: the page has a button for it."""
 
 Traced = set[tuple[tuple[str, ...], str]]
 """Which effects, beside which others, have been shown laid over the residual."""
@@ -72,6 +74,7 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
         error=step.rung.error,
         error_fit=step.rung.error_fit,
         floor=step.floor,
+        floor_fit=comparison.floor.error_fit,
         at_floor=not step.above_floor,
         runs=grid.rows,
         channels=grid.columns,
@@ -205,7 +208,7 @@ def verdict(diagnosis: Diagnosis) -> shown.Verdict:
         diagnosis.verdict,
         diagnosis.confidence,
         headline(diagnosis),
-        diagnosis.explanation,
+        tuple(line for line in diagnosis.explanation if not line.startswith(COMMAND)),
         "" if following is None else next_run_words(following),
         tuple(_limit(limit) for limit in diagnosis.limits),
     )

@@ -54,16 +54,17 @@ class Rung:
     """One model of the ladder: which effects it has, the error E it leaves, and where.
 
     ``error`` is E on the runs that judge, ``floor`` what the sensors' noise alone leaves of them;
-    ``ratio`` (runs, channels) is residual over floor, NaN where the model predicts nothing.
-    ``points`` say where the channels sit. ``shape`` is the vehicle's, None of a component;
-    ``numbers`` are its numbers, by their dotted names.
-    ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
+    ``error_fit`` and ``floor_fit`` are those of the runs fitted. ``ratio`` (runs, channels) is
+    residual over floor, NaN where the model predicts nothing. ``points`` say where the channels
+    sit. ``shape`` is the vehicle's, None of a component; ``numbers`` are its numbers, by their
+    dotted names. ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
     """
 
     added: tuple[str, ...]
     error: float
     error_fit: float
     floor: float
+    floor_fit: float
     at_floor: bool
     runs: tuple[str, ...]
     channels: tuple[str, ...]
@@ -173,6 +174,14 @@ class Said:
 
 
 @dataclass(frozen=True)
+class Converging:
+    """A fit is at this iteration, from 1, and leaves the error E on the runs it is fitted to."""
+
+    iteration: int
+    error: float
+
+
+@dataclass(frozen=True)
 class Findings:
     """What the gate found before any fit: (severity, sentence with remedy)."""
 
@@ -216,5 +225,15 @@ class Done:
 
 
 Message = (
-    Said | Findings | Library | Climbed | Ranking | Concluded | Law | AxleToBody | Refused | Done
+    Said
+    | Converging
+    | Findings
+    | Library
+    | Climbed
+    | Ranking
+    | Concluded
+    | Law
+    | AxleToBody
+    | Refused
+    | Done
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nicegui import ui
+from nicegui import run, ui
 
 from wheelhop.files import InputError
 from wheelhop.workbench.bench import Workbench, examples
@@ -12,6 +12,11 @@ from wheelhop.workbench.guide import Guide
 from wheelhop.workbench.record_view import RecordView
 
 LOOK_S = 0.5
+WORDS = (
+    "A <em>campaign</em> is one vehicle, driven a few times over known ground, with accelerometers"
+    " on its axles and its body. Drop the files, say what was driven, and give four numbers of the"
+    " vehicle: the workbench fits a model and finds out which physics it is missing."
+)
 
 
 class Start:
@@ -19,42 +24,49 @@ class Start:
 
     def __init__(self, bench: Workbench) -> None:
         self._bench = bench
+        self._reading = ""
         with ui.element("header").classes("bench-head"):
             ui.html("wheelhop workbench", sanitize=False, tag="h1")
         self._notice = ui.label().classes("bench-notice").props('role="status"')
         self._notice.set_visibility(False)
         with ui.element("div").classes("bench-main"):
             with ui.element("section"):
-                ui.html("Open a campaign", sanitize=False, tag="h2")
+                ui.html("From recordings to what the model is missing", sanitize=False, tag="h2")
+                ui.html(f"<p>{WORDS}</p>", sanitize=False)
+                guide = Guide(bench.draft, self.put, self._say)
+            with ui.element("section"):
+                ui.html("Open a campaign that is there", sanitize=False, tag="h2")
                 with ui.row().classes("bench-controls"):
-                    self._folder = ui.input("folder that holds campaign.toml")
+                    self._folder = ui.input("its folder").props("dense outlined")
                     self._folder.classes("bench-path").on("keydown.enter", self._open)
                     ui.button("Open", on_click=self._open).props("no-caps unelevated")
                 self._list_examples()
             with ui.element("section"):
                 ui.html("Record with the logger", sanitize=False, tag="h2")
                 recording = ui.element("div")
-            with ui.element("section"):
-                ui.html("Make a campaign of recordings", sanitize=False, tag="h2")
-                guide = Guide(bench.draft, self.put, self._say)
             with recording:
                 RecordView(bench.recorder, Path.home() / "wheelhop", guide.take)
         ui.timer(LOOK_S, self._look)
 
-    def put(self, folder: Path) -> None:
-        """Open a campaign; a mistake is said."""
+    async def put(self, folder: Path) -> None:
+        """Open a campaign; a mistake is said, and how far reading is."""
+        self._say(f"reading {folder}")
         try:
-            self._bench.put(folder)
+            await run.io_bound(self._bench.put, folder, self._read)
         except InputError as error:
             self._say(str(error))
             return
         if self._bench.desk is not None:
             self._bench.desk.begin()
 
-    def _open(self) -> None:
+    async def _open(self) -> None:
         text = self._folder.value.strip()
         if text:
-            self.put(Path(text).expanduser())
+            await self.put(Path(text).expanduser())
+
+    def _read(self, line: str) -> None:
+        """Told by the thread that reads; shown by the next look."""
+        self._reading = line
 
     def _list_examples(self) -> None:
         found = examples()
@@ -72,5 +84,8 @@ class Start:
         self._notice.set_visibility(bool(line))
 
     def _look(self) -> None:
+        if self._reading:
+            self._say(self._reading)
+            self._reading = ""
         if self._bench.desk is not None:
             ui.navigate.reload()

@@ -27,7 +27,16 @@ from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
 from wheelhop.workbench.export import write_figures, write_tables
 from wheelhop.workbench.order import Order
-from wheelhop.workbench.shown import Climbed, Concluded, Done, Findings, Message, Refused, Said
+from wheelhop.workbench.shown import (
+    Climbed,
+    Concluded,
+    Converging,
+    Done,
+    Findings,
+    Message,
+    Refused,
+    Said,
+)
 from wheelhop.workbench.takeaway import FIGURES, MODEL, PDF, REPORT, TABLES
 
 Say = Callable[[Message], None]
@@ -83,13 +92,15 @@ class Worker:
         return self._work
 
     def _begun(self, order: Order) -> Work:
-        campaign = order.choice.applied(read_campaign(order.folder))
+        left_out = set(order.choice.without_runs)
+        campaign = read_campaign(order.folder, left_out, self._progress)
+        campaign = order.choice.applied(campaign)
         vehicle = read_nominal(campaign)
         self._say(Said("looking for mistakes in what the campaign says"))
         gated = gate(campaign, vehicle)
         self._say(Findings(show.findings(gated.findings)))
         library = {**load_effects(order.effects_file), **beliefs(gated.campaign, vehicle)}
-        base = fit_baseline(gated.campaign, vehicle, progress=self._progress)
+        base = fit_baseline(gated.campaign, vehicle, progress=self._progress, watch=self._watch)
         work = Work(campaign, vehicle, gated, library, base)
         work.steps[()] = step_of(base.workshop, base.rung)
         self._say(show.library(library))
@@ -173,6 +184,9 @@ class Worker:
     def _show(self, work: Work, added: Sequence[str]) -> None:
         steps = work.ladder(added)
         self._say(Climbed(show.rungs(work.gated.campaign, steps)))
+
+    def _watch(self, iteration: int, error: float) -> None:
+        self._say(Converging(iteration, error))
 
     def _progress(self, text: str) -> None:
         self._say(Said(text))
