@@ -67,7 +67,7 @@ def _hidden(car: Car) -> dict[str, tuple[str, Callable[[], Effect]]]:
     }
 
 
-def true_force(truth: Truth, where: Where) -> tuple[Moved, Array, Array]:
+def true_force(truth: Truth, where: Where, before_s: float) -> tuple[Moved, Array, Array]:
     """The motion of a place's first part in the held-out runs, its force, and that of its spring
     and damper, every millisecond."""
     corner, every = where.corners[0], round(1e-3 / STEP_S)
@@ -90,7 +90,7 @@ def true_force(truth: Truth, where: Where) -> tuple[Moved, Array, Array]:
         lines.append(spring * middle + damper * v)
         ways.append((middle, v))
     x, v = (np.concatenate(part) for part in zip(*ways, strict=True))
-    moved = Moved(x, v, tuple(len(way) for way, _ in ways))
+    moved = Moved(x, v, tuple(len(way) for way, _ in ways), before_s=before_s)
     return moved, np.concatenate(forces), np.concatenate(lines)
 
 
@@ -98,7 +98,8 @@ def law_errors(found: Found, truth: Truth) -> tuple[float, float]:
     """Error of the preferred law's force over the whole force, and over the missing law's."""
     preferred, where = found.preferred, found.where
     assert preferred is not None and where is not None
-    moved, whole, line = true_force(truth, where)
+    assert found.moved is not None
+    moved, whole, line = true_force(truth, where, found.moved.before_s)
     ours = force_along(preferred.rung.model, where, moved, 1e-3)
     columns = [np.ones_like(whole), moved.extension, moved.rate]
     basis = np.linalg.qr(np.stack(columns, axis=1))[0]
@@ -127,7 +128,7 @@ def look_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> boo
         line = f"{name:18} {place:18} {said:18} {found.base.error / floor:8.2f}"
         if found.preferred is not None:
             rung, own, law = found.preferred.rung, "", ""
-            if found.where is not None and effects and said == place:
+            if found.where is not None and found.where.corners and said == place:
                 truth = read_truth_of(folder, effects)
                 own, law = (f"{100 * e:.1f} %" for e in law_errors(found, truth))
             line += f" {rung.error / floor:8.2f} {own:>8} {law:>8}  {found.preferred.name:18}"
