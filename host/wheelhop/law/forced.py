@@ -26,7 +26,10 @@ from wheelhop.vehicle import System
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-TAPER_S = 0.2
+ROUNDS = 5
+"""So often motion and the force of a given law along it are found from each other."""
+
+TAPER_S = 0.1
 """Over this time at both its ends what the record tells of the motion takes hold."""
 
 
@@ -38,7 +41,7 @@ class ForcedRun:
     Attributes
     ----------
     extension, rate : (T, p) of the ports at every step, from the beginning of the run-up on, m and
-        m/s: as the model says, and in band as the record does.
+        m/s: as the model says, and in the record as that does.
     samples : where among the steps the samples of the record are.
     step_s : time between steps.
     """
@@ -68,11 +71,12 @@ class ForcedRun:
         linear = (self._inverse @ push)[..., 0]
         self.extension: Array
         self.rate: Array
-        for rounds in range(2 if laws else 1):
+        for rounds in range(ROUNDS if laws else 1):
             motion = linear
             if rounds:
                 force = follow_all(laws, self.extension, self.rate, self.step_s)
                 pulled = self._spectrum(force)[..., 0] @ system.port[[port for port, *_ in laws]]
+                pulled[omega > 2 * np.pi * campaign.band_hz[0]] = 0.0
                 motion = motion - (self._inverse @ pulled[..., None])[..., 0]
             motion = motion + self._as_recorded(motion, dynamic, len(moves.height))
             self.extension, self.rate = (
@@ -114,7 +118,7 @@ class ForcedRun:
         sensors = self._output[told][:, seen]
         if np.linalg.matrix_rank(sensors) < seen.sum():
             return added
-        beyond = bench.band.signal((bench.run.record - modelled)[:, told])
+        beyond = (bench.run.record - modelled)[:, told]
         time_s = bench.run.time_s - bench.run.time_s[0]
         at: Array = self.step_s * np.arange((len(time_s) - 1) * self._stride + 1, dtype=float)
         acceleration = CubicSpline(time_s, beyond @ np.linalg.pinv(sensors).T)

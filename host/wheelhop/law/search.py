@@ -96,12 +96,12 @@ def find_law(
     """
     baseline = fit_baseline(campaign, vehicle, progress=progress)
     workshop, base = baseline.workshop, fit_with(baseline, accepted, progress)[-1]
-    promises, signatures, moves = _screened(workshop, base, progress)
-    seat, joined = _seat(workshop, base, library), tuple[str, ...]()
+    promises, signatures, moves = screened(workshop, base, progress)
+    seat, joined = seat_for(workshop, base, library), tuple[str, ...]()
     if seat is not None and seat.score > max((p.screened.score for p in promises), default=0.0):
         # No law of any place there is, but a place that is not there yet.
         base, joined = one_more(workshop, base, seat.variant.effect, progress), (SEAT,)
-        promises, signatures, moves = _screened(workshop, base, progress)
+        promises, signatures, moves = screened(workshop, base, progress)
     power = base.fit.error**2
     shares = {p.where.name: 1.0 - p.screened.error**2 / power for p in promises}
     nothing = Found(workshop, base, shares, None, None, None, (), None, joined)
@@ -129,7 +129,7 @@ def find_law(
     return Found(workshop, base, shares, free, where, moved, named, formula, joined)
 
 
-def _screened(
+def screened(
     workshop: Workshop, base: Rung, progress: Progress
 ) -> tuple[list[Promise], Signatures, Moves]:
     """Every place with what promises most there, and what that was told by."""
@@ -139,7 +139,7 @@ def _screened(
     return screen_places(signatures, base, moves), signatures, moves
 
 
-def _seat(workshop: Workshop, base: Rung, library: Sequence[Effect]) -> Screened | None:
+def seat_for(workshop: Workshop, base: Rung, library: Sequence[Effect]) -> Screened | None:
     """What a seat for the driver promises, where the model has none."""
     if SEAT in {effect.id for effect in base.model.effects}:
         return None

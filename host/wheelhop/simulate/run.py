@@ -311,11 +311,8 @@ class RunSimulator:
     def prescribed(self, model: Model, system: System) -> Prescribed:
         """What moves a model from the beginning of the run-up to after the record."""
         stride = self._stride(model, STEP_S)
-        height, rate = self._motion(model, stride)
-        time_s = self._times(stride, 1)
-        return Prescribed(
-            height, rate, self._forces(model, system, time_s), stride, self._lead * stride
-        )
+        force = self._forces(model, system, self._times(stride, 1))
+        return Prescribed(*self._motion(model, stride), force, stride, self._lead * stride)
 
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
         """Prescribed motions and rates (T, wheels), m and m/s; the last few are kept."""
