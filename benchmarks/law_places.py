@@ -1,11 +1,11 @@
-"""Where a law is missing and which: python -m benchmarks.law_places [NAME…] [--seed N]
+"""Where a law is missing and which: python -m benchmarks.law_places [NAME…] [--seed N] [--screen]
 
 Laws that are in nobody's library, hidden in the cars of the independent simulator, 8 runs each, and
 clean cars. Printed for each: what the model without the law leaves over the noise, the place that
 `wheelhop law` names, the simplest law that does as well as any, its held-out error over the noise,
 and how far its force is from the true one along the true motion of the held-out runs, r.m.s.: over
 the whole force of the strut or tyre, and, less what any spring and damper are, over that of the
-missing law.
+missing law. With --screen only the places, as regression ranks them, and its time.
 """
 
 from __future__ import annotations
@@ -28,10 +28,13 @@ from tests.truth.effect import Effect
 from tests.truth.model import STEP_S
 from tests.truth.vehicle import axle
 from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.confirm import least_gain
 from wheelhop.effects import load_effects
 from wheelhop.law import Found, Moved, find_law
 from wheelhop.law.along import force_along
 from wheelhop.law.places import Where
+from wheelhop.law.search import screened, seat_for
 from wheelhop.vehicle import read_vehicle
 
 Array = NDArray[np.float64]
@@ -67,7 +70,7 @@ def _hidden(car: Car) -> dict[str, tuple[str, Callable[[], Effect]]]:
     }
 
 
-def true_force(truth: Truth, where: Where) -> tuple[Moved, Array, Array]:
+def true_force(truth: Truth, where: Where, before_s: float) -> tuple[Moved, Array, Array]:
     """The motion of a place's first part in the held-out runs, its force, and that of its spring
     and damper, every millisecond."""
     corner, every = where.corners[0], round(1e-3 / STEP_S)
@@ -90,7 +93,7 @@ def true_force(truth: Truth, where: Where) -> tuple[Moved, Array, Array]:
         lines.append(spring * middle + damper * v)
         ways.append((middle, v))
     x, v = (np.concatenate(part) for part in zip(*ways, strict=True))
-    moved = Moved(x, v, tuple(len(way) for way, _ in ways))
+    moved = Moved(x, v, tuple(len(way) for way, _ in ways), before_s=before_s)
     return moved, np.concatenate(forces), np.concatenate(lines)
 
 
@@ -98,7 +101,8 @@ def law_errors(found: Found, truth: Truth) -> tuple[float, float]:
     """Error of the preferred law's force over the whole force, and over the missing law's."""
     preferred, where = found.preferred, found.where
     assert preferred is not None and where is not None
-    moved, whole, line = true_force(truth, where)
+    assert found.moved is not None
+    moved, whole, line = true_force(truth, where, found.moved.before_s)
     ours = force_along(preferred.rung.model, where, moved, 1e-3)
     columns = [np.ones_like(whole), moved.extension, moved.rate]
     basis = np.linalg.qr(np.stack(columns, axis=1))[0]
@@ -127,7 +131,7 @@ def look_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> boo
         line = f"{name:18} {place:18} {said:18} {found.base.error / floor:8.2f}"
         if found.preferred is not None:
             rung, own, law = found.preferred.rung, "", ""
-            if found.where is not None and effects and said == place:
+            if found.where is not None and found.where.corners and said == place:
                 truth = read_truth_of(folder, effects)
                 own, law = (f"{100 * e:.1f} %" for e in law_errors(found, truth))
             line += f" {rung.error / floor:8.2f} {own:>8} {law:>8}  {found.preferred.name:18}"
@@ -137,6 +141,34 @@ def look_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> boo
                 print(
                     f"    {rival.rung.error / floor:6.2f} {rival.name}: {rival.words}", flush=True
                 )
+        return said == place
+
+
+def screen_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> bool:
+    """Make, rank the places, print a line; whether the first is right."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "c"
+        preset = PRESETS[PRESET]
+        write_campaign(folder, preset, effects, seed=seed, short=True, noise_rms=NOISE_M_S2)
+        floor = tomllib.loads((folder / "truth.toml").read_text())["oracle_rel_validate"]
+        campaign = read_campaign(folder)
+        found = fit_baseline(campaign, read_vehicle(campaign.vehicle_file), progress=len)
+        begin = time.process_time()
+        promises, *_ = screened(found.workshop, found.rung, len)
+        ranked = [(p.screened.score, p.where.name, p.screened.error) for p in promises]
+        took = time.process_time() - begin
+        seat = seat_for(found.workshop, found.rung, list(load_effects().values()))
+        if seat is not None:
+            ranked.append((seat.score, "driver's seat", seat.error))
+        first, second = sorted(ranked, reverse=True)[:2]
+        enough = least_gain(found.workshop, found.rung) / 2.0
+        said = first[1] if first[0] > enough else "nothing"
+        print(
+            f"{name:18} {place:18} {said:18} {found.rung.error_fit / floor:8.2f}"
+            f" {first[2] / floor:8.2f}   {first[0]:8.0f} {second[0]:8.0f} {second[1]:18}"
+            f" {took:5.1f} s",
+            flush=True,
+        )
         return said == place
 
 
@@ -155,20 +187,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", help="of the laws; all, and clean cars, by default")
     parser.add_argument("--seed", type=int, default=20, help="of the first car")
+    parser.add_argument("--screen", action="store_true", help="rank places only")
     chosen = parser.parse_args()
-    print(f"{'law':18} {'place':18} {'named':18} {'without':>8} {'with':>8} "
-          f"{'whole':>8} {'missing':>8}  law")  # fmt: skip
+    look = screen_for if chosen.screen else look_for
+    columns = "   evidence  of the next" if chosen.screen else f" {'whole':>8} {'missing':>8}  law"
+    print(f"{'law':18} {'place':18} {'named':18} {'without':>8} {'with':>8}{columns}")
     right, asked = 0, 0
     seeds = chosen.seed
     for number, name in enumerate(_hidden(car_of(PRESETS[PRESET], seeds))):
         if not chosen.names or name in chosen.names:
             seed = seeds + number
             place, make = _hidden(car_of(PRESETS[PRESET], seed))[name]
-            right += look_for(name, place, [make()], seed)
+            right += look(name, place, [make()], seed)
             asked += 1
     for seed in range(seeds + 100, seeds + 100 + CLEAN):
         if not chosen.names or "clean" in chosen.names:
-            look_for("clean", "nothing", [], seed)
+            look("clean", "nothing", [], seed)
     if asked:
         print(f"right place: {right} of {asked}")
 

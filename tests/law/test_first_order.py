@@ -6,11 +6,13 @@ from tests.component import rig
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.screen import Terms, screen
+from wheelhop.diagnose.screen import screen
 from wheelhop.diagnose.verdict import limits
 from wheelhop.law.first_order import screen_places
 from wheelhop.law.formula import Formula
-from wheelhop.law.places import Where, motion_of
+from wheelhop.law.motion import Moves
+from wheelhop.law.places import Where
+from wheelhop.law.regression import Signatures, Sums
 from wheelhop.law.terms import Term, candidates, stop
 from wheelhop.vehicle import read_nominal
 
@@ -23,10 +25,11 @@ def test_a_sum_of_terms_screens_as_if_it_were_simulated(tmp_path):
     campaign = read_campaign(folder)
     base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
     workshop, fitted, where = base.workshop, base.rung.fit, Where("component", "strut", (0,))
-    moved = motion_of(workshop, base.rung.model, where)
+    moves = Moves(workshop, base.rung.model)
+    moved, signatures = moves.of(where), Signatures(workshop, fitted, moves)
     terms = candidates(moved.extension, moved.rate)[:6]
     alone = [Formula(where, [term]) for term in terms]
-    sums = Terms(workshop, fitted, alone)
+    sums = Sums(signatures, alone)
     chosen = [1, 2, 5]
     total = Formula(where, [terms[i] for i in chosen])
     added = sums.screen(total, [alone[i] for i in chosen])
@@ -35,7 +38,7 @@ def test_a_sum_of_terms_screens_as_if_it_were_simulated(tmp_path):
     assert added.error == pytest.approx(simulated.error, rel=1e-6)
     for name, force in simulated.amplitudes.items():
         assert added.amplitudes[name] == pytest.approx(force, rel=1e-4, abs=1e-6)
-    best, *_ = screen_places(workshop, base.rung)
+    best, *_ = screen_places(signatures, base.rung, moves)
     assert best.where.name == "component" and "extension" in best.form.name
 
 

@@ -17,7 +17,7 @@ from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates, slip
-from wheelhop.report.law import law_figure, law_lines
+from wheelhop.report.law import amplitudes, law_figure, law_lines
 from wheelhop.vehicle import read_nominal
 
 
@@ -111,20 +111,41 @@ def test_nothing_is_found_where_nothing_is_missing(tmp_path):
     assert law_lines(found) == ["Nothing to find: the model explains these runs down to the noise."]
 
 
-def test_what_no_place_explains_is_said_to_be_left(tmp_path):
-    """Damping that falls by a third while the record runs: no force of extension and rate."""
-    folder = campaign_of(tmp_path / "c")
+def _with_force(folder, added):
+    """A campaign of a linear component, with a force (T,) added that is no law of its motion."""
+    campaign_of(folder)
     for file in (folder / "runs").iterdir():
         time_s, x, force = np.loadtxt(file, delimiter=",", skiprows=1).T
-        faded = force - 500.0 * time_s / time_s[-1] * np.gradient(x, time_s)
-        table = np.stack([time_s, x, faded], axis=1)
+        table = np.stack([time_s, x, force + added(time_s, x)], axis=1)
         header = "time_s,displacement_m,force_N"
         np.savetxt(file, table, fmt="%.9g", delimiter=",", header=header, comments="")
+    return folder
+
+
+def test_what_no_place_explains_is_said_to_be_left(tmp_path):
+    """Damping that comes and goes while the record runs: it follows no motion, nor how long it has
+    been going on."""
+    folder = _with_force(
+        tmp_path / "c",
+        lambda t, x: 500.0 * np.cos(14 * np.pi * t / t[-1]) * np.gradient(x, t),
+    )
     found = found_in(folder)
     assert found.base.error > 5.0 * 0.005
     first, *then = law_lines(found)
     assert found.free is None and "more than noise is left" in first
     assert any("record it as an input" in line for line in then)
+
+
+def test_a_damper_that_fades_is_told_as_one_that_changes_with_time(tmp_path):
+    """Its damping falls by a third from the beginning of each run to its end."""
+    folder = _with_force(tmp_path / "c", lambda t, x: -500.0 * t / t[-1] * np.gradient(x, t))
+    found = found_in(folder)
+    assert found.formula.words.startswith("damping that changes, per 10 s")
+    assert found.formula.rung.error < 1.3 * 0.005
+    (fall, _), *_ = amplitudes(found.formula).values()
+    end_s = found.workshop.of_role("fit")[0].run.time_s[-1]
+    at_end = -500.0 * np.abs(found.moved.rate).max() * 10.0 / end_s
+    assert fall == pytest.approx(at_end, rel=0.05)
 
 
 def test_one_percent_of_asymmetry_comes_out_as_asymmetry_and_not_as_a_stop(tmp_path):
@@ -204,7 +225,7 @@ def test_every_term_survives_the_file(tmp_path):
     rng = np.random.default_rng(1)
     terms = candidates(rng.uniform(-0.02, 0.03, 500), rng.uniform(-0.4, 0.3, 500))
     formula = Formula(Where("component", "strut", (0,)), terms)
-    amplitudes = {f"{term.name}_N": 100.0 for term in terms}
+    amplitudes = {f"formula.{term.name}_N": 100.0 for term in terms}
     file = tmp_path / "all.py"
     file.write_text(source_of(formula, amplitudes, "a campaign", "found-law"))
     kept = runpy.run_path(str(file))

@@ -43,7 +43,7 @@ def run(arguments: Namespace) -> int:
     if found.formula is not None and arguments.save:
         model = found.formula.rung.model
         formula = next(e for e in model.effects if isinstance(e, Formula))
-        text = source_of(formula, model.theta(formula), campaign.title, SAVED_ID)
+        text = source_of(formula, model.values, campaign.title, SAVED_ID)
         write_text(arguments.save, text)
         console.print(f"formula kept in {arguments.save}", markup=False)
     elif arguments.save:
@@ -63,6 +63,7 @@ def to_json(found: Found) -> dict[str, Any]:
     return {
         "format": 1,
         "found": free is not None,
+        "joined": list(found.joined),
         "place": None if found.where is None else found.where.name,
         "preferred": None if preferred is None else preferred.name,
         "look": look(found),

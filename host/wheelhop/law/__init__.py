@@ -3,7 +3,8 @@
 from wheelhop.law.formula import Formula, source_of
 from wheelhop.law.free import Form, FreeForce
 from wheelhop.law.look import look
-from wheelhop.law.places import Moved, Where, places
+from wheelhop.law.moved import Moved
+from wheelhop.law.places import Where, places
 from wheelhop.law.search import Found, Rival, find_law
 
 __all__ = [

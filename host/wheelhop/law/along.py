@@ -9,8 +9,12 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.law.places import Moved, Where
+from wheelhop.effects import Effect
+from wheelhop.effects.base import Values
+from wheelhop.law.moved import Moved
+from wheelhop.law.places import Where
 from wheelhop.simulate import Model
+from wheelhop.simulate.integrator import padded
 from wheelhop.vehicle import Assembly, Law
 from wheelhop.vehicle.assembly import Row
 
@@ -18,30 +22,38 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class _LawsAt(Assembly):
-    """Keeps the force laws that effects add along one extension."""
+class _Laws(Assembly):
+    """Keeps the force laws that effects add."""
 
-    row: Row = ()
-    found: list[tuple[Law, tuple[float, ...], str]] = field(default_factory=list)
+    found: list[tuple[Row, Law, tuple[float, ...], str]] = field(default_factory=list)
 
     def add_law(self, row: Row, law: Law, parameters: tuple[float, ...], by: str = "") -> None:
-        """Keep the law if it acts there."""
-        if row == self.row:
-            self.found.append((law, parameters, by))
+        """Keep the law."""
+        self.found.append((row, law, parameters, by))
+
+
+def laws_of(
+    effect: Effect, theta: Values, values: Values
+) -> list[tuple[Row, Law, tuple[float, ...], str]]:
+    """The force laws an effect adds to a vehicle: along which extension each acts, its numbers, and
+    the input it is times, "" for none."""
+    laws = _Laws(prescribed=(), body=())
+    effect.modify(theta, values, laws)
+    return laws.found
 
 
 def force_along(model: Model, where: Where, moved: Moved, step_s: float) -> Array:
     """Force (T,), N, of everything between the ends of the place's first part, spring, damper and
     laws, along a motion sampled every `step_s`."""
     values = model.values
-    at = _LawsAt(prescribed=(), body=(), row=where.rows(values)[0])
-    for effect in model.effects:
-        if effect.place in ("suspension", "tyre"):
-            effect.modify(model.theta(effect), values, at)
+    first = where.rows(values)[0]
     stiffness, damping = where.linear(values)
     total = stiffness * moved.extension + damping * moved.rate
-    for law, parameters, by in at.found:
-        total += along(law, parameters, moved, step_s, by)
+    for effect in model.effects:
+        if effect.place in ("suspension", "tyre"):
+            for row, law, parameters, by in laws_of(effect, model.theta(effect), values):
+                if row == first:
+                    total += along(law, parameters, moved, step_s, by)
     return total
 
 
@@ -50,15 +62,46 @@ def along(law: Law, numbers: Sequence[float], moved: Moved, step_s: float, by: s
     ends = np.cumsum(moved.stretches)[:-1]
     ways = zip(np.split(moved.extension, ends), np.split(moved.rate, ends), strict=True)
     p = np.array(numbers, dtype=float)
-    own = np.concatenate([follow(law, x, v, step_s, p) for x, v in ways])
+    own = np.concatenate([follow(law, x, v, step_s, p, moved.before_s) for x, v in ways])
     return np.asarray(own * moved.inputs[by] if by else own)
 
 
-@numba.njit(nogil=True, error_model="numpy")
-def follow(law, x, v, dt, numbers):  # type: ignore[no-untyped-def]
-    """Force (T,) of one law along a motion."""
-    total, memory, before = np.zeros(len(x)), 0.0, x[0]
-    for t in range(len(x)):
-        total[t], memory = law(x[t], v[t], x[t] - before, dt * min(t, 1), memory, numbers)
-        before = x[t]
+def follow(law: Law, x: Array, v: Array, dt: float, numbers: Array, before_s: float = 0.0) -> Array:
+    """Force (T,) of one law along a motion, after so long a rest where it begins."""
+    one = [(0, law, tuple(numbers))]
+    return follow_all(one, x[:, None], v[:, None], dt, before_s)[:, 0]
+
+
+LawAt = tuple[int, Law, Sequence[float]]
+"""The number of a port, a law that acts there, and its numbers."""
+
+
+def follow_all(
+    laws: Sequence[LawAt],
+    x: Array,
+    v: Array,
+    dt: float,
+    before_s: float = 0.0,
+) -> Array:
+    """Forces (T, j) of laws, each along the motion (T, p) of the port of its number."""
+    kinds = tuple(dict.fromkeys(law for _, law, _ in laws))
+    which = np.array([(kinds.index(law), port) for port, law, _ in laws], dtype=np.int64)
+    numbers = np.zeros((len(laws), max(len(p) for *_, p in laws) or 1))
+    for row, (*_, p) in zip(numbers, laws, strict=True):
+        row[: len(p)] = p
+    return np.asarray(_follow(padded(kinds), which, x, v, dt, numbers, before_s))
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _follow(laws, which, x, v, dt, numbers, before_s):  # type: ignore[no-untyped-def]
+    total = np.zeros((len(x), len(which)))
+    for j in range(len(which)):
+        k, i = which[j]
+        still = x[0, i]
+        _, memory = laws[k](still, 0.0, 0.0, before_s, 0.0, numbers[j])
+        for t in range(len(x)):
+            total[t, j], memory = laws[k](
+                x[t, i], v[t, i], x[t, i] - still, dt * min(t, 1), memory, numbers[j]
+            )
+            still = x[t, i]
     return total

@@ -9,20 +9,17 @@ import numpy as np
 
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Rung
-from wheelhop.diagnose.screen import Screened, Terms
-from wheelhop.fit import Workshop
+from wheelhop.diagnose.screen import Screened
 from wheelhop.law.free import Form, FreeForce
-from wheelhop.law.places import Moved, Where, motion_of, of_axle, parts_of, places
-from wheelhop.law.terms import knots, slips
-from wheelhop.vehicle import axle_name, static_tyre_load
+from wheelhop.law.motion import Moves
+from wheelhop.law.places import Where, of_axle, parts_of, places
+from wheelhop.law.regression import Signatures, Sums
+from wheelhop.law.terms import drift, knots, positioned, slipping, slipping_loaded, slips
 
 COUNTS = (5, 9, 17, 33)
 """Knots of a spline where an imposed motion gives the force at once."""
 FINER = ((5, 99), (9, 3), (17, 1))
-"""Elsewhere each knot is an integration of every run: so many knots, at so many of the places that
-promised most with fewer."""
-MOST_OF_BOTH = 9
-"""More knots than that belong to a law with a kink, which is one of extension or of rate alone."""
+"""Elsewhere so many knots, at so many of the places that promised most with fewer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +31,16 @@ class Promise:
     screened: Screened
 
 
-def screen_places(workshop: Workshop, base: Rung) -> list[Promise]:
+def screen_places(signatures: Signatures, base: Rung, moves: Moves) -> list[Promise]:
     """Every place with its best form, the most likely first."""
-    campaign = workshop.campaign
     every = places(base.model.values)
-    if gives_force_at_once(campaign):
-        return _screened(workshop, base, every, COUNTS)
     best: dict[Where, Promise] = {}
-    for count, most in FINER:
-        leading = [p.where for p in _ranked(best.values())[:most] if p.where.kind == "strut"]
-        for promise in _screened(workshop, base, leading if best else every, (count,)):
+    stages: Sequence[tuple[int, int]] = FINER
+    if gives_force_at_once(signatures.workshop.campaign):
+        stages = [(count, len(every)) for count in COUNTS]
+    for count, most in stages:
+        leading = [promise.where for promise in _ranked(best.values())[:most]] or every
+        for promise in _screened(signatures, base, moves, leading, count):
             before = best.get(promise.where)
             if before is None or promise.screened.score > before.screened.score:
                 best[promise.where] = promise
@@ -60,64 +57,71 @@ def _ranked(promises: Iterable[Promise]) -> list[Promise]:
 
 
 def _screened(
-    workshop: Workshop, base: Rung, among: Sequence[Where], counts: Sequence[int]
+    signatures: Signatures,
+    base: Rung,
+    moves: Moves,
+    among: Sequence[Where],
+    count: int,
 ) -> list[Promise]:
-    """These places, each with its best form of these numbers of knots, the most likely first.
+    """These places, each with its best form of so many knots.
 
-    Terms are simulated once for each strut, and at those that form an axle added up.
+    Terms are known for each strut of an axle by itself, and at both added up.
     """
-    terms: dict[tuple[Where, Form], FreeForce] = {}
-    totals: list[tuple[Where, Form, list[FreeForce]]] = []
-    for where in among:
-        moved = motion_of(workshop, base.model, of_axle(where, base.model.values))
-        for simple in _sums(base, where, moved, counts):
-            for part in parts_of(where):
-                for form in simple:
-                    terms.setdefault((part, form), FreeForce(part, {form.name: form}))
-            parts = [terms[part, form] for part in parts_of(where) for form in simple]
-            totals.append((where, _sum(simple), parts))
-    if not terms:
-        return []
-    sums = Terms(workshop, base.fit, list(terms.values()))
-    best: dict[Where, Promise] = {}
-    for where, form, parts in totals:
-        found = sums.screen(FreeForce(where, {form.name: form}), parts)
-        if np.isfinite(found.gain) and (
-            where not in best or found.score > best[where].screened.score
-        ):
-            best[where] = Promise(where, form, found)
-    return _ranked(best.values())
+    families = {where: _families(moves, where, base, count) for where in among}
+    terms = {
+        (part, form): FreeForce(part, {form.name: form})
+        for where, forms in families.items()
+        for part in parts_of(where)
+        for form in forms
+    }
+    signatures.of(list(terms.values()))
+    found = []
+    for where, forms in families.items():
+        parts = {f: [terms[part, f] for part in parts_of(where)] for f in forms}
+        sums = Sums(signatures, [term for family in forms for term in parts[family]])
 
-
-def _sums(
-    base: Rung, where: Where, moved: Moved | None, counts: Sequence[int]
-) -> list[tuple[Form, ...]]:
-    """Forms to try, from few terms to many, each as the simple ones that add up to it."""
-    if where.kind == "tyre":
-        values, corner = base.model.values, where.corners[0]
-        stiffness = values[f"wheel.{axle_name(corner)}.tyre_stiffness_N_m"]
-        deflection = static_tyre_load(values, corner) / stiffness
-        at = tuple(float(share) * deflection for share in np.linspace(-1, 1, 5))
-        return [(Form("5 knots of deflection", at),)]
-    if moved is None:
-        return []
-    ways = slips(moved.extension)
-    # On a rig a simulation costs next to nothing.
-    sliders = Form("sliders", slips_m=ways if len(counts) > 1 else ways[::3])
-    found: list[tuple[Form, ...]] = []
-    for count in counts:
-        x = Form(f"{count} knots of extension", knots(moved.extension, count))
-        v = Form(f"{count} knots of rate", rate_m_s=knots(moved.rate, count))
-        found += [(x,), (v,)]
-        if count <= MOST_OF_BOTH:
-            found += [(x, v), (x, v, sliders)]
-    found.append((sliders,))
-    for name in moved.inputs:
-        for count in counts[:2]:
-            rate = knots(moved.rate, count)
-            by = Form(f"{count} knots of rate, times {name}", inputs=((name, rate),))
-            found += [(*simple, by) for simple in found if not simple[-1].inputs] + [(by,)]
+        best, chosen = 0.0, list[Form]()
+        while len(chosen) < len(forms):
+            trials = [[*chosen, form] for form in forms if form not in chosen]
+            worth, trial = max(
+                ((sums.worth([parts[f] for f in trial]), trial) for trial in trials),
+                key=lambda found: found[0],
+            )
+            if chosen and not worth > best:
+                break
+            best, chosen = worth, trial
+        if chosen and np.isfinite(best):
+            form = _sum(chosen)
+            total = FreeForce(where, {form.name: form})
+            terms_of_it = [term for family in chosen for term in parts[family]]
+            found.append(Promise(where, form, sums.screen(total, terms_of_it)))
     return found
+
+
+def _families(moves: Moves, where: Where, base: Rung, count: int) -> tuple[Form, ...]:
+    """What a free law may be made of, one after the other: a spring, a damper, friction that gives
+    way elastically; damping that follows the extension, friction that follows the load, and damping
+    that changes while the run lasts; and dampers that recorded inputs drive. Nothing
+    where no motion is told."""
+    moved = moves.of(of_axle(where, base.model.values))
+    if moved is None or not np.ptp(moved.extension) > 0.0:
+        return ()
+    x, v = (float(np.abs(way).max()) for way in (moved.extension, moved.rate))
+    ways = slips(moved.extension)[::3]
+    loaded = tuple(slipping_loaded(way, x) for way in ways)
+    rate = knots(moved.rate, count)
+    return (
+        Form(f"{count} knots of extension", knots(moved.extension, count)),
+        Form(f"{count} knots of rate", rate_m_s=rate),
+        Form("sliders", terms=tuple(slipping(way) for way in ways)),
+        Form("damping by place", terms=tuple(positioned(x, v))),
+        Form("friction by load", terms=loaded),
+        Form("damping by time", terms=(drift(v),)),
+        *(
+            Form(f"{count} knots of rate, times {name}", inputs=((name, rate),))
+            for name in moved.inputs
+        ),
+    )
 
 
 def _sum(simple: Sequence[Form]) -> Form:
@@ -126,6 +130,6 @@ def _sum(simple: Sequence[Form]) -> Form:
         " and ".join(form.name for form in simple),
         sum((form.extension_m for form in simple), ()),
         sum((form.rate_m_s for form in simple), ()),
-        sum((form.slips_m for form in simple), ()),
+        sum((form.terms for form in simple), ()),
         sum((form.inputs for form in simple), ()),
     )

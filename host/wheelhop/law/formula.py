@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
 from wheelhop.effects import Effect, Parameter
 from wheelhop.effects.base import Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.free import SCALE
-from wheelhop.law.places import Where
-from wheelhop.law.terms import Term, slip
+from wheelhop.law.places import SEAT, Where
+from wheelhop.law.terms import Term, has_sliders
 from wheelhop.vehicle import Assembly
 
 
@@ -28,7 +28,7 @@ class Formula(Effect):
     def __init__(self, where: Where, terms: Sequence[Term]) -> None:
         self.where, self.terms = where, tuple(terms)
         self.needs_road = where.kind == "tyre"  # type: ignore[misc]
-        if any(term.kernel is slip for term in terms):
+        if has_sliders(terms):
             self.longest_step_s = LONGEST_STEP_S["elastic"]
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
@@ -56,7 +56,7 @@ HEADER = '''"""{title}: found by `wheelhop law` in "{campaign}"."""
 from math import exp, tanh
 
 from wheelhop.effects import Effect, Parameter, law
-from wheelhop.vehicle import strut_at, tyre
+from wheelhop.vehicle import {imports}
 
 '''
 
@@ -80,21 +80,20 @@ class FoundLaw(Effect):
         )
 
     def modify(self, theta, vehicle, parts):
-        for i in {corners}:
-            row = {row}
+        for row in {rows}:
 {laws}
 '''
 
 
-def source_of(formula: Formula, found: Mapping[str, float], campaign: str, law_id: str) -> str:
-    """A Python file with the formula as an effect of its own, each term's source in it; `found`
-    are its fitted amplitudes, N, and become the scales of its parameters."""
+def source_of(formula: Formula, values: Values, campaign: str, law_id: str) -> str:
+    """A Python file with the formula as an effect of its own, each term's source in it; the fitted
+    amplitudes among the `values` of the model with it become the scales of its parameters."""
     where, terms = formula.where, formula.terms
     kernels = dict.fromkeys(term.kernel for term in terms)
     sources = "\n\n".join(_bare(kernel) for kernel in kernels)
     parameters = "\n".join(
         f'            Parameter("{t.name.replace("-", "_")}_N", "N", "force of the {t.words}",'
-        f" scale={abs(found[f'{t.name}_N']) or 1.0:.6g}),"
+        f" scale={abs(values[f'{formula.id}.{t.name}_N']) or 1.0:.6g}),"
         for t in terms
     )
     laws = "\n".join(
@@ -104,7 +103,9 @@ def source_of(formula: Formula, found: Mapping[str, float], campaign: str, law_i
         for t in terms
     )
     title = f"law of the {where.name}"
-    return HEADER.format(title=title[0].upper() + title[1:], campaign=campaign) + "\n" + sources + (
+    imports, rows = _rows(where, values)
+    heading = title[0].upper() + title[1:]
+    return HEADER.format(title=heading, campaign=campaign, imports=imports) + "\n" + sources + (
         CLASS.format(
             words=" + ".join(t.words for t in terms).capitalize(),
             id=law_id,
@@ -115,11 +116,23 @@ def source_of(formula: Formula, found: Mapping[str, float], campaign: str, law_i
             title=title,
             equation=" + ".join(t.equation for t in terms),
             parameters=parameters,
-            corners=where.corners,
-            row="tyre(i)" if where.kind == "tyre" else "strut_at(vehicle, i).row",
+            rows=rows,
             laws=laws,
         )
     )  # fmt: skip
+
+
+def _rows(where: Where, values: Values) -> tuple[str, str]:
+    """What a file imports for the extensions of a place, and these."""
+    if where.kind == "mount":
+        foot = where.foot(values)
+        row = f"between(Coordinate({where.aboard!r}), Body({foot.x_m:.9g}, {foot.y_m:.9g}))"
+        there = f' if "{SEAT}.mass_kg" in vehicle else ()' if where.on_seat(values) else ""
+        return "Body, Coordinate, between", f"({row},){there}"
+    one, each = "strut_at", "strut_at(vehicle, i).row"
+    if where.kind == "tyre":
+        one, each = "tyre", "tyre(i)"
+    return one, f"({each} for i in {where.corners})"
 
 
 def _name(term: Term) -> str:

@@ -16,7 +16,7 @@ from wheelhop.effects import Effect, Parameter, law
 from wheelhop.effects.base import Array, Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.places import Where
-from wheelhop.law.terms import slip
+from wheelhop.law.terms import Term, has_sliders
 from wheelhop.vehicle import Assembly
 
 SCALE = 0.1
@@ -56,25 +56,25 @@ def free_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> 
 
 @dataclass(frozen=True)
 class Form:
-    """Which terms a free law has: knots (a,) of extension, m, and (b,) of rate, m/s, 0 among both,
-    ways (c,), m, after which its sliders slip, and by name the recorded inputs that one more
-    spline of rate, with a slope at rest, is times."""
+    """What a free law is made of: knots (a,) of extension, m, and (b,) of rate, m/s, 0 among both,
+    terms beside the splines, and by name the recorded inputs that one more spline of rate, with a
+    slope at rest, is times."""
 
     name: str
     extension_m: tuple[float, ...] = ()
     rate_m_s: tuple[float, ...] = ()
-    slips_m: tuple[float, ...] = ()
+    terms: tuple[Term, ...] = ()
     inputs: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
 
 class FreeForce(Effect):
-    """f(x, v) = f₁(x) + f₂(v) + Σ sliders at one place, from what the data say alone."""
+    """f(x, v) = f₁(x) + f₂(v) + Σ terms at one place, from what the data say alone."""
 
     id = "free-force"
     place = "suspension"
     on_rig = True
     title = "a force of free form"
-    equation = r"f = f_1(x) + f_2(\dot x) + \sum_j F_j\,z_j / d_j,\quad |z_j| \leq d_j"
+    equation = r"f = f_1(x) + f_2(\dot x) + \sum_j F_j\,g_j"
     source = (
         "restoring force as a function of state: S. F. Masri, T. K. Caughey, J. Appl. Mech. 46"
         " (1979) 433; parallel sliders: W. D. Iwan, J. Appl. Mech. 33 (1966) 893; not-a-knot"
@@ -86,7 +86,7 @@ class FreeForce(Effect):
         self.where, self.forms = where, forms
         self.form = forms[form] if form else next(iter(forms.values()))
         self.needs_road = where.kind == "tyre"  # type: ignore[misc]
-        if self.form.slips_m:
+        if has_sliders(self.form.terms):
             self.longest_step_s = LONGEST_STEP_S["elastic"]
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
@@ -98,15 +98,14 @@ class FreeForce(Effect):
         return FreeForce(self.where, self.forms, choice)
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
-        """A force at each knot but the one at 0, where there is none, and one of each slider."""
+        """A force at each knot but the one at 0, where there is none, and one of each term."""
         scale = SCALE * self.where.load_N(vehicle)
         named = (
             *((f"at_{1e3 * x:.4g}_mm_N", f"force at {1e3 * x:.4g} mm", x)
               for x in self.form.extension_m),
             *((f"at_{1e3 * v:.4g}_mm_s_N", f"force at {1e3 * v:.4g} mm/s", v)
               for v in self.form.rate_m_s),
-            *((f"slider_{1e3 * d:.4g}_mm_N", f"force that slips after {1e3 * d:.4g} mm", d)
-              for d in self.form.slips_m),
+            *((f"{t.name}_N", f"force of the {t.words}", 1.0) for t in self.form.terms),
         )  # fmt: skip
         found = [Parameter(name, "N", words, scale) for name, words, at in named if at != 0.0]
         for by, knots in self.form.inputs:
@@ -125,25 +124,19 @@ class FreeForce(Effect):
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the force at every part of the place."""
-        packed, slips = self._packed(theta)
-        for row in self.where.rows(vehicle):
-            if len(packed) > 2:
-                parts.add_law(row, free_force, packed)
-            for force, way in slips:
-                parts.add_law(row, slip, (force, way))
-            for by, knots in self.form.inputs:
-                numbers = [0.0, float(len(knots)), *_spline(knots, theta, f"{by}_at_", "mm_s")]
-                parts.add_law(row, free_force, tuple(numbers), by)
-
-    def _packed(self, theta: Values) -> tuple[tuple[float, ...], list[tuple[float, float]]]:
-        """The numbers `free_force` takes, and force and way of each slider."""
         form = self.form
-        numbers = [float(len(form.extension_m)), float(len(form.rate_m_s))]
+        packed = [float(len(form.extension_m)), float(len(form.rate_m_s))]
         for knots, unit in ((form.extension_m, "mm"), (form.rate_m_s, "mm_s")):
             if knots:
-                numbers += _spline(knots, theta, "at_", unit)
-        slips = [(theta[f"slider_{1e3 * d:.4g}_mm_N"], d) for d in form.slips_m]
-        return tuple(numbers), slips
+                packed += _spline(knots, theta, "at_", unit)
+        for row in self.where.rows(vehicle):
+            if len(packed) > 2:
+                parts.add_law(row, free_force, tuple(packed))
+            for term in form.terms:
+                parts.add_law(row, term.kernel, (theta[f"{term.name}_N"], *term.shape))
+            for by, knots in form.inputs:
+                numbers = [0.0, float(len(knots)), *_spline(knots, theta, f"{by}_at_", "mm_s")]
+                parts.add_law(row, free_force, tuple(numbers), by)
 
 
 def _spline(knots: Sequence[float], theta: Values, prefix: str, unit: str) -> list[float]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wheelhop.files.words import percent
 from wheelhop.law.along import along
-from wheelhop.law.places import Moved
+from wheelhop.law.moved import Moved
 from wheelhop.law.search import Found
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates

@@ -1,70 +1,85 @@
-"""Where a force can act, and how each such place moved."""
+"""Where a force can act."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from wheelhop.campaign import RigRun
-from wheelhop.diagnose.probe import FitProbe
-from wheelhop.fit import Workshop
-from wheelhop.simulate import Model
-from wheelhop.vehicle import CORNERS, Motion, axle_name, is_component, strut_at, tyre, wheels
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
+from wheelhop.vehicle import (
+    CORNERS,
+    Body,
+    Coordinate,
+    axle_name,
+    between,
+    is_component,
+    on_mounts,
+    place_of,
+    strut_at,
+    tyre,
+    wheels,
+)
 from wheelhop.vehicle.assembly import Row
 
-Array = NDArray[np.float64]
 CORNER_NAMES = ("front left", "front right", "rear left", "rear right")
 
-Kind = Literal["strut", "tyre"]
+Kind = Literal["strut", "tyre", "mount"]
+
+SEAT = "driver-seat"
+"""The effect that puts the driver on a mount where the vehicle's file has none."""
+MOUNTS = {"driver": "driver's seat"}
+USUAL_DRIVER_KG = 75.0
 
 
 @dataclass(frozen=True)
 class Where:
     """A place: the struts or tyres of these corners, which share one law; on a rig the component,
-    corner 0."""
+    corner 0; or the mount that carries `aboard`."""
 
     name: str
     kind: Kind
-    corners: tuple[int, ...]
+    corners: tuple[int, ...] = ()
+    aboard: str = ""
 
     def rows(self, vehicle: Mapping[str, float]) -> list[Row]:
         """The extensions along which the force acts."""
+        if self.kind == "mount":
+            if self.on_seat(vehicle) and not is_there(vehicle):
+                return []
+            return [between(Coordinate(self.aboard), self.foot(vehicle))]
         if self.kind == "tyre":
             return [tyre(i) for i in self.corners]
         return [strut_at(vehicle, i).row for i in self.corners]
 
+    def foot(self, vehicle: Mapping[str, float]) -> Body:
+        """The body's point on which the mount stands."""
+        at = place_of(vehicle, self.aboard)
+        return Body(vehicle.get(f"{SEAT}.x_m", 0.0), at.y_m) if self.on_seat(vehicle) else at
+
     def linear(self, vehicle: Mapping[str, float]) -> tuple[float, float]:
         """Stiffness, N/m, and damping, N s/m, that are there."""
-        if self.kind == "tyre":
-            return vehicle[f"wheel.{axle_name(self.corners[0])}.tyre_stiffness_N_m"], 0.0
-        strut = strut_at(vehicle, self.corners[0])
-        return strut.stiffness_N_m, strut.damping_N_s_m
-
-    @property
-    def linear_keys(self) -> tuple[str, ...]:
-        """The numbers that are this place's stiffness and damping, and no other place's."""
-        if self.name != "component":
-            return ()
-        return "component.stiffness_N_m", "component.damping_N_s_m"
+        if self.on_seat(vehicle):
+            mass, omega = vehicle[f"{SEAT}.mass_kg"], 2 * pi * vehicle[f"{SEAT}.freq_hz"]
+            return mass * omega**2, 2 * vehicle[f"{SEAT}.zeta"] * mass * omega
+        if self.kind == "strut":
+            strut = strut_at(vehicle, self.corners[0])
+            return strut.stiffness_N_m, strut.damping_N_s_m
+        tyre = "" if self.kind == "mount" else f"wheel.{axle_name(self.corners[0])}.tyre_"
+        key = tyre or f"{self.aboard}."
+        return vehicle[f"{key}stiffness_N_m"], vehicle[f"{key}damping_N_s_m"]
 
     def load_N(self, vehicle: Mapping[str, float]) -> float:
         """The load that is usual for one part of the place."""
+        if self.kind == "mount":
+            mass = vehicle.get(f"{self.aboard}.mass_kg", USUAL_DRIVER_KG)
+            return STANDARD_GRAVITY_M_S2 * vehicle.get(f"{SEAT}.mass_kg", mass)
         return strut_at(vehicle, self.corners[0]).usual.load_N
 
-
-@dataclass(frozen=True, eq=False)
-class Moved:
-    """How a place moved in the runs fitted: extension (T,), m, and rate (T,), m/s, one stretch
-    after the other; `stretches` holds the length of each, and `inputs` what else was recorded."""
-
-    extension: Array
-    rate: Array
-    stretches: tuple[int, ...]
-    inputs: Mapping[str, Array] = field(default_factory=dict)
+    def on_seat(self, vehicle: Mapping[str, float]) -> bool:
+        """Whether an effect, not the vehicle's file, has the mount."""
+        return self.kind == "mount" and self.aboard not in on_mounts(vehicle)
 
 
 def places(vehicle: Mapping[str, float]) -> list[Where]:
@@ -77,14 +92,16 @@ def places(vehicle: Mapping[str, float]) -> list[Where]:
         groups |= {"front": every[:2], "rear": every[2:]}
     both: tuple[Kind, ...] = ("strut", "tyre")
     together = [Where(f"{which} {kind}s", kind, groups[which]) for kind in both for which in groups]
+    carried = [*on_mounts(vehicle), *(["driver"] if f"{SEAT}.mass_kg" in vehicle else [])]
+    mounts = [Where(MOUNTS.get(name, f"{name}'s mount"), "mount", (), name) for name in carried]
     if len(every) == 1:
-        return together
-    return [*together, *(_alone(corner) for corner in every)]
+        return [*together, *mounts]
+    return [*together, *(_alone(corner) for corner in every), *mounts]
 
 
 def of_axle(where: Where, vehicle: Mapping[str, float]) -> Where:
     """The place on the same axle, or axles, whose motion a law's knots follow."""
-    if where.name == "component":
+    if where.name == "component" or where.kind == "mount":
         return where
     axles = {axle_name(corner) for corner in where.corners}
     same = tuple(corner for corner in wheels(vehicle) if axle_name(corner) in axles)
@@ -92,41 +109,16 @@ def of_axle(where: Where, vehicle: Mapping[str, float]) -> Where:
 
 
 def parts_of(where: Where) -> list[Where]:
-    """Struts of which each is known by itself, to first order; else the place as it is."""
-    if where.kind == "tyre" or len(where.corners) != 2:
+    """Struts of an axle, each of which is a place of its own; else the place as it is."""
+    if where.kind != "strut" or len(where.corners) != 2:
         return [where]
     return [_alone(corner) for corner in where.corners]
 
 
+def is_there(vehicle: Mapping[str, float]) -> bool:
+    """Whether the driver's seat of the effect carries anything."""
+    return vehicle[f"{SEAT}.mass_kg"] >= 1e-6 * vehicle["body.mass_kg"]
+
+
 def _alone(corner: int) -> Where:
     return Where(f"{CORNER_NAMES[corner]} strut", "strut", (corner,))
-
-
-def motion_of(workshop: Workshop, model: Model, where: Where) -> Moved | None:
-    """How the place moved; None where nothing tells."""
-    benches = workshop.of_role("fit")
-    ways: list[tuple[Array, Array]] = []
-    probe = FitProbe(workshop, model, benches)
-    for bench in benches:
-        run = bench.run
-        if isinstance(run, RigRun):
-            x, v, _ = Motion(workshop.campaign, run).at(run.time_s)  # type: ignore[arg-type]
-            ways.append((x, v))
-        elif where.kind == "strut":
-            travel = probe.travel(run.id)
-            for corner in where.corners:
-                if axle_name(corner) in travel:
-                    ends = travel[axle_name(corner)]
-                    x = ends[:, min(corner % 2, ends.shape[1] - 1)]
-                    ways.append((x, np.gradient(x, run.time_s)))
-    if not ways:
-        return None
-    runs = [bench.run for bench in benches if isinstance(bench.run, RigRun)]
-    names = runs[0].inputs if runs else ()
-    inputs = {name: np.concatenate([run.inputs[name] for run in runs]) for name in names}
-    return replace(_joined(ways), inputs=inputs)
-
-
-def _joined(ways: Sequence[tuple[Array, Array]]) -> Moved:
-    x, v = (np.concatenate(part) for part in zip(*ways, strict=True))
-    return Moved(x, v, tuple(len(one) for one, _ in ways))

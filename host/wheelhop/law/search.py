@@ -12,17 +12,20 @@ from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Progress, Rung, fit_baseline
 from wheelhop.diagnose.confirm import confirm, least_gain, refit
 from wheelhop.diagnose.judge import at_noise
-from wheelhop.diagnose.ladder import fit_with
-from wheelhop.diagnose.screen import Screened, Terms, screen
+from wheelhop.diagnose.ladder import fit_with, one_more
+from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.validate import Incumbent, validate
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, effect_parameters, fit
 from wheelhop.law.along import along, force_along
-from wheelhop.law.first_order import gives_force_at_once, screen_places
+from wheelhop.law.first_order import Promise, gives_force_at_once, screen_places
 from wheelhop.law.formula import Formula
 from wheelhop.law.free import FreeForce
-from wheelhop.law.places import Moved, Where, motion_of
-from wheelhop.law.terms import Term, candidates
+from wheelhop.law.motion import Moves
+from wheelhop.law.moved import Moved
+from wheelhop.law.places import SEAT, Where
+from wheelhop.law.regression import Signatures, Sums
+from wheelhop.law.terms import SHAPED, Term, candidates, neighbours
 from wheelhop.vehicle import Vehicle, is_component
 
 Array = NDArray[np.float64]
@@ -33,6 +36,9 @@ NAMED, NAMED_ON_RIG = 3, 5
 AS_WELL = 1.05
 """A law with a name that leaves no more than this many times what the free one leaves does as
 well."""
+
+STEPS = (0.1, 0.05, 0.025, 0.0125)
+"""By such shares of the largest extension gaps move, and widths by factors alike."""
 
 ALIKE = 1e-4
 """A term of which no more than this share of its power is new, beside those before it, is none."""
@@ -51,7 +57,8 @@ class Rival:
 class Found:
     """What was found. `free` is None where nothing can be found; `named` are laws of the library at
     the same kind of place, best first; `formula` may be None; `screened` holds for every place the
-    share of the residual's power its best form explains to first order."""
+    share of the residual's power its best form explains to first order. `joined` names effects the
+    `base` has beyond those accepted: what puts a place where none was."""
 
     workshop: Workshop
     base: Rung
@@ -61,6 +68,7 @@ class Found:
     moved: Moved | None
     named: Sequence[Rival]
     formula: Rival | None
+    joined: tuple[str, ...] = ()
 
     @property
     def preferred(self) -> Rival | None:
@@ -88,11 +96,15 @@ def find_law(
     """
     baseline = fit_baseline(campaign, vehicle, progress=progress)
     workshop, base = baseline.workshop, fit_with(baseline, accepted, progress)[-1]
-    progress("screening free laws at every place")
-    promises = screen_places(workshop, base)
+    promises, signatures, moves = screened(workshop, base, progress)
+    seat, joined = seat_for(workshop, base, library), tuple[str, ...]()
+    if seat is not None and seat.score > max((p.screened.score for p in promises), default=0.0):
+        # No law of any place there is, but a place that is not there yet.
+        base, joined = one_more(workshop, base, seat.variant.effect, progress), (SEAT,)
+        promises, signatures, moves = screened(workshop, base, progress)
     power = base.fit.error**2
     shares = {p.where.name: 1.0 - p.screened.error**2 / power for p in promises}
-    nothing = Found(workshop, base, shares, None, None, None, (), None)
+    nothing = Found(workshop, base, shares, None, None, None, (), None, joined)
     if not promises or at_noise(base, workshop.noise):
         return nothing
     best = promises[0]
@@ -101,54 +113,65 @@ def find_law(
     where = best.where
     progress(f"fitting a free law at the {where.name}")
     rung = confirm(workshop, base, best.screened)
-    if not gives_force_at_once(campaign) and not at_noise(rung, workshop.noise):
-        # A strong law moves everything else elsewhere: its derivatives are not those without it.
-        rung = min(rung, refit(workshop, rung), key=lambda rung: rung.fit.cost)
-    moved = motion_of(workshop, base.model, where)
-    formula = _formula(workshop, base, rung, where, moved, progress) if moved is not None else None
+    moved = moves.of(where)
+    formula = None
+    if moved is not None:
+        if moves.on_road:
+            moves = Moves(workshop, base.model, rung.model)
+            signatures = Signatures(workshop, base.fit, moves)
+        formula = _formula(signatures, base, rung, where, moved, progress)
     # Where one run alone went far, a spline knows nothing without it; a formula may.
     laws = [rung] if formula is None else [rung, formula.rung]
     if not any(Incumbent(workshop, base).gives_way_to(law) for law in laws):
         return nothing
     named = _named(workshop, base, where, library, progress)
-    words = f"free law with {best.form.name}"
-    return Found(workshop, base, shares, Rival("free", words, rung), where, moved, named, formula)
+    free = Rival("free", f"free law with {best.form.name}", rung)
+    return Found(workshop, base, shares, free, where, moved, named, formula, joined)
+
+
+def screened(
+    workshop: Workshop, base: Rung, progress: Progress
+) -> tuple[list[Promise], Signatures, Moves]:
+    """Every place with what promises most there, and what that was told by."""
+    progress("screening free laws at every place")
+    moves = Moves(workshop, base.model)
+    signatures = Signatures(workshop, base.fit, moves)
+    return screen_places(signatures, base, moves), signatures, moves
+
+
+def seat_for(workshop: Workshop, base: Rung, library: Sequence[Effect]) -> Screened | None:
+    """What a seat for the driver promises, where the model has none."""
+    if SEAT in {effect.id for effect in base.model.effects}:
+        return None
+    found = screen(workshop, base.fit, [effect for effect in library if effect.id == SEAT])
+    return found[0] if found and np.isfinite(found[0].gain) else None
 
 
 def _formula(
-    workshop: Workshop, base: Rung, free: Rung, where: Where, moved: Moved, progress: Progress
+    signatures: Signatures, base: Rung, free: Rung, where: Where, moved: Moved, progress: Progress
 ) -> Rival | None:
-    """Terms joined one by one while the evidence, to first order, asks for one more and the free
-    law leaves less; then taken out again while the others do as well. What is left counts as noise
-    (profile likelihood and the price of BIC)."""
-
-    def worth(screened: Screened) -> float:
-        return -base.fit.size * float(np.log(screened.error)) - 0.5 * screened.price
-
-    worst = -base.fit.size * float(np.log(base.error_fit))
-    chosen: list[Term] = []
-    best: Screened | None = None
+    """Terms joined one by one, each with its gap or width as the data ask for it, while the
+    evidence asks for one more and the free law leaves less; then taken out again while the others
+    do as well."""
+    workshop = signatures.workshop
     every = candidates(moved.extension, moved.rate, moved.inputs)
     progress(f"terms of a formula for the {where.name}")
-    alone = {term: Formula(where, [term]) for term in every}
-    sums = Terms(workshop, base.fit, list(alone.values()))
-
-    def screened_sum(terms: Sequence[Term]) -> Screened:
-        return sums.screen(Formula(where, terms), [alone[term] for term in terms])
-
+    chosen: list[Term] = []
+    best: Screened | None = None
+    worth = 0.0
     while len(chosen) < MOST_TERMS and (best is None or best.error > AS_WELL * free.error_fit):
-        trials = [(screened_sum([*chosen, t]), t) for t in every if t not in chosen]
-        trials = [t for t in trials if np.isfinite(t[0].gain)]
-        if not trials:
+        taken = {term.name for term in chosen}
+        trials = [[*chosen, term] for term in every if term.name not in taken]
+        more, trial = _best_of(signatures, where, trials)
+        if not more > worth:
             break
-        screened, term = max(trials, key=lambda t: worth(t[0]))
-        if worth(screened) <= (worth(best) if best else worst):
-            break
-        best, chosen = screened, [*chosen, term]
-    if best is None:
+        worth, chosen = _shaped(signatures, where, trial, more)
+        alone = [signatures.alone(where, term) for term in chosen]
+        best = Sums(signatures, alone).screen(Formula(where, chosen), alone)
+    if best is None or not np.isfinite(best.gain):
         return None
     progress(f"fitting the formula for the {where.name}")
-    rung = confirm(workshop, base, best)
+    rung = _fitted(workshop, base, best)
     if (
         not gives_force_at_once(workshop.campaign)
         and rung.error_judging > AS_WELL * free.error_judging
@@ -164,6 +187,50 @@ def _formula(
             break
         rung, chosen = shorter, fewer
     return Rival("formula", " + ".join(t.words for t in chosen), rung)
+
+
+def _fitted(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
+    """The model with a law, fitted in full. A strong one moves everything else elsewhere: where
+    more than noise is left, its derivatives are not those without it."""
+    rung = confirm(workshop, base, screened)
+    if gives_force_at_once(workshop.campaign) or at_noise(rung, workshop.noise):
+        return rung
+    return min(rung, refit(workshop, rung), key=lambda rung: rung.fit.cost)
+
+
+def _best_of(
+    signatures: Signatures, where: Where, trials: Sequence[list[Term]]
+) -> tuple[float, list[Term]]:
+    """The sum of terms of greatest evidence, and that: a gap or a width that is chosen is a number
+    that is fitted, as a force is."""
+    alone = {term: signatures.alone(where, term) for trial in trials for term in trial}
+    sums = Sums(signatures, list(alone.values()))
+
+    def worth(terms: Sequence[Term]) -> float:
+        shapes = sum(term.kernel in SHAPED for term in terms)
+        return sums.worth([[alone[term]] for term in terms], shapes)
+
+    return max(((worth(trial), trial) for trial in trials), key=lambda found: found[0])
+
+
+def _shaped(
+    signatures: Signatures, where: Where, terms: list[Term], worth: float
+) -> tuple[float, list[Term]]:
+    """The terms with their gaps and widths moved to where they explain most, one after the other,
+    by smaller and smaller steps; and what they are worth."""
+    for step in STEPS:
+        for i in reversed(range(len(terms))):
+            taken = {term.name for term in terms}
+            trials = [
+                [*terms[:i], other, *terms[i + 1 :]]
+                for other in neighbours(terms[i], step)
+                if other.name not in taken
+            ]
+            if trials:
+                more, trial = _best_of(signatures, where, trials)
+                if more > worth:
+                    worth, terms = more, trial
+    return worth, terms
 
 
 def _like_the_free_law(
@@ -196,7 +263,8 @@ def _like_the_free_law(
     )[0].tolist()
     formula = Formula(where, chosen)
     model = free.model.without_effect(FreeForce.id)
-    linear = zip(where.linear_keys, (stiffness, damping), strict=False)
+    keys = ("component.stiffness_N_m", "component.damping_N_s_m")
+    linear = zip(keys if where.name == "component" else (), (stiffness, damping), strict=False)
     model = model.with_effect(formula, workshop.parameters_of(formula)).with_values(
         {f"{formula.id}.{t.name}_N": n for t, n in zip(chosen, amplitudes, strict=True)}
         | {key: max(value, 0.0) for key, value in linear}
@@ -235,7 +303,7 @@ def _named(
     and on a rig every one, in all its forms, the others, which stand beside it for the eye, in the
     likeliest one."""
     present = {effect.id for effect in base.model.effects}
-    kind = "tyre" if where.kind == "tyre" else "suspension"
+    kind = {"strut": "suspension", "tyre": "tyre", "mount": ""}[where.kind]
     rivals = [e for e in library if e.place == kind and e.id not in present]
     progress("named laws beside it")
     screened = [s for s in screen(workshop, base.fit, rivals) if np.isfinite(s.gain)]

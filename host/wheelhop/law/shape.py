@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.law.along import force_along
-from wheelhop.law.places import Moved
+from wheelhop.law.moved import Moved
 from wheelhop.law.search import Found, Rival
 from wheelhop.simulate import Model
 from wheelhop.vehicle import is_component

@@ -68,6 +68,27 @@ def slip(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[
     return p[0] * stretch / p[1], stretch
 
 
+@law
+def placed(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] (x / p[1])^p[2] v / p[3]: damping that differs with the extension."""
+    return p[0] * (x / p[1]) ** p[2] * v / p[3], z
+
+
+@law
+def loaded_slip(
+    x: float, v: float, dx: float, dt: float, z: float, p: Array
+) -> tuple[float, float]:
+    """p[0] x / p[2] times the stretch of a Jenkins element, held within ± p[1], over p[1]."""
+    stretch = min(max(z + dx, -p[1]), p[1])
+    return p[0] * x / p[2] * stretch / p[1], stretch
+
+
+@law
+def drifting(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] v / p[1] per p[2] seconds since the motion began."""
+    return p[0] * v / p[1] * (z + dt) / p[2], z + dt
+
+
 @dataclass(frozen=True)
 class Term:
     """One term: its compiled law, the numbers after the amplitude, and how it reads."""
@@ -80,11 +101,16 @@ class Term:
     by: str = ""  #: the input it is times
 
 
+PER_S = 10.0
+"""Time over which the force of a term that follows it is stated."""
+
+
 def candidates(
     extension: Array, rate: Array, inputs: Mapping[str, Array] = MappingProxyType({})
 ) -> list[Term]:
-    """Terms with widths and gaps that suit how the place moved (T,), m and m/s; those of the first
-    order and friction also times each input."""
+    """Terms with widths and gaps that suit how the place moved (T,), m and m/s: all powers up to
+    the third that are none of spring and damper, and what no power is. Spring, damper and friction
+    also times each input."""
     x, v = float(np.abs(extension).max()), float(np.abs(rate).max())
     found = [
         Term("square", power, (x, 2.0), "quadratic spring (uneven both ways)",
@@ -94,44 +120,51 @@ def candidates(
              rf"F v|v|/({v:.3g}\,m/s)^2"),
         Term("one-way", one_way, (v,), "damping that differs in rebound and compression",
              rf"F |v|/({v:.3g}\,m/s)"),
+        *positioned(x, v),
+        drift(v),
     ]  # fmt: skip
-    for width in _widths(rate):
-        found.append(
-            Term(f"friction-{1e3 * width:.3g}-mm-s", rounded, (width,),
-                 f"friction that creeps below {1e3 * width:.3g} mm/s",
-                 rf"F \tanh(v/{1e3 * width:.3g}\,mm/s)")
-        )  # fmt: skip
-    for side in (extension.min(), extension.max()):
-        for share in (0.25, 0.5, 0.75):
-            gap = float(share * side)
-            found.append(
-                Term(f"stop-{1e3 * gap:.3g}-mm", stop, (gap, x),
-                     f"stop beyond {1e3 * gap:+.3g} mm",
-                     rf"F \langle x - {1e3 * gap:.3g}\,mm\rangle/{1e3 * x:.3g}\,mm")
-            )  # fmt: skip
-    for width in (0.5 * x, -0.5 * x):
-        found.append(
-            Term(f"exponential-{1e3 * width:.3g}-mm", growing, (width,),
-                 f"spring that grows exponentially in {'rebound' if width > 0 else 'compression'}",
-                 rf"F (e^{{x/{1e3 * width:.3g}\,mm}} - 1)")
-        )  # fmt: skip
-    for way in slips(extension):
-        found.append(
-            Term(f"slip-{1e3 * way:.3g}-mm", slip, (way,),
-                 f"friction that gives way elastically by {1e3 * way:.3g} mm",
-                 rf"F z/{1e3 * way:.3g}\,mm,\ |z| \leq {1e3 * way:.3g}\,mm")
-        )  # fmt: skip
+    found += [creeping(width) for width in _widths(rate)]
+    sides = {float(share * side) for side in (extension.min(), extension.max())
+             for share in (0.0, 0.25, 0.5, 0.75)}  # fmt: skip
+    found += [beyond(gap, x) for gap in sorted(sides)]
+    found += [exponential(width) for width in (0.5 * x, -0.5 * x)]
+    found += [slipping(way) for way in slips(extension)]
+    found += [slipping_loaded(way, x) for way in slips(extension)[::3]]
     return found + [
-        replace(
-            term,
-            name=f"{term.name}-by-{name.removeprefix('input_')}",
-            words=f"{term.words}, times {name}",
-            equation=rf"{term.equation}\,u",
-            by=name,
-        )
+        times(term, name)
         for name in inputs
         for term in [*_linear(x, v), *(t for t in found if t.kernel in (rounded, slip))]
     ]
+
+
+def neighbours(term: Term, step: float) -> list[Term]:
+    """The same term with a gap or width a little smaller and larger: gaps by `step` of the largest
+    extension, others by a factor of e^(4 step); none of a term that has neither."""
+    first, *rest = term.shape
+    if term.kernel not in SHAPED:
+        return []
+    if term.kernel is stop:
+        ways = [first - step * rest[0], first + step * rest[0]]
+    else:
+        ways = [first * exp(-4.0 * step), first * exp(4.0 * step)]
+    found = [SHAPED[term.kernel](way, *rest) for way in ways]
+    return [times(one, term.by) for one in found] if term.by else found
+
+
+def has_sliders(terms: Sequence[Term]) -> bool:
+    """Whether one of them is dry friction, which asks for shorter steps."""
+    return any(term.kernel in (slip, loaded_slip) for term in terms)
+
+
+def times(term: Term, name: str) -> Term:
+    """A term times a recorded input."""
+    return replace(
+        term,
+        name=f"{term.name}-by-{name.removeprefix('input_')}",
+        words=f"{term.words}, times {name}",
+        equation=rf"{term.equation}\,u",
+        by=name,
+    )
 
 
 def _linear(x: float, v: float) -> list[Term]:
@@ -140,6 +173,70 @@ def _linear(x: float, v: float) -> list[Term]:
         Term("spring", power, (x, 1.0), "spring", rf"F x/{1e3 * x:.3g}\,mm"),
         Term("damper", viscous, (v,), "damper", rf"F v/({v:.3g}\,m/s)"),
     ]
+
+
+def positioned(x: float, v: float) -> list[Term]:
+    """Damping that differs with the extension, unlike and alike both ways."""
+    of = rf"v/({v:.3g}\,m/s)"
+    return [
+        Term("damper-by-place", placed, (x, 1.0, v), "damping that changes along the travel",
+             rf"F x/{1e3 * x:.3g}\,mm\,{of}"),
+        Term("damper-by-travel", placed, (x, 2.0, v), "damping that grows away from rest",
+             rf"F (x/{1e3 * x:.3g}\,mm)^2\,{of}"),
+    ]  # fmt: skip
+
+
+def drift(v: float) -> Term:
+    """Damping that follows the time in the run."""
+    return Term("damper-by-time", drifting, (v, PER_S), f"damping that changes, per {PER_S:g} s of"
+                " driving", rf"F v/({v:.3g}\,m/s)\,t/{PER_S:g}\,s")  # fmt: skip
+
+
+def creeping(width: float) -> Term:
+    """Friction that is damping below a speed."""
+    return Term(f"friction-{1e3 * width:.3g}-mm-s", rounded, (width,),
+                f"friction that creeps below {1e3 * width:.3g} mm/s",
+                rf"F \tanh(v/{1e3 * width:.3g}\,mm/s)")  # fmt: skip
+
+
+def beyond(gap: float, x: float) -> Term:
+    """A spring that acts beyond a gap."""
+    words = f"stop beyond {1e3 * gap:+.3g} mm" if gap else "spring that differs in compression"
+    return Term(f"stop-{1e3 * gap:.3g}-mm", stop, (gap, x), words,
+                rf"F \langle x - {1e3 * gap:.3g}\,mm\rangle/{1e3 * x:.3g}\,mm")  # fmt: skip
+
+
+def exponential(width: float) -> Term:
+    """A spring that grows e-fold by a width, to one side."""
+    side = "rebound" if width > 0 else "compression"
+    return Term(f"exponential-{1e3 * width:.3g}-mm", growing, (width,),
+                f"spring that grows exponentially in {side}",
+                rf"F (e^{{x/{1e3 * width:.3g}\,mm}} - 1)")  # fmt: skip
+
+
+def slipping(way: float) -> Term:
+    """A spring that slips after a way."""
+    return Term(f"slip-{1e3 * way:.3g}-mm", slip, (way,),
+                f"friction that gives way elastically by {1e3 * way:.3g} mm",
+                rf"F z/{1e3 * way:.3g}\,mm,\ |z| \leq {1e3 * way:.3g}\,mm")  # fmt: skip
+
+
+def slipping_loaded(way: float, x: float) -> Term:
+    """The same, as strong as the extension is large."""
+    return Term(f"loaded-slip-{1e3 * way:.3g}-mm", loaded_slip, (way, x),
+                f"friction that follows the load, elastic by {1e3 * way:.3g} mm",
+                rf"F x/{1e3 * x:.3g}\,mm\,z/{1e3 * way:.3g}\,mm,"
+                rf"\ |z| \leq {1e3 * way:.3g}\,mm")  # fmt: skip
+
+
+SHAPED: Mapping[Kernel, Callable[..., Term]] = {
+    rounded: creeping,
+    stop: beyond,
+    growing: exponential,
+    slip: slipping,
+    loaded_slip: slipping_loaded,
+}
+"""Terms whose first number is a gap or a width that data may ask for, and what makes them."""
 
 
 def slips(extension: Array) -> tuple[float, ...]:

@@ -87,14 +87,21 @@ def law_lines(found: Found) -> list[str]:
     """Where a force is missing, what it is, and how well each law does, the lowest held-out error
     first; a table in a fixed pitch."""
     free, where = found.free, found.where
+    lines = [
+        f"No force alone is missing but a part: {name} explains more than a law at any place, and"
+        f" belongs to the model from here on (--with {name})."
+        for name in found.joined
+    ]
     if free is None or where is None:
         if at_noise(found.base, found.workshop.noise):
-            return ["Nothing to find: the model explains these runs down to the noise."]
+            then = "Nothing more to find" if lines else "Nothing to find"
+            return [*lines, f"{then}: the model explains these runs down to the noise."]
         return [
+            *lines,
             "Nothing found: more than noise is left, but no force at any place explains it.",
             ELSEWHERE["rig" if is_component(found.base.model.values) else "vehicle"],
         ]
-    lines = [f"A force is missing at the {where.name}."]
+    lines.append(f"A force is missing at the {where.name}.")
     lines.append(f"{'law':22} {'fitted':>8} {'held out':>9}")
     lines.append(_line("without it", found.base.error_fit, found.base.error))
     for rival in sorted(rivals(found), key=lambda r: r.rung.error):

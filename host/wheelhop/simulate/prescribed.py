@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import interpolate
 
 from wheelhop.campaign import Run
-from wheelhop.effects import RunSetting
+from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.model import Model
 from wheelhop.track import Track, Wheel, WheelPath, make_track
 from wheelhop.vehicle import CORNERS, behind_m
@@ -24,6 +26,32 @@ KEPT_BELOW = 2.0
 """Measured axle motion is kept down to the band's lower edge over this. It is not compared there,
 but it moves what is not linear: friction holds or slips as the whole stroke goes. Further down the
 sensors' noise, twice integrated, is larger than the road."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prescribed:
+    """What moves a model at every step of a run: heights (T, m), m, under its wheels and their
+    rates (T, m), m/s, and applied forces (T, k), N; so many steps `stride` to a sample, `first` of
+    them before the record."""
+
+    height: Array
+    rate: Array
+    force: Array
+    stride: int
+    first: int
+
+
+def applied_forces(
+    model: Model, effects: Iterable[Effect], run: RunSetting, time_s: Array
+) -> Array:
+    """Histories (T, k), N, of the forces that these effects of a model apply in a run."""
+    way, speed = ways(model, run, time_s)
+    histories = [
+        history
+        for effect in effects
+        for history in effect.forces(model.theta(effect, run.run_id), run, time_s, way, speed)
+    ]
+    return np.stack(histories, axis=1)
 
 
 def slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSpline:

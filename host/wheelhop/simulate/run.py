@@ -17,6 +17,8 @@ from wheelhop.simulate.job import Job, calibrations, heights_of, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.prescribed import (
+    Prescribed,
+    applied_forces,
     span,
     track_of,
     twice_integrated,
@@ -304,15 +306,13 @@ class RunSimulator:
         """Applied forces (T, k), N."""
         if not system.force.shape[1]:
             return np.zeros((len(time_s), 0))
-        way, speed = ways(model, self.setting, time_s)
-        histories = [
-            history
-            for effect in filter(self.acts, model.effects)
-            for history in effect.forces(
-                model.theta(effect, self.run.id), self.setting, time_s, way, speed
-            )
-        ]
-        return np.stack(histories, axis=1)
+        return applied_forces(model, filter(self.acts, model.effects), self.setting, time_s)
+
+    def prescribed(self, model: Model, system: System) -> Prescribed:
+        """What moves a model from the beginning of the run-up to after the record."""
+        stride = self._stride(model, STEP_S)
+        force = self._forces(model, system, self._times(stride, 1))
+        return Prescribed(*self._motion(model, stride), force, stride, self._lead * stride)
 
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
         """Prescribed motions and rates (T, wheels), m and m/s; the last few are kept."""
