@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
+from threading import current_thread
 from typing import TypeVar
 
 import numpy as np
@@ -139,7 +140,8 @@ class Workshop:
         self.campaign = campaign
         self.nominal = model.values
         self.watch: Watch = lambda iteration, error: None
-        self._pool = ThreadPoolExecutor(jobs or min(processors(), 8))
+        self._threads = f"workshop-{id(self)}"
+        self._pool = ThreadPoolExecutor(jobs or min(processors(), 8), self._threads)
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
         nominal = self.systems(model)
         self._run_up_s = 0.0 if "rig" in self.drives else run_up(nominal)
@@ -173,7 +175,8 @@ class Workshop:
         """`function` of every item, in parallel threads; the compiled integrator runs free of the
         interpreter's lock."""
         given = list(items)
-        if len(given) < 2:  # a thread that waits for another of the same pool could wait for ever
+        # A thread that waits for another of the same pool could wait for ever.
+        if len(given) < 2 or current_thread().name.startswith(self._threads):
             return [function(item) for item in given]
         return list(self._pool.map(function, given))
 

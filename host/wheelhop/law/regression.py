@@ -77,8 +77,10 @@ class Signatures:
         ]
         counts = np.cumsum([len(own) for own in names])[:-1]
 
+        runs = self._moves.forced
+
         def followed(run: RunFit) -> list[Array]:
-            forced = self._moves.forced[run.bench.run.id]
+            forced = runs[run.bench.run.id]
             each = [item for one in laws for item in one]
             force = follow_all(each, forced.extension, forced.rate, forced.step_s)
             answers = forced.answers([port for port, *_ in each], force)
