@@ -375,12 +375,12 @@ def _heights_in(run: RunFit, model: Model) -> Heights | None:
 
 
 def _damped(matrix: Array, damping: float) -> Array:
-    """Marquardt's damping; the small constant keeps a parameter nothing depends on where it is.
+    """Marquardt's damping; the small constant keeps a parameter nothing depends on where it is, and
+    a share as small as rounding tells two from each other that huge data do not.
 
-    It must stay far below the priors' weight, 1: they alone hold the common scale of all masses
-    and forces.
+    Both must stay far below the priors' weight, 1: they alone hold the common scale of all forces.
     """
-    return matrix + np.diag(damping * np.diag(matrix) + 1e-6)
+    return matrix + np.diag((damping + 1e-14) * np.diag(matrix) + 1e-6)
 
 
 def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:
