@@ -141,15 +141,18 @@ def test_half_noise_converges_and_superfluous_poles_do_no_harm():
     assert many < 1.03 * enough
 
 
-@pytest.mark.parametrize("name", ["clean", "open-driver-seat"])
-def test_superfluous_poles_do_no_harm_where_tracks_drive_few_lines(name):
+@pytest.mark.parametrize(
+    ("name", "asked"), [("clean", 14), ("clean", 40), ("open-driver-seat", 14)]
+)
+def test_superfluous_poles_do_no_harm_where_tracks_drive_few_lines(name, asked):
     """They would pass driven lines off as initial states that ring on, or stand for lines that
-    sampling folds into the axles' records."""
+    sampling folds into the axles' records. Of 40, fourteen pay on the runs fitted, and leave five
+    times the error on those held out."""
     campaign = read_campaign(EXAMPLES / name)
     vehicle = read_vehicle(campaign.vehicle_file)
     measured, belief = measure(campaign), suspensions(vehicle.values, vehicle.uncertainty)
-    enough, many = (candidate(measured, Structure(), n, belief) for n in (6, 14))
-    assert many.asked == 14 and many.order == enough.order == 6
+    enough, many = (candidate(measured, Structure(), n, belief) for n in (6, asked))
+    assert many.asked == asked and many.order == enough.order == 6
     assert many.judging.error < 1.01 * enough.judging.error
 
 

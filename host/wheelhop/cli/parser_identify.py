@@ -14,7 +14,7 @@ def add_identify(commands: Any) -> None:
         "source", metavar="CAMPAIGN", type=Path, help="a campaign's folder, or STEPS.csv"
     )
     identify.add_argument(
-        "--order", metavar="N", type=_count, help="number of poles (default: by held-out runs)"
+        "--order", metavar="N", type=_order, help="number of poles (default: by held-out runs)"
     )
     identify.add_argument(
         "--start",
@@ -78,6 +78,17 @@ def add_identify(commands: Any) -> None:
     )
     for command in (identify, thesis):
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+
+
+MOST_POLES = 100
+"""Fifty modes are more than any band of a vehicle holds; time grows with the cube of the order."""
+
+
+def _order(text: str) -> int:
+    poles = _count(text)
+    if poles > MOST_POLES:
+        raise argparse.ArgumentTypeError(f"{poles} poles: take at most {MOST_POLES}")
+    return poles
 
 
 def _count(text: str) -> int:

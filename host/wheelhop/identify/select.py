@@ -57,7 +57,7 @@ def candidate(
 
     Poles that the runs do not need may end in a worse minimum. Where not all of `order` were kept,
     or one is no mode that the runs resolve, fewer are tried, too (`below`, if they have been), and
-    the Bayesian information criterion decides. With a `start` just its poles are fitted.
+    the `best` is kept. With a `start` just its poles are fitted.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def candidate(
     fewer = below
     if fewer is None:
         fewer = candidate(measured, structure, min(order - 2, found.order), suspensions)
-    return replace(min(fewer, found, key=lambda c: c.bic), asked=order)
+    return replace(best((fewer, found)), asked=order)
 
 
 def _sound(found: Candidate, measured: Measured) -> bool:
