@@ -77,7 +77,7 @@ def fitted(folder: Path) -> None:
     compare_command.compare = lambda *words, **options: result
     verbs.fit_baseline = lambda *rest, **options: SimpleNamespace(workshop=result.workshop)
     verbs.fit_with = lambda *rest: [None]
-    verbs.step_of = lambda *rest: result.last
+    verbs.steps_of = lambda *rest: [result.last]
 
 
 def fitted_before(folder: Path) -> None:

@@ -13,7 +13,7 @@ from wheelhop.campaign import recorded as recordings
 from wheelhop.campaign.thin import thinned
 from wheelhop.diagnose import Progress, Step, axle_driven, fit_baseline
 from wheelhop.diagnose.ladder import diagnose_from, fit_with, steps_with
-from wheelhop.diagnose.look import step_of
+from wheelhop.diagnose.look import steps_of
 from wheelhop.effects import Effect, beliefs, load_effects, pick
 from wheelhop.gate import gate
 from wheelhop.logger import Log, Recording
@@ -134,7 +134,7 @@ def compare(
     with threadpool_limits(ONE_EACH):
         gated = gate(campaign, vehicle)
         base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
-        steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
+        steps = tuple(steps_of(base.workshop, fit_with(base, chosen, progress)))
         axles = _driven_by_axles(gated.campaign, vehicle, chosen, progress) if by_axles else None
     return ComparisonResult(gated.campaign, vehicle, steps, gated.findings, base.workshop, axles)
 
@@ -200,7 +200,7 @@ def add(
     chosen = pick(names, {**library, **beliefs(campaign, vehicle)})
     with threadpool_limits(ONE_EACH):
         base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
-        steps = tuple(step_of(base.workshop, rung) for rung in fit_with(base, chosen, progress))
+        steps = tuple(steps_of(base.workshop, fit_with(base, chosen, progress)))
     result = ComparisonResult(campaign, vehicle, steps, (), base.workshop)
     result.write_model(campaign.folder / MODEL_FILE)
     return result

@@ -121,18 +121,20 @@ def compare(
     campaign: Campaign,
     responses: Iterable[Response],
     charged: Mapping[str, float] | None = None,
+    floor: Floor | None = None,
 ) -> Comparison:
     """Compare ``responses`` (any of the campaign's runs, in any order) with the measurements.
 
     ``charged`` maps a run's id to the degrees of freedom fitted to that run alone: its
     residual sum of squares is scaled by n / (n - charged) in E. Channels that are NaN in a
-    response are not predicted and count nowhere. Raises ValueError for responses that do not fit
+    response are not predicted and count nowhere. ``floor`` is that of these records if it is known
+    already. Raises ValueError for responses that do not fit
     the campaign, or if none predicts any channel.
     """
     records = in_band(campaign, responses)
     if not any(record.predicted.any() for record in records):
         raise ValueError("no response that predicts any channel")
-    floor = noise_floor(campaign, records)
+    floor = noise_floor(campaign, records) if floor is None else floor
     fit, validate = (
         relative_error([r for r in records if r.run.role == role], charged)
         for role in ("fit", "validate")

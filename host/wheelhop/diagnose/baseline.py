@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, TrackSpec
-from wheelhop.compare import Comparison, compare
+from wheelhop.compare import Comparison, Floor, compare
 from wheelhop.compare.band import InBand
 from wheelhop.diagnose.judge import Rung
 from wheelhop.diagnose.validate import validate
@@ -103,7 +103,10 @@ def axle_driven(campaign: Campaign, vehicle: Vehicle) -> Campaign | None:
 
 
 def comparison_of(
-    workshop: Workshop, rung: Rung, changes: Mapping[str, float] = MappingProxyType({})
+    workshop: Workshop,
+    rung: Rung,
+    changes: Mapping[str, float] = MappingProxyType({}),
+    floor: Floor | None = None,
 ) -> Comparison:
     """The fitted model, with some of its numbers changed if wanted, against all runs. Gains are
     fitted: what is left of a scale's uncertainty is what a sensor shows of motion across its
@@ -114,7 +117,8 @@ def comparison_of(
         for c in campaign.channels
     )
     fitted = replace(campaign, channels=channels)
-    return compare(fitted, workshop.responses(rung.model.with_values(changes)), charged(rung))
+    responses = workshop.responses(rung.model.with_values(changes))
+    return compare(fitted, responses, charged(rung), floor)
 
 
 def charged(rung: Rung) -> dict[str, float]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelhop.compare import Comparison, where_to_json
-from wheelhop.diagnose.judge import EXACT, Rung
+from wheelhop.diagnose.judge import EXACT, LAW, Rung
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.files.words import percent, unit_of
 from wheelhop.gate import Finding
@@ -66,12 +66,14 @@ UNLIKELY = 0.05
 @dataclass(frozen=True, eq=False)
 class Step:
     """One rung of the ladder: the effects added so far, the fitted model, its parameters as
-    (value, standard deviation) and how it compares with the records."""
+    (value, standard deviation) and how it compares with the records. ``lacked`` is the share of the
+    signal's power that the baseline below it leaves unexplained."""
 
     added: tuple[str, ...]
     rung: Rung
     parameters: Mapping[str, tuple[float, float]]
     comparison: Comparison
+    lacked: float = 0.0
 
     def __repr__(self) -> str:
         model = " + ".join(("baseline", *self.added))
@@ -91,13 +93,19 @@ class Step:
     @property
     def allowed(self) -> float:
         """Share of the signal's power by which model and scales may be wrong, noise apart."""
-        return self.comparison.floor.scales**2 + EXACT**2
+        return self.comparison.floor.scales**2 + EXACT**2 + LAW**2 * self.lacked
+
+    @property
+    def unexplained(self) -> float:
+        """Share of the signal's power left of the runs that judge beyond what the floor is
+        uncertain by and such models are exact to; negative: less than that."""
+        tolerated = self.floor * (1.0 + 2.0 * self.comparison.floor.tolerance)
+        return self.rung.error_judging**2 - tolerated**2 - EXACT**2
 
     @property
     def above_floor(self) -> bool:
-        """Whether that is more than the floor is uncertain by and such models are exact to."""
-        tolerated = self.floor * (1.0 + 2.0 * self.comparison.floor.tolerance)
-        return self.rung.error_judging**2 > tolerated**2 + EXACT**2
+        """Whether more is left unexplained than the laws added may leave of what they stand for."""
+        return self.unexplained > LAW**2 * self.lacked
 
 
 @dataclass(frozen=True)

@@ -84,10 +84,6 @@ def _error(held_out: Fit) -> float:
 
 Array = NDArray[np.float64]
 
-BLOCK_S = 0.5
-"""Residuals are not white: what half a second of a run says of a model is counted as one degree of
-freedom, however many samples it holds (a second: one oscillation with amplitude and phase)."""
-
 FEW_BLOCKS = 25
 """An effect that shows in half of n blocks, and there alike, reaches Λ = n/4. One of thirty tried
 needs ln(30/0.05) = 6.4: so many blocks. With fewer held out, chance would decide."""
@@ -99,6 +95,10 @@ however simple the model: a rounding of the simulation could be mistaken for phy
 EXACT = 0.003
 """Models of machines are exact to about this share of the signal: what is left beyond the noise is
 held against a model, and taken for one more effect, only if it is more."""
+
+LAW = 0.1
+"""A law of the right name leaves about this share, in amplitude, of what its machine does: machines
+part from textbooks. Laws of wrong names leave a third and more (theory, section 10)."""
 
 SIGNIFICANT = 0.05
 """An effect is accepted below this chance of being mistaken, all effects tried counted."""
@@ -292,25 +292,19 @@ def _cost(rung: Rung, noise: float) -> float:
 def _foreseen(rung: Rung) -> tuple[RunFit, ...]:
     """The runs that judge, none of them fitted to itself."""
     held_out = () if rung.judging is rung.fit else rung.judging.runs
-    if sum(_blocks(run) for run in held_out) >= FEW_BLOCKS:
+    if sum(run.blocks for run in held_out) >= FEW_BLOCKS:
         return held_out
     return (*held_out, *left_out(rung.fit))
 
 
-def _blocks(run: RunFit) -> int:
-    time = run.bench.run.time_s
-    return max(1, round(float(time[-1] - time[0]) / BLOCK_S))
-
-
 def _gains(base: RunFit, rival: RunFit) -> Array:
-    count = _blocks(base)
+    count = base.blocks
     ratio = _block_squares(base, count) / _block_squares(rival, count)
     return np.asarray(0.5 * np.log(ratio * rival.spare / base.spare))
 
 
 def _block_squares(run: RunFit, count: int) -> Array:
-    band = run.bench.band
-    signal = band.from_coefficients(run.residual.reshape(band.count, -1))
+    signal = run.in_time(run.residual)
     return np.array([np.sum(part**2) for part in np.array_split(signal, count)])
 
 

@@ -22,7 +22,7 @@ from wheelhop.diagnose.judge import (
     nearly_all,
     noticeable,
 )
-from wheelhop.diagnose.look import Candidate, Look, contradicted, step_of
+from wheelhop.diagnose.look import Candidate, Look, contradicted, on_one_floor, step_of, steps_of
 from wheelhop.diagnose.ranking import why_not
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.together import Stand, exchange, look_for_several
@@ -151,12 +151,14 @@ def climb(
         if first.chosen is None or [e.id for e in rung.model.effects] != [first.chosen.id]:
             first = origin
         origin = first
-        step = step_of(workshop, rung)
+        step = step_of(workshop, rung, steps[0])
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
         look = _look(workshop, step, effects, progress, watch)
         looks.append(look)
-    return conclude(workshop, steps, first, look, stands, list(effects.values()))
+    return conclude(
+        workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
+    )
 
 
 def _look(
@@ -336,4 +338,4 @@ def steps_with(
         The campaign does not hold what a comparison needs, or an effect does not apply to it.
     """
     base = fit_baseline(campaign, vehicle, progress=progress)
-    return [step_of(base.workshop, rung) for rung in fit_with(base, effects, progress)]
+    return steps_of(base.workshop, fit_with(base, effects, progress))

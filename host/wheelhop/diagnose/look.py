@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.diagnosis import Step
@@ -55,10 +56,28 @@ class Look:
     chosen: Candidate | None
 
 
-def step_of(workshop: Workshop, rung: Rung) -> Step:
-    """A rung with its parameters and its comparison with the records."""
+def step_of(workshop: Workshop, rung: Rung, baseline: Step | None = None) -> Step:
+    """A rung with its parameters and its comparison with the records; `baseline` is the first."""
     names = tuple(effect.id for effect in rung.model.effects)
-    return Step(names, rung, parameters_of(rung), comparison_of(workshop, rung))
+    lacked = 0.0 if baseline is None else max(baseline.unexplained, 0.0)
+    return Step(names, rung, parameters_of(rung), comparison_of(workshop, rung), lacked)
+
+
+def steps_of(workshop: Workshop, rungs: Sequence[Rung]) -> list[Step]:
+    """The same of a whole ladder, its baseline first."""
+    return on_one_floor(workshop, [step_of(workshop, rung) for rung in rungs])
+
+
+def on_one_floor(workshop: Workshop, steps: Sequence[Step]) -> list[Step]:
+    """The steps of one ladder, held against the same floor. Noise that is estimated is what a model
+    leaves where that is quietest: the least that any of them tells is nearest to it."""
+    least = min((step.comparison.floor for step in steps), key=lambda floor: floor.error)
+    comparisons = [step.comparison for step in steps]
+    if not least.is_stated:
+        comparisons = [comparison_of(workshop, step.rung, floor=least) for step in steps]
+    baseline, *others = map(lambda s, c: replace(s, comparison=c), steps, comparisons)
+    lacked = max(baseline.unexplained, 0.0)
+    return [baseline, *(replace(step, lacked=lacked) for step in others)]
 
 
 def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:

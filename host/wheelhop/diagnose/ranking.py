@@ -184,6 +184,22 @@ def percent(error: float) -> str:
     return f"{100 * error:.{2 if error >= 0.01 else 3}f} %"
 
 
+def _of_the_law(steps: Sequence[Step]) -> str:
+    """What is left is no more than laws of one name differ by."""
+    last = steps[-1]
+    share = (last.unexplained / last.lacked) ** 0.5
+    return (
+        f"{percent(last.rung.error)} is left, {last.over_floor:.2f} times the floor and"
+        f" {100 * share:.0f} % of what the baseline lacks. Machines differ from textbook laws by"
+        f" about as much; {_law_command(last)} shows how this one does."
+    )
+
+
+def _law_command(step: Step) -> str:
+    known = [e.id for e in step.rung.model.effects if not e.is_belief]
+    return f"wheelhop law --with {' '.join(known)}" if known else "wheelhop law"
+
+
 IDEAS = 3
 """So many physical ideas are named whose signature comes nearest to what nothing explains."""
 
@@ -212,12 +228,12 @@ def explanation(
         lines.extend(describe(steps[-1].comparison.breakdown))
         lines.extend(_nearest(last))
         lines.extend(_held_out_only(steps[-1]))
-        known = [e.id for e in steps[-1].rung.model.effects if not e.is_belief]
-        beside = f" --with {' '.join(known)}" if known else ""
         lines.append(
-            f"wheelhop law{beside} looks for the missing force: where it acts, how it looks,"
+            f"{_law_command(steps[-1])} looks for the missing force: where it acts, how it looks,"
             " which name comes nearest and what to record next."
         )
+    elif steps[-1].unexplained > 0.0:
+        lines.append(_of_the_law(steps))
     for effect in steps[-1].rung.model.effects:
         if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
             lines.append(f"What to correct in campaign.toml: {remedy}.")

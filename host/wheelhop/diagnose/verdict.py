@@ -16,6 +16,7 @@ import numpy as np
 
 from wheelhop.diagnose.diagnosis import Diagnosis, Grounds, Limit, Step
 from wheelhop.diagnose.judge import (
+    EXACT,
     SIGNIFICANT,
     Rung,
     by_chance,
@@ -98,15 +99,8 @@ LEAD_SCALE = 0.001
 against one that leaves as much less: simulations are no more exact than that near the noise,
 whatever the evidence says."""
 
-PART = 4
-"""Confidence falls with this power of the share explained where something is left."""
-
 STEADY = 0.3
 """So much of what speaks for an effect should be left without the run that speaks loudest."""
-
-STAND_IN = 0.5
-"""Where one effect is accepted and leaves something that nothing explains, one unknown effect that
-it resembles is at least as likely as that effect and an unknown one beside it."""
 
 UNKNOWN_SCALE = 0.3
 """Error over the floor, less one, at which "unknown" is two thirds sure: nearer to the floor an
@@ -159,12 +153,11 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     """That the verdict's first entry is right.
 
     Of an effect: how clearly it leads its best rival, times the chance that it does not hold at
-    all; where something is left, times how much of what the baseline left is explained in the end
-    (a wrong effect may explain a part, hardly ever nearly everything), and less where a single run
-    speaks for it. Of "none": how far the likeliest effect is from
-    being accepted, whether noise alone leaves as much, and what these runs could have shown. Of
-    "unknown": how far the residual is
-    above the floor's own uncertainty.
+    all; where something is left, times the chance that it is no stand-in (a wrong effect may
+    explain a part, hardly ever nearly everything), and less where a single run speaks for it. Of
+    "none": how far the likeliest effect is from being accepted, whether noise alone leaves as much,
+    and what these runs could have shown. Of "unknown": how far the residual is above the floor's
+    own uncertainty.
     """
     if verdict[0] == "unknown":
         return CEILING * (1.0 - exp(-(grounds.over_floor - 1.0) / UNKNOWN_SCALE))
@@ -176,17 +169,22 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     sure = CEILING * leads * (1.0 - grounds.p_value)
     if "unknown" not in verdict:
         return sure
-    if len(verdict) == 2:
-        sure *= STAND_IN
     steady = min(max(grounds.stability / STEADY, 0.0), 1.0)
-    return sure * steady * _explained(grounds) ** PART
+    return sure * steady * _no_stand_in(grounds)
 
 
-def _explained(grounds: Grounds) -> float:
-    """Share of the baseline's power above the floor that the last rung does not leave."""
+def _no_stand_in(grounds: Grounds) -> float:
+    """Chance that what leaves a part unexplained is no stand-in for something unknown.
+
+    A stand-in leaves any share s of the power above the floor alike, density 1. What is right may
+    leave something small beside it, no size likelier than another down to what models are exact
+    to, density 1 / (s ln(1/EXACT²)). Beforehand both are as likely.
+    """
     excess = grounds.baseline_over_floor**2 - 1.0
     left = max(grounds.over_floor**2 - 1.0, 0.0)
-    return max(1.0 - left / excess, 0.0) if excess > 0.0 else 0.0
+    if left >= excess:
+        return 0.0
+    return 1.0 / (1.0 + left / excess * log(1.0 / EXACT**2))
 
 
 def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:

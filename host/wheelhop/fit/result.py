@@ -16,6 +16,10 @@ from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
 
+BLOCK_S = 0.5
+"""Residuals are not white: what half a second of a run says of a model is counted as one degree of
+freedom, however many samples it holds (a second: one oscillation with amplitude and phase)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Derivatives:
@@ -108,6 +112,31 @@ class RunFit:
         spread = sigma * np.sqrt(np.diag(inverse))
         return {f.name: f.scale * float(s) for f, s in zip(self.own, spread, strict=True)}
 
+    @property
+    def blocks(self) -> int:
+        """How many times `BLOCK_S` the run lasts."""
+        time = self.bench.run.time_s
+        return max(1, round(float(time[-1] - time[0]) / BLOCK_S))
+
+    def in_time(self, column: Array) -> Array:
+        """A column (size,) of in-band coefficients as a signal (n, channels)."""
+        band = self.bench.band
+        return band.from_coefficients(column.reshape(band.count, -1))
+
+    def followed(self) -> Array:
+        """Derivatives (size, g) with respect to the shared parameters, per spread and `Free.scale`,
+        where the run's own numbers and heights follow."""
+        columns, shared = self.freed(self.weighed), self.derivatives.shared
+        own = columns[:, shared:]
+        return columns[:, :shared] - own @ np.linalg.lstsq(own, columns[:, :shared], rcond=None)[0]
+
+    def by_block(self, columns: Array) -> Array:
+        """What the surprise of every half-second pulls at columns (size, m): (blocks, m)."""
+        surprise = self.in_time(self.surprise)
+        ends = np.array_split(np.arange(len(surprise)), self.blocks)
+        pulls = [(self.in_time(column) * surprise).sum(axis=1) for column in columns.T]
+        return np.array([[pull[block].sum() for pull in pulls] for block in ends])
+
     def freed(self, columns: Array) -> Array:
         """What heights would leave of columns (size, m)."""
         return columns if self.heights is None else self.heights.freed(columns)
@@ -176,8 +205,28 @@ class Fit:
         inverse = np.linalg.inv(self.precision / np.outer(unit, unit))
         return np.asarray(inverse * np.outer(scale, scale))
 
+    @cached_property
+    def deviations(self) -> dict[str, float]:
+        """Standard deviation of each shared parameter, in its unit; NaN where nothing tells it.
+
+        What a model leaves is neither as small nor as white as noise, and the numbers scatter as
+        the pulls of its half-seconds do (J. MacKinnon, M. Nielsen, M. Webb, Cluster-robust
+        inference, J. Econometrics 232 (2023) 272, eq. 7). They are never known better than noise
+        alone would have them.
+        """
+        g = len(self.shared)
+        more = np.zeros((g, g))
+        with np.errstate(invalid="ignore", over="ignore"):  # of a model that runs away
+            for run in self.runs:
+                columns = run.followed()
+                pulls = run.by_block(columns) / self.sigma**2
+                more += pulls.T @ pulls - columns.T @ columns / self.sigma**2
+            scale = np.array([free.scale for free in self.shared])
+            half = self.covariance / scale  # per what the pulls are per
+            grown = np.einsum("ij,jk,ik->i", half, more, half)
+            spread = np.sqrt(np.diag(self.covariance) + np.maximum(grown, 0.0))
+        return {f.name: float(s) for f, s in zip(self.shared, spread, strict=True)}
+
     def uncertainty(self, name: str) -> float:
-        """Standard deviation of a shared parameter, in its unit."""
-        i = [free.name for free in self.shared].index(name)
-        with np.errstate(invalid="ignore"):  # what the runs do not tell at all has none
-            return float(np.sqrt(self.covariance[i, i]))
+        """Standard deviation of a shared parameter, in its unit; see `deviations`."""
+        return self.deviations[name]

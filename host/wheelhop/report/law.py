@@ -124,12 +124,11 @@ def rivals(found: Found) -> list[Rival]:
 
 
 def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
-    """The fitted forces of a formula with their standard deviations, N, grown by what is left."""
+    """The fitted forces of a formula with their standard deviations, N."""
     fit = rival.rung.fit
     formula = next(e for e in fit.model.effects if isinstance(e, Formula))
-    grown = max(fit.rss / (fit.size * fit.sigma**2), 1.0) ** 0.5
     return {
-        term.words: (fit.model.values[key], fit.uncertainty(key) * grown)
+        term.words: (fit.model.values[key], fit.uncertainty(key))
         for term in formula.terms
         for key in (f"{formula.id}.{term.name}_N",)
     }

@@ -117,7 +117,7 @@ class Worker:
                     raise InputError(f'there is no effect "{name}" here: take it out of the model')
                 effect, rung = work.library[name], work.steps[before].rung
                 rung = one_more(work.base.workshop, rung, effect, self._progress)
-                work.steps[here] = step_of(work.base.workshop, rung)
+                work.steps[here] = step_of(work.base.workshop, rung, work.steps[()])
                 self._show(work, here)
 
     def _diagnose(self, work: Work) -> None:
