@@ -151,6 +151,9 @@ def test_noise_between_samples_is_that_of_the_quietest_tenth(bench):
     records = [bench.noise(0.2, (5000, 4)) for _ in range(2)]
     quiet = estimate_noise_between_samples(records, share=1.0)
     assert quiet == pytest.approx(0.2, rel=0.25)
+    assert estimate_noise_between_samples([bench.noise(0.2, (40, 400))], share=1.0) == (
+        pytest.approx(0.2, rel=0.1)  # a record shorter than a piece is one
+    )
     records[0][:4200] *= 50.0
     records[1][:4200] *= 50.0
     assert estimate_noise_between_samples(records, share=1.0) == pytest.approx(0.2, rel=0.25)
