@@ -40,7 +40,7 @@ def rung(signals, own=2):
     for i, signal in enumerate(signals):
         residual = BAND.coefficients(signal).ravel()
         run = SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0)
-        bench = SimpleNamespace(run=run, band=BAND, size=residual.size)
+        bench = SimpleNamespace(run=run, band=BAND, size=residual.size, undoubted=np.asarray)
         runs.append(RunFit(bench, (None,) * own, residual, None, np.ones(len(residual))))
     return Rung(fit_of(()), fit_of(runs))
 
@@ -104,16 +104,17 @@ def test_p_value_is_a_chance_and_grows_with_the_number_tried(odds, tried):
     assert p_value(odds + 1.0, tried) <= p_value(odds, tried)
 
 
-def test_down_at_the_noise_every_coefficient_counts():
+@pytest.mark.parametrize("unit", [1.0, 0.2])
+def test_down_at_the_noise_every_coefficient_counts(unit):
     """A rival that leaves white noise: Λ = Σ (S_base − S_rival) / 2 noise², small as it may be."""
     rng = np.random.default_rng(6)
-    signals = noise(rng)
-    faint = [s + 0.1 * rng.normal(size=s.shape) for s in signals]
+    signals = noise(rng, unit)
+    faint = [s + 0.1 * unit * rng.normal(size=s.shape) for s in signals]
     base, rival = rung(faint, own=0), rung(signals, own=0)
     drop = sum(run.rss for run in base.validation.runs) - sum(r.rss for r in rival.validation.runs)
-    assert log_odds(base, rival, 1.0) == pytest.approx(drop / 2)
-    assert p_value(log_odds(base, rival, 1.0), 12) < 1e-6
-    assert log_odds(base, rival, 1.0) > 5 * log_odds(base, rival)
+    assert log_odds(base, rival, unit) == pytest.approx(drop / (2 * unit**2))
+    assert p_value(log_odds(base, rival, unit), 12) < 1e-6
+    assert log_odds(base, rival, unit) > 5 * log_odds(base, rival)
 
 
 def test_noise_alone_seldom_favours_one_of_two_models_at_the_floor():
@@ -344,3 +345,12 @@ def test_a_lead_is_told_by_the_coefficient():
     )
     assert lead(one, other) == pytest.approx(0.04, rel=1e-6)
     assert lead(other, one) == pytest.approx(-0.04 / 1.02, rel=1e-6)
+
+
+def test_errors_are_of_the_runs_held_out_if_there_are_any():
+    """√ of what is left over the signal's power, 100 per coefficient; of fitted runs otherwise."""
+    fitted, held_out = leaving(1.0).judging, leaving(4.0).judging
+    both, alone = Rung(fitted, held_out), Rung(fitted, None)
+    assert both.error == both.error_validate == both.error_judging == pytest.approx(0.2)
+    assert both.error_fit == alone.error == alone.error_judging == pytest.approx(0.1)
+    assert np.isnan(alone.error_validate)
