@@ -10,7 +10,8 @@
 
 docs/python.md lists what is public: `__all__`. Everything loads when it is first used. The rooms
 are packages of their own, `wheelhop.campaign`, `wheelhop.simulate` and so on, in three folders of
-the repository; `wheelhop.compare` and `wheelhop.diagnose` are rooms that can be called as well.
+the repository; `wheelhop.compare`, `wheelhop.diagnose` and `wheelhop.simulate` are rooms that can
+be called as well.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
         read_log,
         read_recording,
         read_vehicle,
+        simulate,
     )
     from wheelhop.api.fleet import diagnose_fleet
     from wheelhop.campaign import Campaign, CampaignError, Run
@@ -81,6 +83,7 @@ __all__ = [
     "read_log",
     "read_recording",
     "read_vehicle",
+    "simulate",
     "wheel_rates",
 ]
 
@@ -99,7 +102,7 @@ _ROOM_OF = {
     **dict.fromkeys(("WheelRates", "wheel_rates"), "vehicle.rates"),
 }
 
-_CALLED = ("compare", "diagnose")
+_CALLED = ("compare", "diagnose", "simulate")
 """Rooms whose name is also the verb a guest looks for."""
 
 _RENAMED: Mapping[str, str] = {}

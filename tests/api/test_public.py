@@ -67,7 +67,7 @@ def test_reading_a_campaign_loads_no_tables_and_no_figures():
     assert not {"pandas", "matplotlib", "nicegui"} & set(re.findall(r"\w+", after))
 
 
-@pytest.mark.parametrize("name", ["compare", "diagnose"])
+@pytest.mark.parametrize("name", ["compare", "diagnose", "simulate"])
 @pytest.mark.parametrize("first", ["import wheelhop.{}", "from wheelhop.{} import *", "pass"])
 def test_a_room_named_like_a_verb_is_both(name, first):
     code = f"""
@@ -75,7 +75,7 @@ def test_a_room_named_like_a_verb_is_both(name, first):
 import inspect
 import wheelhop as wh
 import wheelhop.{name} as room
-from wheelhop.api import verbs
+import wheelhop.api as verbs
 assert wh.{name} is room and inspect.ismodule(room) and room.__all__
 assert inspect.signature(wh.{name}) == inspect.signature(verbs.{name})
 assert wh.{name}.__doc__ == verbs.{name}.__doc__

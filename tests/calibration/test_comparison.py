@@ -13,7 +13,7 @@ from wheelhop.calibration.shaker.comparison import compare_with_reference
 from wheelhop.hil_sim.rig import STEPPED, SWEPT, Rig, Sensor, Shaking, random_rig
 
 CONDITIONS = Conditions("cal", dt.date(2026, 1, 1), dt.date(2027, 1, 1), reference_expanded=0.003)
-RIGS = 200
+RIGS = 80
 SHORT = Shaking(tuple((f, a, 5.0) for f, a, _ in STEPPED), pause_s=0.8)
 
 

@@ -27,6 +27,60 @@ def test_the_floor_is_the_error_of_a_model_that_leaves_only_noise(bench):
     assert comparison.error_validate == pytest.approx(floor.error_validate, rel=0.03)
 
 
+def test_the_floor_is_noise_and_scales_over_what_was_measured(bench):
+    """√(noise² + (u m)²) / m, m being the rms of the records in band."""
+    noise, doubt = 0.4, 0.03
+    campaign, responses = bench.campaign([2.0, 3.0], lambda t, v: bench.noise(0.3), noise=noise)
+    channels = tuple(replace(c, scale_uncertainty=doubt) for c in campaign.channels)
+    campaign = replace(campaign, channels=channels)
+    squares = []
+    for run in campaign.runs:
+        lines = np.fft.rfft(run.record, axis=0)
+        frequency = np.fft.rfftfreq(len(run.record), 0.01)
+        lines[(frequency < 0.5) | (frequency > 30.0)] = 0.0
+        squares.append(np.mean(np.fft.irfft(lines, len(run.record), axis=0) ** 2))
+    floor = noise_floor(campaign, in_band(campaign, responses))
+    for found, square in (
+        (floor.error, np.mean(squares)),
+        (floor.error_fit, squares[0]),
+        (floor.error_validate, squares[1]),
+    ):
+        assert found == pytest.approx(np.hypot(noise / np.sqrt(square), doubt), rel=1e-6)
+    assert floor.scales == pytest.approx(doubt, rel=1e-9)
+    assert floor.is_stated and floor.tolerance == 0.05
+    assert floor.pooled_rms == pytest.approx(noise)
+    only = replace(campaign, runs=campaign.runs[:1])
+    alone = noise_floor(only, in_band(only, responses[:1]))
+    assert np.isnan(alone.error_validate) and alone.error == floor.error_fit
+
+
+def test_of_what_is_not_predicted_no_noise_is_estimated(bench):
+    campaign, responses = bench.campaign([2.0] * 4, lambda t, v: bench.noise(0.2), noise=None)
+    for response in responses:
+        response.record[:, 3] = np.nan
+    floor = noise_floor(campaign, in_band(campaign, responses))
+    assert np.flatnonzero(np.isnan(floor.noise_rms)).tolist() == [3]
+    assert floor.pooled_rms == pytest.approx(0.2 * IN_BAND, rel=0.15)
+    assert not floor.is_stated and floor.tolerance == 0.15 and floor.scales == 0.0
+
+
+def test_a_tenth_of_runs_and_band_where_nothing_moves_shows_the_noise(bench):
+    """Rough ground fills the band in all five runs but for the upper half of it in one."""
+
+    def motion(time, speed):
+        lines = np.fft.rfft(bench.noise(5.0), axis=0)
+        if speed == 1.0:
+            lines[np.fft.rfftfreq(len(time), 0.01) > 14.0] = 0.0
+        return np.fft.irfft(lines, len(time), axis=0)
+
+    campaign, _ = bench.campaign(
+        [1.0, 2.0, 2.0, 2.0, 2.0], lambda t, v: bench.noise(0.2), noise=None, motion=motion
+    )
+    unknown = [Response(r.id, np.zeros_like(r.record), None) for r in campaign.runs]
+    estimate = estimate_noise(in_band(campaign, unknown))
+    np.testing.assert_allclose(estimate, 0.2 * IN_BAND, rtol=0.25)
+
+
 @pytest.mark.parametrize("kind", ["washboard", "unknown"])
 def test_an_estimate_finds_the_noise_of_each_channel_under_a_wrong_model(bench, kind):
     rms = np.linspace(0.05, 0.4, 8)
@@ -80,6 +134,29 @@ def test_noise_between_samples_is_found_under_smooth_motion(bench):
     found = estimate_noise_between_samples(records, share=0.6)
     assert found == pytest.approx(np.sqrt(0.6 * np.mean(rms**2)), rel=0.3)
     assert estimate_noise_between_samples(records, share=0.15) == pytest.approx(0.5 * found)
+
+
+def test_of_a_slow_wave_next_to_nothing_is_taken_for_noise():
+    """Differences of fourth order hold (2 sin(π f / rate))⁸ of its variance, of white noise 70
+    times."""
+    time = np.arange(5000) / 100.0
+    for frequency in (5.0, 10.0):
+        wave = np.sqrt(2.0) * np.sin(2 * np.pi * frequency * time)[:, None]
+        passed = (2.0 * np.sin(np.pi * frequency / 100.0)) ** 8
+        found = estimate_noise_between_samples([wave], share=0.6)
+        assert found == pytest.approx(np.sqrt(0.6 * passed / 70.0), rel=0.02)
+
+
+def test_noise_between_samples_is_that_of_the_quietest_tenth(bench):
+    records = [bench.noise(0.2, (5000, 4)) for _ in range(2)]
+    quiet = estimate_noise_between_samples(records, share=1.0)
+    assert quiet == pytest.approx(0.2, rel=0.25)
+    assert estimate_noise_between_samples([bench.noise(0.2, (40, 400))], share=1.0) == (
+        pytest.approx(0.2, rel=0.1)  # a record shorter than a piece is one
+    )
+    records[0][:4200] *= 50.0
+    records[1][:4200] *= 50.0
+    assert estimate_noise_between_samples(records, share=1.0) == pytest.approx(0.2, rel=0.25)
 
 
 TRUTHS = sorted((ROOT / "tests" / "data" / "open_truth").glob("*.toml"))

@@ -17,11 +17,13 @@ LIBRARY = load_effects()
 
 @dataclass(frozen=True)
 class Case:
-    """What is hidden, in the simulator's words, and the verdict's parameters it stands for."""
+    """What is hidden, in the simulator's words, and the verdict's parameters it stands for, in runs
+    of so many seconds."""
 
     hidden: Mapping[str, Mapping[str, float | str]]
     parameters: Mapping[str, float | str] = field(default_factory=dict)
     seed: int = 101
+    seconds: float = 6.4
 
     @property
     def verdict(self) -> tuple[str, ...]:
@@ -36,7 +38,9 @@ ENGINE = {"force_N": 60.0, "freq_hz": 22.0, "x_m": -0.45}
 CASES = {
     "clean": Case({}),
     "speed-fluctuation": Case({"speed-fluctuation": {"fraction": 0.04}}),
-    "left-right-drift": Case({"left-right-drift": {"rate": 0.004}}, {"relative_rate": 0.004}),
+    "left-right-drift": Case(  # it grows with the way
+        {"left-right-drift": {"rate": 0.004}}, {"relative_rate": 0.004}, seconds=10.24
+    ),
     "tyre-envelope": Case(
         {"tyre-envelope": {"front_m": 0.06, "rear_m": 0.08}},
         {"form": "path", "front_m": 0.06, "rear_m": 0.08},

@@ -1,5 +1,6 @@
 """Confirmation: an effect finds its numbers although the vehicle was bent to make up for it."""
 
+import numpy as np
 import pytest
 
 from tests import truth
@@ -63,6 +64,10 @@ def test_a_gap_wider_than_any_strut_moves_is_tried(tmp_path):
     wide = _saturated(base.workshop, base.rung, screened)
     assert wide.values["backlash.balance"] == 0.0  # of all that fit alike, what is believed
     assert wide.values["backlash.gap_m"] > 0.005
+    wider = wide.with_values({"backlash.gap_m": 3.0 * wide.values["backlash.gap_m"]})
+    one, other = (base.workshop.responses(model) for model in (wide, wider))
+    for run, same in zip(one, other, strict=True):
+        np.testing.assert_allclose(run.record, same.record, rtol=1e-9)
     rung = confirm(base.workshop, base.rung, screened)
     assert rung.judging.rss < 1.1 * base.workshop.noise**2 * rung.judging.size
 

@@ -14,11 +14,15 @@ from wheelhop.diagnose.judge import (
     AGREED,
     MATERIAL,
     Rung,
+    at_noise,
     best_first,
     by_chance,
+    excess,
     holds_against,
+    lead,
     left,
     log_odds,
+    nearly_all,
     noticeable,
     p_value,
     relative_to_noise,
@@ -36,7 +40,7 @@ def rung(signals, own=2):
     for i, signal in enumerate(signals):
         residual = BAND.coefficients(signal).ravel()
         run = SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0)
-        bench = SimpleNamespace(run=run, band=BAND, size=residual.size)
+        bench = SimpleNamespace(run=run, band=BAND, size=residual.size, undoubted=np.asarray)
         runs.append(RunFit(bench, (None,) * own, residual, None, np.ones(len(residual))))
     return Rung(fit_of(()), fit_of(runs))
 
@@ -100,16 +104,17 @@ def test_p_value_is_a_chance_and_grows_with_the_number_tried(odds, tried):
     assert p_value(odds + 1.0, tried) <= p_value(odds, tried)
 
 
-def test_down_at_the_noise_every_coefficient_counts():
+@pytest.mark.parametrize("unit", [1.0, 0.2])
+def test_down_at_the_noise_every_coefficient_counts(unit):
     """A rival that leaves white noise: Λ = Σ (S_base − S_rival) / 2 noise², small as it may be."""
     rng = np.random.default_rng(6)
-    signals = noise(rng)
-    faint = [s + 0.1 * rng.normal(size=s.shape) for s in signals]
+    signals = noise(rng, unit)
+    faint = [s + 0.1 * unit * rng.normal(size=s.shape) for s in signals]
     base, rival = rung(faint, own=0), rung(signals, own=0)
     drop = sum(run.rss for run in base.validation.runs) - sum(r.rss for r in rival.validation.runs)
-    assert log_odds(base, rival, 1.0) == pytest.approx(drop / 2)
-    assert p_value(log_odds(base, rival, 1.0), 12) < 1e-6
-    assert log_odds(base, rival, 1.0) > 5 * log_odds(base, rival)
+    assert log_odds(base, rival, unit) == pytest.approx(drop / (2 * unit**2))
+    assert p_value(log_odds(base, rival, unit), 12) < 1e-6
+    assert log_odds(base, rival, unit) > 5 * log_odds(base, rival)
 
 
 def test_noise_alone_seldom_favours_one_of_two_models_at_the_floor():
@@ -149,17 +154,18 @@ class BesideEffects(Rung):
     model = SimpleNamespace(effects=("any",))
 
 
+@pytest.mark.parametrize("unit", [1.0, 0.1])
 @pytest.mark.parametrize(("signal", "held"), [(200.0, True), (300.0, False)])
-def test_beside_effects_one_more_does_more_than_models_are_exact_to(signal, held):
+def test_beside_effects_one_more_does_more_than_models_are_exact_to(signal, held, unit):
     """Both leave something; the drop is half the noise's power, 0.35 % of one signal and 0.24 % of
-    the other: models are exact to 0.3 %."""
+    the other: models are exact to 0.3 %, in any unit."""
     rng = np.random.default_rng(6)
-    quiet = noise(rng, np.sqrt(2.0))
+    quiet = noise(rng, np.sqrt(2.0) * unit)
     base, rival = rung([np.sqrt(1.25) * s for s in quiet]), rung(quiet)
     for run in (*base.validation.runs, *rival.validation.runs):
-        run.bench.energy = signal**2 * run.bench.size
+        run.bench.energy = (signal * unit) ** 2 * run.bench.size
     beside = BesideEffects(None, base.validation)
-    assert holds_against(beside, rival, 100.0, 27, 1.0) is held
+    assert holds_against(beside, rival, 100.0, 27, unit) is held
 
 
 def test_noise_is_seldom_worth_another_look():
@@ -264,3 +270,87 @@ def test_a_rival_that_runs_away_has_no_chance_and_makes_no_noise():
         warnings.simplefilter("error", RuntimeWarning)
         assert log_odds(base, rival) == -np.inf
         assert p_value(log_odds(base, rival), 12) == 1.0
+
+
+def leaving(power, unit=1.0):
+    """A rung that leaves exactly this mean square per coefficient, of a signal of which it is 100;
+    the unit of both is `unit` squared."""
+    one = rung(noise(np.random.default_rng(17)), own=0)
+    scale = unit * np.sqrt(power * one.judging.size / sum(run.rss for run in one.judging.runs))
+    scaled = [replace(run, residual=scale * run.residual) for run in one.judging.runs]
+    for run in scaled:
+        run.bench.energy = 100.0 * unit**2 * run.bench.size
+    return Rung(one.fit, fit_of(scaled))
+
+
+SIZE = rung(noise(np.random.default_rng(17)), own=0).judging.size
+CHANCE = float(np.sqrt(2.0 / SIZE))
+"""Relative standard deviation of the mean square of so many coefficients of noise."""
+BLOCKS = RUNS * 20
+"""Of half a second each."""
+
+
+@pytest.mark.parametrize(
+    ("share", "left_of_it", "expected"),
+    [(1.0, 0.5, BLOCKS / 2), (0.5, 0.5, BLOCKS / 4), (1.0, 0.9, BLOCKS * np.log(1 / 0.9))],
+)
+def test_odds_are_half_the_blocks_that_agree_at_most(share, left_of_it, expected):
+    """Λ = Σ g, and Λ² / 2 Σ g² of one gain in a share of all blocks is half their number."""
+    signals = noise(np.random.default_rng(18))
+    factors = [left_of_it if i < share * RUNS else 1.0 for i in range(RUNS)]
+    better = [factor * signal for factor, signal in zip(factors, signals, strict=True)]
+    assert log_odds(rung(signals), rung(better)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_one_of_twelve_that_chance_gives_once_in_240_is_one_of_twenty():
+    assert p_value(np.log(240.0), 12) == pytest.approx(0.05)
+    assert p_value(np.log(12.0), 12) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_where_noise_ends_is_known_to_a_hair(sign):
+    """A tenth above the noise and three standard deviations of chance it is noise no more; 2 % and
+    two of them are worth another look; a tenth of what was left is nearly all explained."""
+    hair = 1e-6 * sign
+    assert at_noise(leaving(1.1 + 3.0 * CHANCE + hair), 1.0) is (sign < 0.0)
+    assert noticeable(leaving(1.02 + 2.0 * CHANCE + hair), 1.0) is (sign > 0.0)
+    assert nearly_all(leaving(11.0), leaving(2.0 + hair), 1.0) is (sign < 0.0)
+    assert not nearly_all(leaving(11.0), leaving(1.0), 0.0)  # the noise is not known
+    fitted = leaving(1.05).judging
+    more = 1.05 + 0.02 + 2.0 * np.sqrt(2.0) * CHANCE
+    assert unforeseen(Rung(fitted, leaving(more + hair).judging), 1.0) is (sign > 0.0)
+
+
+def test_excess_is_in_units_of_the_noise():
+    assert excess(leaving(1.3), 1.0) == pytest.approx(0.3)
+    assert excess(leaving(1.3, unit=2.0), 2.0) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("allowed", [0.0, 1e-3])
+@pytest.mark.parametrize("tolerance", [0.0, 0.05])
+def test_one_standard_deviation_of_chance_is_exceeded_once_in_six(tolerance, allowed):
+    """Beyond the immaterial, and beyond a share of the signal, of which the power is 100 times that
+    of noise; an uncertain noise is uncertain in power by twice as much."""
+    more = np.hypot(CHANCE, 2.0 * tolerance)
+    for unit in (1.0, 3.0):
+        left_over = leaving(1.02 + 100.0 * allowed + more, unit)
+        found = by_chance(left_over, unit, tolerance, allowed)
+        assert found == pytest.approx(0.1587, abs=1e-4)
+
+
+def test_a_lead_is_told_by_the_coefficient():
+    """Of the runs fitted and held out together, per what is left of one of those fitted."""
+    one, other = (
+        Rung(leaving(p).judging, leaving(q).judging) for p, q in ((1.0, 1.0), (1.02, 1.06))
+    )
+    assert lead(one, other) == pytest.approx(0.04, rel=1e-6)
+    assert lead(other, one) == pytest.approx(-0.04 / 1.02, rel=1e-6)
+
+
+def test_errors_are_of_the_runs_held_out_if_there_are_any():
+    """√ of what is left over the signal's power, 100 per coefficient; of fitted runs otherwise."""
+    fitted, held_out = leaving(1.0).judging, leaving(4.0).judging
+    both, alone = Rung(fitted, held_out), Rung(fitted, None)
+    assert both.error == both.error_validate == both.error_judging == pytest.approx(0.2)
+    assert both.error_fit == alone.error == alone.error_judging == pytest.approx(0.1)
+    assert np.isnan(alone.error_validate)

@@ -34,9 +34,17 @@ def assert_found(diagnosis, effect, expected):
 
 @pytest.mark.parametrize("name", CASES)
 def test_one_hidden_effect_is_named(name, tmp_path):
-    """Eight runs, every effect of the library at clear strength, and a campaign without any."""
+    """Eight short runs, every effect of the library at clear strength, and a campaign without
+    any."""
     case = CASES[name]
-    folder = truth.make_campaign(tmp_path, seed=case.seed, effects=case.hidden, short=True)
+    folder = truth.make_campaign(
+        tmp_path,
+        seed=case.seed,
+        effects=case.hidden,
+        short=True,
+        seconds=case.seconds,
+        draft=True,
+    )
     diagnosis = diagnosed(folder)
     assert diagnosis.verdict == case.verdict
     assert diagnosis.confidence > 0.7

@@ -76,6 +76,45 @@ def test_wheels_that_move_alike_are_no_copy(clean, copied):
     assert ("same-signal" in [finding.kind for finding in found]) is copied
 
 
+def on_both_fronts(campaign, moves, noises):
+    """The campaign where both front axles record one motion, m/s², each with its own noise."""
+    rng = np.random.default_rng(8)
+
+    def alike(run):
+        record = run.record.copy()
+        moved = moves(rng, len(record))
+        record[:, :2] = moved[:, None] + noises(rng, len(record))
+        return replace(run, record=record)
+
+    return replace(campaign, runs=tuple(alike(run) for run in campaign.runs))
+
+
+def test_two_sensors_are_told_where_noise_shows_at_few_frequencies(clean):
+    """A rough road moves both front wheels alike over six sevenths of the spectrum."""
+
+    def moves(rng, n):
+        lines = np.fft.rfft(rng.normal(0.0, 10.0, n))
+        lines[6 * len(lines) // 7 :] = 0.0
+        return np.fft.irfft(lines, n)
+
+    campaign, vehicle = clean
+    rough = on_both_fronts(campaign, moves, lambda rng, n: rng.normal(0.0, 0.05, (n, 2)))
+    assert "same-signal" not in [f.kind for f in gate(rough, vehicle).findings]
+
+
+def test_one_sensor_on_two_inputs_is_found_though_each_input_has_noise(clean):
+    """The noise of a conversion is a fifth of the sensor's own, which both inputs share."""
+
+    def moves(rng, n):
+        lines = np.fft.rfft(rng.normal(0.0, 10.0, n))
+        lines[len(lines) // 3 :] = 0.0
+        return np.fft.irfft(lines, n) + rng.normal(0.0, 0.05, n)
+
+    campaign, vehicle = clean
+    wired = on_both_fronts(campaign, moves, lambda rng, n: rng.normal(0.0, 0.0095, (n, 2)))
+    assert "same-signal" in [f.kind for f in gate(wired, vehicle).findings]
+
+
 def test_a_silent_channel_is_left_out(clean):
     campaign, vehicle = clean
     runs = tuple(

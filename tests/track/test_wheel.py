@@ -1,12 +1,16 @@
 """Wheels that average: means of paths, exact over kinks, ends and periods."""
 
+import gc
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.campaign import TrackSpec
-from wheelhop.track import Wheel, make_track
+from wheelhop.track import Wheel, make_track, wheel_envelope
+from wheelhop.track.wheel import PathTables
 
 LEFT, RADIUS = 0.59, 0.28
 WASHBOARD = TrackSpec("washboard", {"amplitude_m": 0.015, "pitch_m": 0.4})  # has kinks
@@ -81,3 +85,27 @@ def test_far_from_the_origin_of_a_periodic_track_the_average_is_the_same():
     here, _ = path.height_and_slope(PLACES)
     there, _ = path.height_and_slope(PLACES + 0.4 * 5000)
     np.testing.assert_allclose(there, here, atol=1e-10)
+
+
+def test_paths_kept_take_no_more_memory_than_they_may_and_the_last_asked_for_stay():
+    one = make_track(ROAD)
+    room = 3 * wheel_envelope(one, LEFT, RADIUS, 0.0, 2.0).nbytes
+    tables = PathTables(room)
+    paths = [tables(one, LEFT, RADIUS, 0.0, 2.0 + 0.01 * i) for i in range(10)]
+    assert sum(path.nbytes for path in tables.kept()) <= room
+    assert tables(one, LEFT, RADIUS, 0.0, 2.09) is paths[-1]
+    assert tables(one, LEFT, RADIUS, 0.0, 2.0) is not paths[0]
+
+
+def test_a_path_says_what_memory_its_table_takes():
+    track = make_track(ROAD)
+    track.elevation(0.0, LEFT)
+    tracemalloc.start()
+    try:
+        path = wheel_envelope(track, LEFT, RADIUS, 0.0, 50.0)
+        path.height_and_area(0.0)
+        gc.collect()
+        taken, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert path.nbytes == pytest.approx(taken, rel=0.02)

@@ -18,7 +18,7 @@ from .vehicle import Vehicle, flatten
 
 BAND_HZ = (0.5, 30.0)
 SAMPLE_RATE_HZ = 100.0
-SAMPLES = 1024
+SECONDS = 10.24
 OFFSET_M_S2 = 0.05  # standard deviation of a channel's constant offset
 AVERAGING_S = 0.0066  # of one sample, but no more than three periods
 
@@ -50,17 +50,27 @@ def make_campaign(
     preset: str = "atv",
     short: bool = False,
     noise_rms: float = 0.1,
+    seconds: float = SECONDS,
+    draft: bool = False,
 ) -> Path:
     """Simulate and write one campaign with its truth.toml; returns the folder.
 
     The same arguments give the same files. `noise_rms` is one channel's noise in band, m/s^2,
-    in the mean over channels. Raises ValueError for an unknown preset, effect or parameter.
+    in the mean over channels; `seconds` is the length of a run, and a draft that of
+    `write_campaign`. Raises ValueError for an unknown preset, effect or parameter.
     """
     if preset not in PRESETS:
         raise ValueError(f"no preset {preset!r}; there are {', '.join(PRESETS)}")
     physics = make_effects(effects)
     return write_campaign(
-        folder, PRESETS[preset], physics, seed=seed, short=short, noise_rms=noise_rms
+        folder,
+        PRESETS[preset],
+        physics,
+        seed=seed,
+        short=short,
+        noise_rms=noise_rms,
+        seconds=seconds,
+        draft=draft,
     )
 
 
@@ -73,6 +83,7 @@ def write_campaign(
     short: bool = False,
     noise_rms: float = 0.1,
     rate_hz: float = SAMPLE_RATE_HZ,
+    seconds: float = SECONDS,
     draft: bool = False,
     without: Collection[str] = (),
 ) -> Path:
@@ -93,7 +104,7 @@ def write_campaign(
     (folder / "runs").mkdir(parents=True, exist_ok=True)
     runs: dict[str, Run] = {}
     for number, plan in enumerate(planned):
-        runs[plan.id] = _draw_run(plan, rate_hz, seed * 1000 + number, rng)
+        runs[plan.id] = _draw_run(plan, rate_hz, seconds, seed * 1000 + number, rng)
     error = _Sums(rate_hz)
     step = min([STEP_S, *(effect.step_s for effect in physics)]) * (2.0 if draft else 1.0)
     for plan in planned:
@@ -159,12 +170,14 @@ def _channel_noise(noise_rms: float, rate_hz: float, rng: np.random.Generator) -
     return noise_rms / np.sqrt(share * mean_power) * relative
 
 
-def _draw_run(plan: PlannedRun, rate_hz: float, seed: int, rng: np.random.Generator) -> Run:
+def _draw_run(
+    plan: PlannedRun, rate_hz: float, seconds: float, seed: int, rng: np.random.Generator
+) -> Run:
     """Rounded as the truth file holds them: 0.1 mm and 1e-5 km/h, a hundredth of a degree or two
     of phase on the shortest pitch."""
     speed_kmph = round(plan.speed_kmph * (1.0 + rng.uniform(-0.05, 0.05)), 5)
     start = round(float(rng.uniform(33.0, 41.0)), 4)
-    time = np.arange(round(SAMPLES * rate_hz / SAMPLE_RATE_HZ)) / rate_hz
+    time = np.arange(round(seconds * rate_hz)) / rate_hz
     return Run(plan.track, speed_kmph / 3.6, start, time, _averaging_s(rate_hz), seed=seed)
 
 

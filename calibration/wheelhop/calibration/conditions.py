@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from datetime import date
 from math import hypot, nan, radians, sin, sqrt
 
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
+
 RECTANGULAR = sqrt(3)  # limit / standard uncertainty, GUM 4.3.7
 GAIN_DRIFT_PER_K = 1e-4  # ADXL326: ± 0.01 % / °C
-OFFSET_DRIFT_M_S2_PER_K = 9.80665e-3  # ADXL326: ± 1 mg / °C
+OFFSET_DRIFT_M_S2_PER_K = 1e-3 * STANDARD_GRAVITY_M_S2  # ADXL326: ± 1 mg / °C
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.calibration.sync.beam_file import BeamSession
+from wheelhop.files.units import STANDARD_GRAVITY_M_S2
 from wheelhop.hil_sim.signals import Signals
 from wheelhop.logger.recording import CODE, Channel, Recording
 
 STEP_S = 156.25e-6  # one conversion
 CONVERSIONS = 64  # of a scan at 100 Hz
-CODES_PER_M_S2 = 57e-3 / 3.0 * 1024 / 9.80665  # ADXL326
+CODES_PER_M_S2 = 57e-3 / 3.0 * 1024 / STANDARD_GRAVITY_M_S2  # ADXL326
 INPUTS = 8
 REST = 531.0  # code of a sensor at rest, its axis up
 

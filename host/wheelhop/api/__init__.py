@@ -1,9 +1,10 @@
 """What a guest calls from Python, and the commands call too: read, compare, diagnose, add,
-plan, plot."""
+plan, plot, simulate."""
 
 from wheelhop.api.planning import plan
 from wheelhop.api.plot import plot
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
+from wheelhop.api.simulating import simulate
 from wheelhop.api.verbs import (
     MODEL_FILE,
     add,
@@ -28,4 +29,5 @@ __all__ = [
     "read_log",
     "read_recording",
     "read_vehicle",
+    "simulate",
 ]

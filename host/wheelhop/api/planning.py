@@ -77,8 +77,7 @@ def plan(
     seconds = SECONDS if seconds is None else seconds
     if not 0.0 < noise_rms < 100.0:
         raise CampaignError(f"noise {noise_rms:g}: must be above 0, below 100 m/s²")
-    if not (isfinite(seconds) and SHORTEST_S <= seconds <= LONGEST_S):
-        raise CampaignError(f"{seconds:g} s a run: must be from {SHORTEST_S:g} to {LONGEST_S:g}")
+    check_seconds(seconds)
     library = effects if isinstance(effects, Mapping) else load_effects(_path(effects))
     tried = pick(only, library) if only else [e for e in library.values() if e.place != "sensor"]
     drives = read_drives(tracks, speeds_kmph)
@@ -87,6 +86,13 @@ def plan(
         vehicle = read_vehicle(Path(vehicle))
     case = Case(vehicle, (), drives, seconds)
     return choose(foresee(case, tried, noise_rms, progress, jobs), runs)
+
+
+def check_seconds(seconds: float) -> float:
+    """The length of a run, s; raises CampaignError where none is so short or long."""
+    if not (isfinite(seconds) and SHORTEST_S <= seconds <= LONGEST_S):
+        raise CampaignError(f"{seconds:g} s a run: must be from {SHORTEST_S:g} to {LONGEST_S:g}")
+    return seconds
 
 
 def _path(given: str | Path | None) -> Path | None:

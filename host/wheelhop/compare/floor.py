@@ -117,15 +117,11 @@ def estimate_noise_between_samples(records: Sequence[Array], share: float) -> fl
     one), that of a wave of a tenth of the sample rate a fiftieth of its own. The quietest tenth of
     all pieces counts.
     """
-    pieces = np.concatenate(
-        [
-            np.array_split(np.diff(record, 4, axis=0) ** 2, max(1, len(record) // PIECE))[k].mean(
-                axis=0, keepdims=True
-            )
-            for record in records
-            for k in range(max(1, len(record) // PIECE))
-        ]
-    )
+    pieces = [
+        piece.mean(axis=0)
+        for record in records
+        for piece in np.array_split(np.diff(record, 4, axis=0) ** 2, len(record) // PIECE or 1)
+    ]
     return float(np.sqrt(np.mean(np.quantile(pieces, QUIET_SHARE, axis=0)) / 70.0 * share))
 
 
@@ -154,7 +150,7 @@ def _quiet_level(parts: Sequence[Array], records: Sequence[Record]) -> Array:
 def _levels(coefficients: Array, record: Record) -> Iterator[Array]:
     """Level of white noise in band, as mean square, that each part of the band suggests."""
     band = record.band
-    window = signal.windows.blackmanharris(band.n, sym=False)
+    window = signal.get_window("blackmanharris", band.n)
     spectrum = fft.rfft(band.from_coefficients(coefficients) * window[:, None], axis=0)
     # E|spectrum|² = Σ window² times one sample's variance; the in-band share of it is count / n.
     power = np.abs(spectrum) ** 2 / np.sum(window**2) * band.count / band.n
@@ -163,6 +159,6 @@ def _levels(coefficients: Array, record: Record) -> Iterator[Array]:
     first, last = (round(f / step) for f in band.frequency_hz[[0, -1]])
     margin = min(4, (last - first) // 4)  # half the window's main lobe
     edges = np.linspace(first + margin, last + 1 - margin, BLOCKS + 1).astype(int)
-    for low, high in pairwise(edges[np.append(np.diff(edges) > 0, True)]):
+    for low, high in pairwise(np.unique(edges)):
         # The median of an exponentially distributed periodogram is ln 2 times its mean.
         yield np.median(power[low:high], axis=0) / np.log(2.0)

@@ -7,7 +7,8 @@ so several places on the track are tried, each run by itself.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import inf, isfinite
+from itertools import pairwise
+from math import inf, isclose, isfinite
 
 import numpy as np
 
@@ -96,8 +97,10 @@ def confirm(
             break
     assert best is not None
     if not believed and any(p.is_shape for p in screened.variant.parameters):
-        found, _ = _fitted_from(workshop, base, _saturated(workshop, base, screened), bar)
-        best = max(best, found, key=lambda one: one.evidence)
+        saturated = _saturated(workshop, base, screened)
+        if saturated is not None:
+            found, _ = _fitted_from(workshop, base, saturated, bar)
+            best = max(best, found, key=lambda one: one.evidence)
     rough = validate(workshop, best, base.update)
     worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
     if worse:
@@ -154,9 +157,10 @@ SHARES = (1.0, 0.4, 0.1)
 """A fit begins at one of these shares of the amplitudes that screening expects: to first order
 strong effects are overrated."""
 
-SATURATED = 4.0
-"""Or at this one, where shapes have ended hard to believe: to first order what saturates is
-underrated. A gap that is never used up moves the records as any wider one does."""
+DOUBLINGS = 7
+"""Or, where shapes have ended hard to believe, where twice the strength changes nothing any more: a
+gap that is never used up moves the records as any wider one does. It is sought up to a hundred
+times what screening expects."""
 
 SMALLEST_START = 0.05
 """And with at least this fraction of an amplitude's scale: at zero some laws are flat."""
@@ -183,24 +187,27 @@ def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[st
     return [*(models[0] for models in by_variant), *by_variant[0][1:]]
 
 
-def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model:
-    """The likeliest variant at a strength beyond what screening expects, what is believed of its
-    shapes included."""
-    tried = [
-        (model, item)
-        for item in (screened, *screened.others)
-        for model in _starts_of(workshop, base, item, [SATURATED])
-    ]
-    misfits = _misfits(workshop, base, [model for model, _ in tried])
-    away = [
-        sum(
-            ((item.variant.shapes[p.name] - p.believed) / p.scale) ** 2
-            for p in item.variant.parameters
-            if p.is_shape and p.believed is not None
-        )
-        for _, item in tried
-    ]
-    return tried[int(np.argmin(np.add(misfits, away)))][0]
+def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model | None:
+    """The least strength, found by doubling, of which twice as much does the same, in the form that
+    fits best, what is believed of its shapes included; None where none does."""
+    shares = [2.0**k for k in range(DOUBLINGS + 1)]
+    found: list[tuple[float, Model]] = []
+    for item in (screened, *screened.others):
+        models = [next(_starts_of(workshop, base, item, [share])) for share in shares]
+        misfits = _misfits(workshop, base, models)
+        # Strengths that end at one bound are the same; only others that do the same are saturated.
+        same = [
+            isfinite(one) and isclose(one, other) and model.values != twice.values
+            for (one, model), (other, twice) in pairwise(zip(misfits, models, strict=True))
+        ]
+        if any(same):
+            away = sum(
+                ((item.variant.shapes[p.name] - p.believed) / p.scale) ** 2
+                for p in item.variant.parameters
+                if p.is_shape and p.believed is not None
+            )
+            found.append((misfits[same.index(True)] + away, models[same.index(True)]))
+    return min(found, key=lambda one: one[0])[1] if found else None
 
 
 def _starts_of(

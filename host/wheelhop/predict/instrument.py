@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,7 +15,7 @@ from wheelhop.calibration.constants import (
     Constants,
     nominal_constants,
 )
-from wheelhop.campaign import CampaignError
+from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.write import DEFAULT_BAND_HZ
 from wheelhop.compare.band import InBand
@@ -40,21 +41,35 @@ LEAD_S = 0.25
 """Signals stand before and after a session, for it begins and ends when it will."""
 
 
+def measured(case: Case, noise_rms: float) -> Campaign:
+    """All drives as `recording` gives them, in memory."""
+    ideal, _ = case.campaign(noise_rms)
+    runs = tuple(
+        replace(run, role=drive.role, record=_with_noise(run.record, case, number, noise_rms))
+        for number, (run, drive) in enumerate(zip(ideal.runs, case.drives, strict=True))
+    )
+    return replace(ideal, runs=runs, noise_rms=noise_rms or None)
+
+
 def recording(case: Case, number: int, noise_rms: float) -> Recording:
     """A run as an ideal recorder gives it: means over 10 ms, with white noise.
 
     `noise_rms`, m/s², is what of the noise lies in the band of errors, as `noise_rms_m_s2` states.
     """
     values = case.record(number, SAMPLE_RATE_HZ, AVERAGING_S)
-    low, high = DEFAULT_BAND_HZ
-    sigma = noise_rms / np.sqrt((high - low) / (SAMPLE_RATE_HZ / 2))
-    rng = np.random.default_rng([case.seed, number, 1])
     return Recording(
-        values + sigma * rng.normal(size=values.shape),
+        _with_noise(values, case, number, noise_rms),
         SAMPLE_RATE_HZ,
         tuple(Channel(c.name, ACCELERATION, c.point) for c in case.channels),
         averaging_s=AVERAGING_S,
     )
+
+
+def _with_noise(values: Array, case: Case, number: int, noise_rms: float) -> Array:
+    low, high = DEFAULT_BAND_HZ
+    sigma = noise_rms / np.sqrt((high - low) / (SAMPLE_RATE_HZ / 2))
+    rng = np.random.default_rng([case.seed, number, 1])
+    return np.asarray(values + sigma * rng.normal(size=values.shape))
 
 
 def logged(case: Case, number: int, noise_rms: float, file: Path) -> None:

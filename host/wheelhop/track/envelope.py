@@ -48,24 +48,26 @@ class Envelope:
     _origin_m: float
     _step_m: float
     _periodic: bool
-    _split: Array  # (cells,) where, in cells from its left end, a cell changes polynomial
-    _height: Array  # (2 · cells, 4) polynomials left of the split, then those right of it
-    _slope: Array  # (2 · cells, 3) their derivatives
+    _cells: int
+    _height: Array  # (cells + splits, 4) a polynomial per cell, then those right of the splits
+    _split_cell: NDArray[np.intp]  # (splits,) the cells that change polynomial, in order
+    _split_at: Array  # (splits,) and where they do, 0 to 1 across the cell
+
+    @property
+    def nbytes(self) -> int:
+        """Memory its table takes, in bytes."""
+        return self._height.nbytes + 8 * len(self._height)  # with the areas, should they be asked
 
     def height(self, x: ArrayLike) -> Array:
         """h at x, both in metres, any shape. Raises ValueError outside the tabulated range."""
-        row, t = self._locate(x)
-        c = self._height.take(row, axis=0)
-        return ((c[..., 3] * t + c[..., 2]) * t + c[..., 1]) * t + c[..., 0]
+        return self.height_and_slope(x)[0]
 
     def slope(self, x: ArrayLike) -> Array:
         """dh/dx at x, dimensionless, any shape. Raises ValueError outside the tabulated range."""
-        row, t = self._locate(x)
-        c = self._slope.take(row, axis=0)
-        return (c[..., 2] * t + c[..., 1]) * t + c[..., 0]
+        return self.height_and_slope(x)[1]
 
     def height_and_slope(self, x: ArrayLike) -> tuple[Array, Array]:
-        """Both at once, for the price of little more than one."""
+        """Both at once. Raises ValueError outside the tabulated range."""
         row, t = self._locate(x)
         c = self._height.take(row, axis=0)
         c1, c2, c3 = c[..., 1], c[..., 2], c[..., 3]
@@ -75,43 +77,47 @@ class Envelope:
     def height_and_area(self, x: ArrayLike) -> tuple[Array, Array]:
         """h at x and ∫h dx up to there, m and m², from a point that is the same for every x."""
         row, t = self._locate(x)
-        c = self._area[0].take(row, axis=0)
-        area = (((c[..., 4] * t + c[..., 3]) * t + c[..., 2]) * t + c[..., 1]) * t + c[..., 0]
         h = self._height.take(row, axis=0)
-        height = ((h[..., 3] * t + h[..., 2]) * t + h[..., 1]) * t + h[..., 0]
-        cells = len(self._split)
+        h0, h1, h2, h3 = h[..., 0], h[..., 1], h[..., 2], h[..., 3]
+        starts, whole = self._area
+        inside = (((h3 / 4.0 * t + h2 / 3.0) * t + h1 / 2.0) * t + h0) * t
+        area = starts.take(row) + self._step_m * inside
+        height = ((h3 * t + h2) * t + h1) * t + h0
         place = (np.asarray(x, dtype=np.float64) - self._origin_m) / self._step_m
         if self._periodic:
-            return height, area + np.floor(place / cells) * self._area[1]
-        return height, area + (place - np.clip(place, 0.0, cells)) * self._step_m * height
+            return height, area + np.floor(place / self._cells) * whole
+        return height, area + (place - np.clip(place, 0.0, self._cells)) * self._step_m * height
 
     @cached_property
     def sharpest_kink(self) -> float:
         """Largest jump of the slope where the contact jumps from one point to another: within a
         cell, or between two (at the bottom of a symmetric trough, for one)."""
-        split = self._split
-        left, right = np.split(self._slope, 2)
-        inside = np.abs(_at(right, split) - _at(left, split))[(split > 0.0) & (split < 1.0)]
-        begins = np.where(split > 0.0, _at(left, 0.0), _at(right, 0.0))
-        ends = np.where(split < 1.0, _at(right, 1.0), _at(left, 1.0))
+        slope = self._height[:, 1:] * (np.array([1.0, 2.0, 3.0]) / self._step_m)
+        left, right = slope[: self._cells], slope[self._cells :]
+        at_split = _at(left[self._split_cell], self._split_at)
+        inside = np.abs(_at(right, self._split_at) - at_split)
+        begins, ends = left[:, 0], left.sum(axis=1)
+        ends[self._split_cell] = right.sum(axis=1)
         between = np.abs(np.roll(begins, -1) - ends)[: None if self._periodic else -1]
         return float(max(inside.max(initial=0.0), between.max(initial=0.0)))
 
     @cached_property
     def _area(self) -> tuple[Array, float]:
-        """Polynomials (2 · cells, 5) of ∫h dx from the origin of the table, and their end value."""
-        cells, split = len(self._split), self._split[:, None]
+        """∫h dx from the origin of the table to where each polynomial's t is 0, (cells + splits,),
+        and to the end of the table."""
         gain = self._height * (self._step_m / np.arange(1.0, 5.0))
-        at_split = (gain * np.tile(split, (2, 1)) ** np.arange(1, 5)).sum(axis=1)
-        change = at_split[:cells] - at_split[cells:]
-        start = np.cumsum(np.concatenate([[0.0], change + gain[cells:].sum(axis=1)]))
-        constant = np.concatenate([start[:-1], start[:-1] + change])
-        return np.column_stack([constant, gain]), float(start[-1])
+        left, right = gain[: self._cells], gain[self._cells :]
+        at_split = self._split_at[:, None] ** np.arange(1, 5)
+        change = ((left[self._split_cell] - right) * at_split).sum(axis=1)
+        across = left.sum(axis=1)
+        across[self._split_cell] = change + right.sum(axis=1)
+        start = np.concatenate([[0.0], np.cumsum(across)])
+        return np.append(start[:-1], start[self._split_cell] + change), float(start[-1])
 
     def _locate(self, x: ArrayLike) -> tuple[NDArray[np.intp], Array]:
         """Row of the polynomial that holds at x, and the place in its cell, 0 to 1."""
         x = np.asarray(x, dtype=np.float64)
-        cells = len(self._split)
+        cells = self._cells
         place = (x - self._origin_m) / self._step_m
         if self._periodic:
             place -= np.floor(place / cells) * cells
@@ -124,7 +130,11 @@ class Envelope:
             place = np.clip(place, 0.0, cells)
         cell = np.minimum(place.astype(np.intp), cells - 1)
         t = place - cell
-        return cell + cells * (t > self._split.take(cell)), t
+        if len(self._split_cell) == 0:
+            return cell, t
+        nearest = np.searchsorted(self._split_cell, cell).clip(max=len(self._split_cell) - 1)
+        behind = (self._split_cell[nearest] == cell) & (t > self._split_at[nearest])
+        return np.where(behind, cells + nearest, cell), t
 
 
 def _at(polynomials: Array, t: Array | float) -> Array:
@@ -157,9 +167,8 @@ def wheel_envelope(
     cells = math.ceil(length / (_FINE_M if length < 1 else _COARSE_M))
     step = length / cells
     x = origin + step * np.arange(-1, cells + 2, dtype=np.float64)  # one cell more at either end
-    split, height = _interpolate(_roll(track, y_m, radius_m, x), step)
-    slope = height[:, 1:] * (np.array([1.0, 2.0, 3.0]) / step)
-    return Envelope(x_min_m, x_max_m, origin, step, periodic, split, height, slope)
+    height, split_cell, split_at = _interpolate(_roll(track, y_m, radius_m, x), step)
+    return Envelope(x_min_m, x_max_m, origin, step, periodic, cells, height, split_cell, split_at)
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,8 +241,9 @@ def _highest(z: Array, disc: Array, n: int) -> tuple[NDArray[np.intp], Array, Ar
     return index, z[at] + disc[index], z[at - 1] + disc[index - 1], z[at + 1] + disc[index + 1]
 
 
-def _interpolate(contact: _Contact, step: float) -> tuple[Array, Array]:
-    """Where cells split, (cells,), and polynomials, (2 · cells, 4), in t, 0 to 1 across a cell.
+def _interpolate(contact: _Contact, step: float) -> tuple[Array, NDArray[np.intp], Array]:
+    """Polynomials (cells + splits, 4) in t, 0 to 1 across a cell, those right of a split behind the
+    others; which cells split, and where.
 
     The contacts reach one cell further than the result at either end.
     """
@@ -241,8 +251,6 @@ def _interpolate(contact: _Contact, step: float) -> tuple[Array, Array]:
     d0, d1 = contact.slope[:-1] * step, contact.slope[1:] * step
     rise = h1 - h0
     cubic = np.stack([h0, d0, 3 * rise - 2 * d0 - d1, d0 + d1 - 2 * rise], axis=1)
-    before, after = cubic[1:-1].copy(), cubic[1:-1].copy()
-    split = np.ones(len(before))
     # h is the highest of all branches. Where the contact jumps, the branch of the cell on the left
     # goes on until that of the cell on the right rises above it; beside a larger jump, a smaller
     # one is but a contact that moves fast.
@@ -252,9 +260,9 @@ def _interpolate(contact: _Contact, step: float) -> tuple[Array, Array]:
     left, right = cubic[jump] @ _ONE_CELL_ON.T, cubic[jump + 2] @ _ONE_CELL_BACK.T
     crossing = _crossing(left - right)
     sharp = np.isfinite(crossing)
-    before[jump[sharp]], after[jump[sharp]] = left[sharp], right[sharp]
-    split[jump[sharp]] = crossing[sharp]
-    return split, np.concatenate([before, after])
+    polynomials = cubic[1:-1].copy()
+    polynomials[jump[sharp]] = left[sharp]
+    return np.concatenate([polynomials, right[sharp]]), jump[sharp], crossing[sharp]
 
 
 def _crossing(lead: Array) -> Array:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from threading import Lock
 from typing import Protocol
 
 import numpy as np
@@ -166,6 +167,37 @@ class _AveragedTrack(Track):
         return np.broadcast_to(height, np.broadcast_shapes(x.shape, y.shape))
 
 
-@lru_cache(maxsize=256)
-def _envelope(track: Track, y_m: float, radius_m: float, low_m: float, high_m: float) -> Envelope:
-    return wheel_envelope(track, y_m, radius_m, low_m, high_m)
+class PathTables:
+    """Tables of paths, those asked for last: as many as take no more than `room` bytes."""
+
+    def __init__(self, room: int) -> None:
+        self.room = room
+        self._kept: OrderedDict[tuple[object, ...], Envelope] = OrderedDict()
+        self._taken = 0
+        self._lock = Lock()
+
+    def __call__(
+        self, track: Track, y_m: float, radius_m: float, low_m: float, high_m: float
+    ) -> Envelope:
+        """`wheel_envelope`, made or kept."""
+        key = (track, y_m, radius_m, low_m, high_m)
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                return self._kept[key]
+        made = wheel_envelope(*key)
+        with self._lock:
+            if key not in self._kept:  # by another thread, meanwhile
+                self._taken += made.nbytes
+            self._kept[key] = made
+            while self._taken > self.room:
+                self._taken -= self._kept.popitem(last=False)[1].nbytes
+        return made
+
+    def kept(self) -> list[Envelope]:
+        """The paths kept, the last asked for at the end."""
+        with self._lock:
+            return list(self._kept.values())
+
+
+_envelope = PathTables(1 << 29)  # the wheels of sixty runs of 50 m over random ground
