@@ -54,6 +54,40 @@ def test_a_kind_of_track_is_not_as_surveyed(clean, quantity, key, factor, within
     assert any(f"washboard tracks times {factor}" in line for line in diagnosis.explanation)
 
 
+def test_all_tracks_are_higher_than_surveyed(clean):
+    """Whoever wrote heights from the middle to the crest as from trough to crest did so each time;
+    it looks like recordings that are all too large."""
+    campaign, vehicle = clean
+    low = [
+        replace(
+            run.track,
+            values={**run.track.values, "amplitude_m": run.track.values["amplitude_m"] / 1.1},
+        )
+        for run in campaign.runs
+    ]
+    wrong = replace(
+        campaign,
+        runs=tuple(replace(r, track=t) for r, t in zip(campaign.runs, low, strict=True)),
+    )
+    diagnosis = diagnose(wrong, vehicle, FEW, jobs=1)
+    assert diagnosis.verdict == ("belief: amplitude of all tracks",)
+    error = diagnosis.ladder[-1].rung.model.values["belief: amplitude of all tracks.error"]
+    assert error == pytest.approx(0.1, abs=0.004)
+    assert any("all recordings times 0.909" in line for line in diagnosis.explanation)
+
+
+def test_only_what_can_show_is_asked_of_all_tracks(clean):
+    """Of one kind, "all" would be the same twice; longer waves under a longer car do not show."""
+    campaign, vehicle = clean
+    asked = set(beliefs(campaign, vehicle))
+    assert "belief: amplitude of all tracks" in asked
+    assert "belief: wavelength of all tracks" not in asked
+    alike = [run for run in campaign.runs if run.track.kind == "washboard"]
+    assert not any(
+        "all tracks" in name for name in beliefs(replace(campaign, runs=tuple(alike)), vehicle)
+    )
+
+
 def test_sensors_that_say_where_they_sit_may_be_wrong_too(clean):
     """Any place on the body; three alone agree on any motion of a rigid body, wherever they are."""
     campaign, vehicle = clean
