@@ -95,9 +95,13 @@ def test_a_number_on_its_bound_is_said_and_an_absent_amplitude_is_not():
     assert finding.about == "body.mass_kg" and finding.kind == "at-bound"
 
 
-@pytest.mark.parametrize(("value", "said"), [(229.0, False), (231.0, True), (160.0, True)])
-def test_three_standard_deviations(value, said):
-    found = list(_moved([number("body.mass_kg", value, 1.0, 200.0, 10.0)], []))
+@pytest.mark.parametrize(
+    ("value", "sd", "said"),
+    [(229.0, 1.0, False), (231.0, 1.0, True), (160.0, 1.0, True), (226.0, 6.0, True)],
+)
+def test_three_standard_deviations(value, sd, said):
+    """Of how far a fit moves a right belief: what is left uncertain was not moved."""
+    found = list(_moved([number("body.mass_kg", value, sd, 200.0, 10.0)], []))
     assert bool(found) == said
 
 

@@ -19,7 +19,7 @@ from wheelhop.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 MOVED = 3.0
-"""Standard deviations of its prior that a number may move before that is said."""
+"""Standard deviations that a number may move before that is said."""
 AT_BOUND = 0.01  # of a number's scale
 NEAR = 2.0
 """Standard deviations within which a law is not told from what it becomes at a bound."""
@@ -164,12 +164,11 @@ def _bounds(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Fi
 
 def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
     vehicle = [n for n in numbers if not any(_of(n, e) for e in effects) and isfinite(n.sigma)]
-    far = [n for n in vehicle if abs(n.value - n.mean) > MOVED * n.sigma]
+    away = {n.name: abs(n.value - n.mean) / _believed_to_move(n) for n in vehicle}
+    far = sorted((n for n in vehicle if away[n.name] > MOVED), key=lambda n: -away[n.name])
     if far:
-        far.sort(key=lambda n: -abs(n.value - n.mean) / n.sigma)
         most = ", ".join(
-            f"{n.name} from {n.mean:.4g} to {n.value:.4g}"
-            f" ({abs(n.value - n.mean) / n.sigma:.0f} sd)"
+            f"{n.name} from {n.mean:.4g} to {n.value:.4g} ({away[n.name]:.1f} sd)"
             for n in far[:NAMED]
         )
         yield Finding(
@@ -181,6 +180,13 @@ def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Fin
             "Measure it again, or state it with more doubt; if it is right, the model makes it up"
             " for something that is missing.",
         )
+
+
+def _believed_to_move(number: Number) -> float:
+    """Standard deviation with which a fit moves a number if what was believed of it is right: of
+    the prior's variance, what is left afterwards is what the data did not tell."""
+    told = number.sigma**2 - _finite(number.sd) ** 2
+    return float(np.sqrt(max(told, 1e-4 * number.sigma**2)))
 
 
 def _no_vehicle(step: Step, numbers: Sequence[Number]) -> Iterator[Finding]:
