@@ -9,7 +9,7 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import LIBRARY
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import diagnose, fit_baseline
+from wheelhop.diagnose import diagnose, fit_baseline, to_json
 from wheelhop.effects.beliefs import beliefs
 from wheelhop.vehicle import read_vehicle
 
@@ -74,6 +74,27 @@ def test_all_tracks_are_higher_than_surveyed(clean):
     error = diagnosis.ladder[-1].rung.model.values["belief: amplitude of all tracks.error"]
     assert error == pytest.approx(0.1, abs=0.004)
     assert any("all recordings times 0.909" in line for line in diagnosis.explanation)
+    (belief,) = to_json(diagnosis)["beliefs"]
+    assert belief["what"] == "track.all.amplitude" and belief["stated"] == 1.0
+    assert belief["fitted"] == 1.0 + error and 0.0 < belief["sd"] < 0.01
+    assert belief["confidence"] > 0.9
+
+
+def test_a_weight_that_was_misread_is_said(clean):
+    """A fifth too heavy, at 2 % claimed: the ratios of all other numbers say so."""
+    campaign, vehicle = clean
+    stated = 1.2 * vehicle["body.mass_kg"]
+    wrong = replace(
+        vehicle,
+        values={**vehicle.values, "body.mass_kg": stated},
+        uncertainty={**vehicle.uncertainty, "body.mass_kg": 0.02 * stated},
+    )
+    diagnosis = diagnose(campaign, wrong, FEW, jobs=1)
+    assert diagnosis.verdict == ("none",)
+    assert any(f.kind == "moved" and "body.mass_kg" in f.text for f in diagnosis.findings)
+    belief = next(b for b in to_json(diagnosis)["beliefs"] if b["what"] == "body.mass_kg")
+    assert belief["stated"] == stated and belief["fitted"] < 0.98 * stated
+    assert belief["confidence"] > 0.9
 
 
 def test_only_what_can_show_is_asked_of_all_tracks(clean):

@@ -93,6 +93,10 @@ class TrackSurvey(Effect):
         true = {k: float(v) * factor for k, v in track.values.items() if k in keys}
         return replace(track, values={**track.values, **true})
 
+    def stated(self) -> Mapping[str, tuple[str, float]]:
+        """The quantity over what was surveyed."""
+        return {"error": (f"track.{self.kind}.{self.quantity.name}", 1.0)}
+
     def remedy(self, theta: Values) -> str:
         """What to correct in campaign.toml."""
         factor = 1.0 + theta["error"]
@@ -111,12 +115,14 @@ class SensorPosition(Effect):
     source = "kinematics of a rigid body, small angles"
     is_belief = True
 
-    def __init__(self, channel: str, others: Sequence[str], slope: Array) -> None:
-        """`slope` (2, c) makes of the records of `others` (c,) how the body's acceleration grows
-        ahead and to the left."""
+    def __init__(
+        self, channel: str, place: tuple[float, float], others: Sequence[str], slope: Array
+    ) -> None:
+        """`place` (x, y), m, is where it is said to sit; `slope` (2, c) makes of the records of
+        `others` (c,) how the body's acceleration grows ahead and to the left."""
         self.id = f"belief: position of {channel}"  # type: ignore[misc]
         self.title = f"{channel} sits elsewhere than stated"  # type: ignore[misc]
-        self.channel, self.others, self.slope = channel, others, slope
+        self.channel, self.said, self.others, self.slope = channel, place, others, slope
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """How far it is ahead and to the left of its point."""
@@ -135,6 +141,13 @@ class SensorPosition(Effect):
         across = acceleration[:, [column[name] for name in self.others]] @ self.slope.T
         found[:, column[self.channel]] += across @ [theta["x_m"], theta["y_m"]]
         return found
+
+    def stated(self) -> Mapping[str, tuple[str, float]]:
+        """Its place about the centre of mass."""
+        return {
+            axis: (f"channel.{self.channel}.{axis}", said)
+            for axis, said in zip(("x_m", "y_m"), self.said, strict=True)
+        }
 
     def remedy(self, theta: Values) -> str:
         """What to correct in campaign.toml."""
@@ -161,7 +174,7 @@ def beliefs(campaign: Campaign, vehicle: Vehicle) -> Mapping[str, Effect]:
     fields = np.array([(1.0, *place) for place in places.values()])
     if len(places) > len(BODY_MODES) and np.linalg.matrix_rank(fields) == len(BODY_MODES):
         slope = np.linalg.pinv(fields)[1:]
-        found += [SensorPosition(name, tuple(places), slope) for name in places]
+        found += [SensorPosition(name, at, tuple(places), slope) for name, at in places.items()]
     return {effect.id: effect for effect in found}
 
 
