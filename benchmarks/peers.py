@@ -26,6 +26,7 @@ from benchmarks.peers_model import (
     flexible,
     with_laws,
 )
+from wheelhop.campaign import Averaging
 from wheelhop.simulate import Model
 from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.simulate.lanes import LANES
@@ -55,7 +56,7 @@ def ours(
         step_s=step_s,
         first=round(2 * EVERY_S / step_s),
         stride=round(2 * EVERY_S / step_s),
-        window_s=2 * EVERY_S,
+        averaging=Averaging(2 * EVERY_S),
         n_samples=round(seconds * RATE_HZ) - 1,
     )
 
@@ -271,7 +272,8 @@ def quarter_cars(count: int = 10_000, seconds: float = 60.0) -> None:
         cars = [Model(one).system(points, "road") for one in values]
         integrate(
             [Task(car, height, rate, none, still) for car in cars],
-            step_s=step_s, first=4, stride=4, window_s=0.01, n_samples=round(seconds * RATE_HZ) - 2,
+            step_s=step_s, first=4, stride=4, averaging=Averaging(0.01),
+            n_samples=round(seconds * RATE_HZ) - 2,
         )  # fmt: skip
 
     some(LANES)

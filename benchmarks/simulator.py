@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 from benchmarks import mujoco_car as other
 from tests import truth
 from tests.simulate.setup import CHANNELS, EFFECTS, model_of, track_spec
-from wheelhop.campaign import TrackSpec
+from wheelhop.campaign import Averaging, TrackSpec
 from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.simulate.run import STEP_S
 from wheelhop.track import Envelope, make_track, wheel_envelope
@@ -144,7 +144,7 @@ def ours(system: System, motions: list[tuple[Array, Array]], step_s: float) -> l
             step_s=step_s,
             first=round(RUN_UP_S / step_s),
             stride=stride,
-            window_s=WINDOW_S,
+            averaging=Averaging(WINDOW_S),
             n_samples=round(RECORD_S * RATE_HZ),
         )
 

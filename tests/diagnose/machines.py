@@ -46,6 +46,10 @@ FURTHER: dict[str, Hidden] = {
         "rubbing_N": 15.0,
     },
     "driver-seat": {"mass_kg": 68.0, "freq_hz": 3.2, "zeta": 0.28, "x_m": -0.1, "upper": 0.4},
+    "progressive-tyre": {"power": 1.25},
+    "driver-rocking": {"roll_inertia_kg_m2": 6.0, "freq_hz": 2.4, "zeta": 0.25, "upper": 0.3},
+    "cornering-roll": {"peak_m_s2": 2.0, "direct": 0.3},
+    "left-right-drift": {"slip_m": 0.06},
     "frame-twist": {"freq_hz": 11.0, "zeta": 0.04, "bending_hz": 24.0},
     "sensor-clipping": {"channel": "A2", "limit_m_s2": 12.0, "offset_m_s2": 0.8},
 }

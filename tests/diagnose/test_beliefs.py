@@ -9,7 +9,7 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import LIBRARY
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import diagnose, fit_baseline
+from wheelhop.diagnose import diagnose, fit_baseline, to_json
 from wheelhop.effects.beliefs import beliefs
 from wheelhop.vehicle import read_vehicle
 
@@ -52,6 +52,61 @@ def test_a_kind_of_track_is_not_as_surveyed(clean, quantity, key, factor, within
     error = diagnosis.ladder[-1].rung.model.values[f"{name}.error"]
     assert error == pytest.approx(factor - 1.0, abs=within)
     assert any(f"washboard tracks times {factor}" in line for line in diagnosis.explanation)
+
+
+def test_all_tracks_are_higher_than_surveyed(clean):
+    """Whoever wrote heights from the middle to the crest as from trough to crest did so each time;
+    it looks like recordings that are all too large."""
+    campaign, vehicle = clean
+    low = [
+        replace(
+            run.track,
+            values={**run.track.values, "amplitude_m": run.track.values["amplitude_m"] / 1.1},
+        )
+        for run in campaign.runs
+    ]
+    wrong = replace(
+        campaign,
+        runs=tuple(replace(r, track=t) for r, t in zip(campaign.runs, low, strict=True)),
+    )
+    diagnosis = diagnose(wrong, vehicle, FEW, jobs=1)
+    assert diagnosis.verdict == ("belief: amplitude of all tracks",)
+    error = diagnosis.ladder[-1].rung.model.values["belief: amplitude of all tracks.error"]
+    assert error == pytest.approx(0.1, abs=0.004)
+    assert any("all recordings times 0.909" in line for line in diagnosis.explanation)
+    (belief,) = to_json(diagnosis)["beliefs"]
+    assert belief["what"] == "track.all.amplitude" and belief["stated"] == 1.0
+    assert belief["fitted"] == 1.0 + error and 0.0 < belief["sd"] < 0.01
+    assert belief["confidence"] > 0.9
+
+
+def test_a_weight_that_was_misread_is_said(clean):
+    """A fifth too heavy, at 2 % claimed: the ratios of all other numbers say so."""
+    campaign, vehicle = clean
+    stated = 1.2 * vehicle["body.mass_kg"]
+    wrong = replace(
+        vehicle,
+        values={**vehicle.values, "body.mass_kg": stated},
+        uncertainty={**vehicle.uncertainty, "body.mass_kg": 0.02 * stated},
+    )
+    diagnosis = diagnose(campaign, wrong, FEW, jobs=1)
+    assert diagnosis.verdict == ("none",)
+    assert any(f.kind == "moved" and "body.mass_kg" in f.text for f in diagnosis.findings)
+    belief = next(b for b in to_json(diagnosis)["beliefs"] if b["what"] == "body.mass_kg")
+    assert belief["stated"] == stated and belief["fitted"] < 0.98 * stated
+    assert belief["confidence"] > 0.9
+
+
+def test_only_what_can_show_is_asked_of_all_tracks(clean):
+    """Of one kind, "all" would be the same twice; longer waves under a longer car do not show."""
+    campaign, vehicle = clean
+    asked = set(beliefs(campaign, vehicle))
+    assert "belief: amplitude of all tracks" in asked
+    assert "belief: wavelength of all tracks" not in asked
+    alike = [run for run in campaign.runs if run.track.kind == "washboard"]
+    assert not any(
+        "all tracks" in name for name in beliefs(replace(campaign, runs=tuple(alike)), vehicle)
+    )
 
 
 def test_sensors_that_say_where_they_sit_may_be_wrong_too(clean):

@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 
 from wheelhop.compare import Slice, estimate_noise_between_samples
-from wheelhop.diagnose.critic import Number, _bounds, _fair_band, _laws, _moved, _rivals, _untold
+from wheelhop.diagnose.critic import (
+    Number,
+    _bounds,
+    _fair_band,
+    _floor,
+    _laws,
+    _moved,
+    _no_vehicle,
+    _rivals,
+    _untold,
+)
 from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.effects import load_effects
 
@@ -26,6 +36,7 @@ DAMPER = [LIBRARY["digressive-damper"]]
 
 def test_a_knee_at_rest_is_friction():
     (finding,) = _laws([LOSS, KNEE], DAMPER)
+    assert list(_bounds([LOSS, KNEE], DAMPER)) == []  # that is what the bound means
     assert "dry-friction" in finding.text and "dry-friction" in finding.remedy
     assert finding.when == "after" and finding.about == KNEE.name
 
@@ -42,20 +53,28 @@ def step(*errors, above_floor=True):
     return SimpleNamespace(comparison=SimpleNamespace(breakdown=breakdown), above_floor=above_floor)
 
 
+WORSE = [0.5, 0.3, 0.5, 0.6, 1.3, 1.1]  # beyond 8 Hz than no model
+
+
 @pytest.mark.parametrize(
-    ("baseline", "last", "said"),
+    ("baseline", "last", "band", "said"),
     [
-        ([0.5, 0.3, 0.5, 0.6, 1.3, 1.1], [], "1, 8"),  # beyond 8 Hz it is worse than no model
-        ([0.2, 0.1, 0.2, 0.2, 0.9, 0.9], [], "1, 8"),  # everywhere better, but not as much
-        ([0.5, 0.3, 0.5, 0.6, 1.3, 1.1], [0.5, 0.3, 0.5, 0.6, 0.8, 0.7], "1, 8"),
-        ([0.6] * 6, [], ""),
-        ([1.2, 1.1, 1.2, 1.1, 0.9, 1.0], [], ""),  # fair in too little of it
+        (WORSE, [], "1, 8", "the same model leaves 49 %, over the whole band 80 %"),
+        ([0.2, 0.1, 0.2, 0.2, 0.9, 0.9], [], "1, 8", "the same model leaves 18 %"),
+        (WORSE, [0.5, 0.3, 0.5, 0.6, 0.8, 0.7], "1, 8", "the baseline leaves 49 %"),
+        ([0.5, 0.3, 0.5, 0.6, 0.7, 1.3], WORSE, "1, 8", "the same model leaves 49 %"),
+        ([0.6] * 6, [], "", ""),
+        ([1.2, 1.1, 1.2, 1.1, 0.9, 1.0], [], "", ""),  # fair in too little of it
     ],
 )
-def test_the_band_in_which_a_model_is_fair_is_offered(baseline, last, said):
+def test_the_band_in_which_a_model_is_fair_is_offered(baseline, last, band, said):
+    """Where it is worse than none elsewhere, or much better there; the last model's, or else the
+    baseline's."""
     ladder = [step(*baseline), step(*(last or baseline))]
-    offers = [f.remedy for f in _fair_band(ladder)]
-    assert offers == ([f"Set band_hz = [{said}] in campaign.toml to look only there."] * bool(said))
+    found = list(_fair_band(ladder))
+    offer = f"Set band_hz = [{band}] in campaign.toml to look only there."
+    assert [f.remedy for f in found] == [offer] * bool(band)
+    assert all(said in f.text for f in found)
     ladder[-1].above_floor = False
     assert list(_fair_band(ladder)) == []
 
@@ -95,9 +114,13 @@ def test_a_number_on_its_bound_is_said_and_an_absent_amplitude_is_not():
     assert finding.about == "body.mass_kg" and finding.kind == "at-bound"
 
 
-@pytest.mark.parametrize(("value", "said"), [(229.0, False), (231.0, True), (160.0, True)])
-def test_three_standard_deviations(value, said):
-    found = list(_moved([number("body.mass_kg", value, 1.0, 200.0, 10.0)], []))
+@pytest.mark.parametrize(
+    ("value", "sd", "said"),
+    [(229.0, 1.0, False), (231.0, 1.0, True), (160.0, 1.0, True), (226.0, 6.0, True)],
+)
+def test_three_standard_deviations(value, sd, said):
+    """Of how far a fit moves a right belief: what is left uncertain was not moved."""
+    found = list(_moved([number("body.mass_kg", value, sd, 200.0, 10.0)], []))
     assert bool(found) == said
 
 
@@ -149,3 +172,35 @@ def test_noise_from_one_sample_to_the_next():
     records = [wave + 0.1 * rng.normal(size=(2000, 4)) for _ in range(3)]
     found = estimate_noise_between_samples(records, 0.59)
     assert 0.6 < found / (0.1 * np.sqrt(0.59)) < 1.2
+
+
+@pytest.mark.parametrize(
+    ("rms", "stated", "said"), [(0.30, False, True), (0.09, False, False), (0.30, True, False)]
+)
+def test_an_estimated_floor_that_neighbouring_samples_do_not_show_is_misfit(rms, stated, said):
+    """The sensors' noise is 0.1 m/s², 0.077 of it in band."""
+    record = 0.1 * np.random.default_rng(1).normal(size=(4000, 2))
+    bench = SimpleNamespace(
+        run=SimpleNamespace(record=record),
+        predicted=np.array([True, True]),
+        band=SimpleNamespace(count=59, n=100),
+    )
+    fitted = SimpleNamespace(runs=(SimpleNamespace(bench=bench),))
+    floor = SimpleNamespace(
+        is_stated=stated, pooled_rms=rms, unit="m/s²", noise_key="noise_rms_m_s2"
+    )
+    rung = SimpleNamespace(fit=fitted, validation=None)
+    step = SimpleNamespace(rung=rung, comparison=SimpleNamespace(floor=floor))
+    assert [f.kind for f in _floor(step)] == ["floor"] * said
+
+
+@pytest.mark.parametrize("is_free", [True, False])
+def test_fitted_numbers_that_no_vehicle_has(nominal, is_free):
+    """A number that the fit did not choose is the gate's affair, who saw it before."""
+    spring = "suspension.front.stiffness_N_m"
+    values = {**nominal.values, spring: 1e-3 * nominal.values[spring]}
+    fitted = SimpleNamespace(model=SimpleNamespace(values=values))
+    free = [number(spring if is_free else "body.mass_kg", 1.0)]
+    found = list(_no_vehicle(SimpleNamespace(rung=SimpleNamespace(fit=fitted)), free))
+    assert [f.about for f in found] == [spring] * is_free
+    assert all(f.when == "after" for f in found)

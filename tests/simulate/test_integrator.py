@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from wheelhop.campaign import Averaging
 from wheelhop.effects.dry_friction import elastic_slip
 from wheelhop.effects.progressive_spring import cubic
 from wheelhop.simulate.integrator import Task, integrate
@@ -47,7 +48,7 @@ def run(system, step_s, duration_s, *, ground_m=None, force=None, at=(0.0, 0.0),
         step_s=step_s,
         first=margin,
         stride=1,
-        window_s=window_s,
+        averaging=Averaging(window_s),
         n_samples=count,
     )
     return time[margin : margin + count], found[:, 0]
@@ -146,6 +147,36 @@ def test_averaging_multiplies_a_harmonic_by_sinc(frequency, window):
     )
 
 
+@pytest.mark.parametrize("window", [0.0, 0.0066])
+@pytest.mark.parametrize(("count", "step_s"), [(3, 0.0028), (4, 0.0066)])
+def test_means_of_means_keep_what_is_left_of_a_harmonic(window, count, step_s):
+    """Windows overlap, lie apart, or abut."""
+    averaging = Averaging(window, count, step_s)
+    ground_m, at, expected = steady(12.0)
+    steps, step, first = 320, 0.00125, 20
+    time = step * np.arange(steps + 1)
+    (found,) = integrate(
+        [
+            Task(
+                one_mass(),
+                *(motion(time)[:, None] for motion in ground_m),
+                np.zeros((2 * steps + 1, 1)),
+                np.array([0.0, 0.0, 0.0, at[0], 0.0, 0.0, 0.0, at[1]]),
+            )
+        ],
+        step_s=step,
+        first=first,
+        stride=1,
+        averaging=averaging,
+        n_samples=steps - 2 * first,
+    )
+    own = expected(time[first : steps - first])
+    kept = sum(np.cos(2 * pi * 12.0 * c) for c in averaging.centres_s) / count
+    kept *= np.sinc(12.0 * window)
+    np.testing.assert_allclose(averaging.kept(np.array([12.0])), [kept], rtol=1e-12)
+    np.testing.assert_allclose(found[:, 0], kept * own, atol=2e-4 * np.abs(own).max())
+
+
 def test_side_by_side_each_does_what_it_does_alone():
     """Ten masses with springs, friction and motions of their own, more than there are lanes."""
     rng, tasks = np.random.default_rng(5), []
@@ -156,7 +187,13 @@ def test_side_by_side_each_does_what_it_does_alone():
         height = zero if i % 2 else 0.01 * np.cumsum(rng.normal(size=zero.shape), axis=0)
         initial = rng.normal(size=8) * np.repeat([1e-3, 0.1], 4)
         tasks.append(Task(system, height, np.gradient(height, 0.001, axis=0), half, initial))
-    sampling = {"step_s": 0.001, "first": 10, "stride": 2, "window_s": 0.0066, "n_samples": 190}
+    sampling = {
+        "step_s": 0.001,
+        "first": 10,
+        "stride": 2,
+        "averaging": Averaging(0.0066),
+        "n_samples": 190,
+    }
     for task, found in zip(tasks, integrate(tasks, **sampling), strict=True):
         np.testing.assert_allclose(found, integrate([task], **sampling)[0], rtol=1e-9, atol=1e-9)
 
@@ -169,6 +206,6 @@ def test_samples_must_lie_inside_the_span():
             step_s=0.001,
             first=0,
             stride=1,
-            window_s=0.0066,
+            averaging=Averaging(0.0066),
             n_samples=5,
         )

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.simulate.setup import CHANNELS
+from wheelhop.campaign import Averaging
 from wheelhop.simulate.prescribed import unaveraged
 from wheelhop.simulate.sensors import miscalibrated, recalibrated
 
@@ -18,13 +19,16 @@ INSIDE = slice(40, -40)
 CALIBRATED = tuple(replace(c, corner_hz=50.0, corner_uncertainty=0.1) for c in CHANNELS)
 
 
-@pytest.mark.parametrize("window_s", [0.0, 0.005, 0.01])
+@pytest.mark.parametrize(
+    "averaging",
+    [Averaging(0.0), Averaging(0.005), Averaging(0.01), Averaging(0.004, 3, 0.003)],
+)
 @pytest.mark.parametrize("frequency_hz", [1.0, 8.0, 20.0])
-def test_averaging_is_undone(window_s, frequency_hz):
+def test_averaging_is_undone(averaging, frequency_hz):
     """A mean over T of a sine is sin(πfT)/πfT of it: 6 % are missing at 20 Hz and 10 ms."""
     phase = 2 * np.pi * frequency_hz * TIME
-    averaged = np.sinc(frequency_hz * window_s) * np.sin(phase)
-    found = unaveraged(TIME, averaged[:, None], window_s, 2)
+    averaged = averaging.kept(np.array([frequency_hz])) * np.sin(phase)
+    found = unaveraged(TIME, averaged[:, None], averaging, 2)
     between = TIME + 0.3 / RATE_HZ
     true = np.sin(2 * np.pi * frequency_hz * between)
     # Between its knots a cubic spline misses (ωh)⁴/384 of a long wave.
@@ -33,7 +37,7 @@ def test_averaging_is_undone(window_s, frequency_hz):
 
 
 def test_beyond_its_ends_the_motion_goes_on_as_it_ended():
-    found = unaveraged(TIME, np.full((400, 2), 3.0), 0.01, 3)
+    found = unaveraged(TIME, np.full((400, 2), 3.0), Averaging(0.01), 3)
     np.testing.assert_allclose(found([TIME[0] - 0.02, TIME[-1] + 0.02]), 3.0, rtol=1e-9)
 
 

@@ -7,6 +7,7 @@ from dataclasses import MISSING, fields
 
 from . import (
     body_effects,
+    other_body_laws,
     other_laws,
     other_road_laws,
     road_effects,
@@ -65,6 +66,12 @@ KINDS: tuple[type[Effect], ...] = (
     other_road_laws.PatchyRoughness,
     other_road_laws.SoftLanding,
     other_road_laws.OutOfRound,
+    other_road_laws.PowerTyre,
+    other_road_laws.SlippingWheels,
+    other_laws.RubberedPlay,
+    other_body_laws.TwoLinkDriver,
+    other_body_laws.JackedPitch,
+    other_body_laws.LinkedRoll,
 )
 
 

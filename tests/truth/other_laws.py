@@ -17,6 +17,7 @@ from .model import STEP_S, Car, Drive
 from .sensor_effects import SensorClipping, SensorGain
 from .suspension_effects import AirSpring, AntiRollBar, CornerAsymmetry, MountBushing, per_corner
 from .tracks import Array
+from .vehicle import suspension_static_load
 
 
 @dataclass
@@ -306,3 +307,31 @@ class OffsetClipping(SensorClipping):
 
     def record(self, samples: Array) -> Array:
         return samples
+
+
+@dataclass
+class RubberedPlay(Effect):
+    """Free play with rubber on either side of the gap, so that it closes softly. With s the strut's
+    own compression F0 + k s + c s' = J(x - s + F0 / rubber), where J(w) is rubber w for w > 0, none
+    in the gap and rubber (w + gap) beyond it."""
+
+    id = "backlash"
+    step_s = 1e-4
+    gap_m: float
+    rubber_N_m: float
+
+    def start(self, drive: Drive) -> None:
+        self._load = suspension_static_load(drive.vehicle)
+        self._k, self._c = drive.suspension_stiffness, drive.suspension_damping
+        self._step_s, self._strut = drive.step_s, np.zeros(4)
+
+    def suspension(self, force: Array, compression: Array, rate: Array) -> Array:
+        rubber, lag = self.rubber_N_m, self._c / self._step_s
+        way = compression + self._load / rubber
+        left_alone = (lag * self._strut - self._load) / (self._k + lag)
+        side = np.where(way > left_alone, 0.0, self.gap_m)
+        touches = (way > left_alone) | (way + self.gap_m < left_alone)
+        held = (rubber * (way + side) + lag * self._strut - self._load) / (self._k + lag + rubber)
+        self._strut = np.where(touches, held, left_alone)
+        carried = np.where(touches, rubber * (way + side - self._strut), 0.0) - self._load
+        return force + carried - self._k * compression - self._c * rate

@@ -11,6 +11,7 @@ from .effect import Effect
 from .model import Drive
 from .road_effects import SmallScaleRoughness, TyreEnvelope, TyreLiftOff, WheelImbalance
 from .tracks import Array, Track, Wheel
+from .vehicle import tyre_static_load
 
 
 @dataclass
@@ -88,3 +89,40 @@ class OutOfRound(WheelImbalance):
             return None
         angle = wheel.x / (self.rolling * wheel.radius) + self._turned
         return wheel.rigid() + self.runout_m * np.cos(angle)
+
+
+@dataclass
+class PowerTyre(Effect):
+    """A tyre's whole load grows with a power of its whole deflection, as pressed air in a round
+    casing has it; at the static load its stiffness is the vehicle's. Off the ground it has none."""
+
+    id = "progressive-tyre"
+    power: float
+
+    def start(self, drive: Drive) -> None:
+        self._load, self._stiffness = tyre_static_load(drive.vehicle), drive.tyre_stiffness
+
+    def tyre(self, force: Array, deflection: Array, rate: Array) -> Array:
+        at_rest = self.power * self._load / self._stiffness
+        whole = self._load * np.maximum(1.0 + deflection / at_rest, 0.0) ** self.power
+        return force + whole - self._load - self._stiffness * deflection
+
+
+@dataclass
+class SlippingWheels(Effect):
+    """One side or the other slips now and then, whichever is lighter on the ground: within
+    `slip_s` it falls behind by up to `slip_m`."""
+
+    id = "left-right-drift"
+    slip_m: float
+    every_s: float = 1.0
+    slip_s: float = 0.2
+
+    def steer(self, drive: Drive) -> None:
+        lead, at = np.zeros_like(drive.time), float(drive.time[0])
+        while (at := at + self.every_s * drive.rng.uniform(0.5, 1.5)) < drive.time[-1]:
+            size = self.slip_m * drive.rng.uniform(-0.3, 1.0)
+            lead += size * (0.5 + 0.5 * np.tanh(2.0 * (drive.time - at) / self.slip_s))
+        lead -= np.interp(0.0, drive.time, lead)
+        drive.path[:, 0] -= 0.5 * lead
+        drive.path[:, 1] += 0.5 * lead

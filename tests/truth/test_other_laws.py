@@ -7,11 +7,13 @@ import pytest
 
 from .effects import make_effect
 from .model import CHANNELS, Drive, Run, simulate_run
+from .other_body_laws import JackedPitch, LinkedRoll
 from .other_laws import (
     BristleFriction,
     FoamStop,
     MeasuredDamper,
     RoundedAsymmetry,
+    RubberedPlay,
     RubberMount,
     StickyBar,
     TanhFriction,
@@ -23,7 +25,9 @@ from .other_road_laws import (
     GearChanges,
     OutOfRound,
     PatchyRoughness,
+    PowerTyre,
     PressedEnvelope,
+    SlippingWheels,
     SoftLanding,
 )
 from .presets import PRESETS
@@ -270,3 +274,96 @@ def test_an_amplifier_cuts_about_its_offset_before_the_mean_is_taken():
     inside = (true[:, a2] < 2.0) & (true[:, a2] > -4.0)
     assert np.abs(cut - true)[inside, a2].max() < 0.1
     assert np.array_equal(np.delete(cut, a2, 1), np.delete(true, a2, 1))
+
+
+def test_a_tyre_of_a_power_law_has_its_rate_at_rest_and_its_load_at_any_deflection():
+    effect, stiffness = PowerTyre(1.25), 4e4
+    drive = a_drive(2, 1.0)
+    drive.tyre_stiffness = np.full(4, stiffness)
+    effect.start(drive)
+    at_rest = 1.25 * effect._load / stiffness
+
+    def force(d):
+        return effect.tyre(stiffness * d, d, np.zeros(4))
+
+    step = np.full(4, 1e-7)
+    np.testing.assert_allclose((force(step) - force(-step)) / 2e-7, stiffness, rtol=1e-6)
+    np.testing.assert_allclose(force(at_rest) + effect._load, 2**1.25 * effect._load)
+    np.testing.assert_allclose(force(-1.1 * at_rest), -effect._load)
+
+
+def test_a_side_that_slips_falls_behind_and_its_car_does_not():
+    drive = a_drive(4, 60.0)
+    before = drive.path.copy()
+    SlippingWheels(0.06, every_s=1.0).steer(drive)
+    lead = drive.path[:, 1] - drive.path[:, 0]
+    np.testing.assert_allclose(drive.path.mean(axis=1), before.mean(axis=1), atol=1e-9)
+    assert lead[0] == pytest.approx(0.0, abs=1e-12)
+    # Sixty slips of 0.35 times 60 mm on the average.
+    assert lead[-1] == pytest.approx(60 * 0.35 * 0.06, rel=0.3)
+    assert np.abs(np.diff(lead)).max() / STEP_S < 2 * 0.06 / 0.2
+
+
+def test_play_in_rubber_closes_softly_and_carries_nothing_within_the_gap():
+    """Pushed slowly it is strut and rubber in series; pulled it holds back the load, through the
+    gap, and then pulls."""
+    rubber, spring, gap = 1e5, 1e4, 0.006
+    effect, drive = RubberedPlay(gap, rubber), a_drive(2, 0.01)
+    effect.start(drive)
+    together = spring * rubber / (spring + rubber)
+
+    def held(x):
+        x, still = np.full(4, x), np.zeros(4)
+        for _ in range(4000):
+            force = effect.suspension(spring * x, x, still)
+        return force[0]
+
+    load = effect._load[0]
+    assert held(0.01) == pytest.approx(together * 0.01, rel=1e-6)
+    opens = load / together
+    assert held(-opens - 0.5 * gap) == pytest.approx(-load, rel=1e-6)
+    assert held(-opens - gap - 0.01) == pytest.approx(-load - together * 0.01, rel=1e-6)
+
+
+def test_a_driver_of_two_links_is_one_if_the_neck_is_stiff():
+    sway = {"roll_inertia_kg_m2": 6.0, "freq_hz": 2.4, "zeta": 0.25}
+    track = Track("one-sided-washboard", {"amplitude_mm": 10.0, "pitch_mm": 500.0})
+    run = Run(track, 1.5, 33.0, np.arange(100) / 100.0, seed=5)
+    one, stiff, human = (
+        simulate_run(ATV, run, [make_effect("driver-rocking", {**sway, **more})])[1]
+        for more in ({}, {"upper": 0.3, "upper_hz": 200.0, "upper_zeta": 1.0}, {"upper": 0.3})
+    )
+    assert np.abs(stiff - one).max() < 2e-3 * np.abs(one).max()
+    assert np.abs(human - one).max() > 2e-3 * np.abs(one).max()
+
+
+@pytest.mark.parametrize("anti", [0.0, 0.3])
+def test_links_carry_their_share_of_braking(anti):
+    drive, whole = a_drive(3, 20.0), a_drive(3, 20.0)
+    JackedPitch(3.0, anti=anti).start(drive)
+    JackedPitch(3.0, anti=0.0).start(whole)
+    np.testing.assert_allclose(
+        drive.forces["nose down"], (1 - anti) * whole.forces["nose down"], atol=1e-9
+    )
+    lever = ATV["body.mass_kg"] * ATV["geometry.cg_height_m"]
+    largest = np.abs(whole.forces["nose down"]).max() / lever
+    assert 1.2 <= largest <= 3.0
+    lifted = -0.1 * anti * whole.forces["nose down"] / ATV["geometry.wheelbase_m"]
+    np.testing.assert_allclose(drive.forces["lifted"], lifted, atol=1e-9)
+
+
+def test_a_roll_axis_above_the_road_leaves_the_wheels_the_whole_moment():
+    """What the links push on the wheels and what rolls the body are the load transfer together."""
+    drive, whole = a_drive(3, 20.0), a_drive(3, 20.0)
+    LinkedRoll(2.0, direct=0.3).start(drive)
+    LinkedRoll(2.0, direct=0.0).start(whole)
+    half = ATV["geometry.track_width_m"] / 2
+    of_wheels = sum(
+        side * half * drive.forces[f"A{i}"] for i, side in enumerate((1, -1, 1, -1), start=1)
+    )
+    np.testing.assert_allclose(
+        drive.forces["right side down"] + of_wheels, whole.forces["right side down"], atol=1e-9
+    )
+    assert np.abs(of_wheels).max() == pytest.approx(
+        0.3 * np.abs(whole.forces["right side down"]).max()
+    )

@@ -1,5 +1,6 @@
 """The campaign folder on disk, read strictly into a `Campaign`."""
 
+from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.duplicates import Duplicate, find_duplicates
 from wheelhop.campaign.read import read_campaign
 from wheelhop.campaign.types import (
@@ -17,6 +18,7 @@ from wheelhop.campaign.types import (
 __all__ = [
     "AXLE_POINTS",
     "BODY_POINTS",
+    "Averaging",
     "Campaign",
     "CampaignError",
     "Channel",

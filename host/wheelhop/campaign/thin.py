@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import sqrt
 
 from wheelhop.campaign.common import frozen
 from wheelhop.campaign.types import Campaign, ComponentCampaign, Run
@@ -23,19 +22,16 @@ def thinning(campaign: Campaign) -> int:
 def thinned(campaign: Campaign) -> Campaign:
     """The campaign with `thinning` samples in a row replaced by their mean.
 
-    The model averages over the same window as the recorder, so what the means fold into the band,
-    and by how much they lower its top, is the same on both sides. The mean of n samples, a step dt
-    apart, of which each is the mean over a window w, has the second moment of a mean over
-    sqrt(w² + (n² - 1) dt²); that is exact where w = dt.
+    The model is averaged in the same way (`Campaign.averaging`), so what the means fold into the
+    band, and by how much they lower its top, is the same on both sides.
     """
     n = thinning(campaign)
     if n == 1:
         return campaign
-    step_s = 1.0 / campaign.sample_rate_hz
     return replace(
         campaign,
         sample_rate_hz=campaign.sample_rate_hz / n,
-        averaging_s=sqrt(campaign.averaging_s**2 + (n * n - 1) * step_s**2),
+        means=n * campaign.means,
         runs=tuple(_thinned(run, n) for run in campaign.runs),
     )
 

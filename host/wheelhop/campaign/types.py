@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.course import Course
 from wheelhop.files import InputError, did_you_mean, shown
 from wheelhop.files.words import ending_of
@@ -128,7 +129,8 @@ class RigRun(Run):
 class Campaign:
     """One vehicle, one instrument set-up and the runs recorded with them.
 
-    `averaging_s` is the window over which each sample is a mean (0: ideal sampling);
+    `averaging_s` is the window over which each recorded sample is a mean (0: ideal sampling), and
+    so many recorded samples in a row were made one of by their mean (`thinned`): `means`;
     `noise_rms` the noise floor of one channel inside `band_hz`, None when it is not known;
     `noise_key` is its name in campaign.toml.
     `channels` stand in the column order of the first run's recording.
@@ -143,6 +145,12 @@ class Campaign:
     noise_rms: float | None
     channels: tuple[Channel, ...]
     runs: tuple[Run, ...]
+    means: int = field(default=1, kw_only=True)
+
+    @property
+    def averaging(self) -> Averaging:
+        """What each sample is the mean of."""
+        return Averaging(self.averaging_s, self.means, 1.0 / (self.means * self.sample_rate_hz))
 
     @property
     def fit_runs(self) -> tuple[Run, ...]:

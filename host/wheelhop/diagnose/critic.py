@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import erfc, isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.compare import Slice, estimate_noise_between_samples
-from wheelhop.diagnose.diagnosis import Diagnosis, Ranked, Step
+from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.effects import Effect
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
@@ -19,7 +19,7 @@ from wheelhop.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 MOVED = 3.0
-"""Standard deviations of its prior that a number may move before that is said."""
+"""Standard deviations that a number may move before that is said."""
 AT_BOUND = 0.01  # of a number's scale
 NEAR = 2.0
 """Standard deviations within which a law is not told from what it becomes at a bound."""
@@ -80,6 +80,24 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
         *_fair_band(diagnosis.ladder),
         *_floor(step),
     ]
+
+
+def refuted(diagnosis: Diagnosis) -> list[Belief]:
+    """What was stated and is held to be wrong: the beliefs in the model, and the vehicle's numbers
+    that moved too far."""
+    step = diagnosis.ladder[-1]
+    effects, found = step.rung.model.effects, []
+    for effect in effects:
+        for name, (what, stated) in effect.stated().items():
+            error, sd = step.parameters[f"{effect.id}.{name}"]
+            sure = diagnosis.confidence if effect.id == diagnosis.verdict[0] else None
+            found.append(Belief(what, stated, stated + error, sd, sure))
+    vehicle = _of_vehicle(numbers_of(step)[0], effects)
+    for n in vehicle:
+        if (away := abs(n.value - n.mean) / _believed_to_move(n)) > MOVED:
+            by_chance = len(vehicle) * erfc(away / sqrt(2.0))
+            found.append(Belief(n.name, n.mean, n.value, n.sd, max(1.0 - by_chance, 0.0)))
+    return found
 
 
 def _rivals(
@@ -163,13 +181,12 @@ def _bounds(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Fi
 
 
 def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
-    vehicle = [n for n in numbers if not any(_of(n, e) for e in effects) and isfinite(n.sigma)]
-    far = [n for n in vehicle if abs(n.value - n.mean) > MOVED * n.sigma]
+    vehicle = _of_vehicle(numbers, effects)
+    away = {n.name: abs(n.value - n.mean) / _believed_to_move(n) for n in vehicle}
+    far = sorted((n for n in vehicle if away[n.name] > MOVED), key=lambda n: -away[n.name])
     if far:
-        far.sort(key=lambda n: -abs(n.value - n.mean) / n.sigma)
         most = ", ".join(
-            f"{n.name} from {n.mean:.4g} to {n.value:.4g}"
-            f" ({abs(n.value - n.mean) / n.sigma:.0f} sd)"
+            f"{n.name} from {n.mean:.4g} to {n.value:.4g} ({away[n.name]:.1f} sd)"
             for n in far[:NAMED]
         )
         yield Finding(
@@ -181,6 +198,17 @@ def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Fin
             "Measure it again, or state it with more doubt; if it is right, the model makes it up"
             " for something that is missing.",
         )
+
+
+def _of_vehicle(numbers: Sequence[Number], effects: Sequence[Effect]) -> list[Number]:
+    return [n for n in numbers if not any(_of(n, e) for e in effects) and isfinite(n.sigma)]
+
+
+def _believed_to_move(number: Number) -> float:
+    """Standard deviation with which a fit moves a number if what was believed of it is right: of
+    the prior's variance, what is left afterwards is what the data did not tell."""
+    told = number.sigma**2 - _finite(number.sd) ** 2
+    return float(np.sqrt(max(told, 1e-4 * number.sigma**2)))
 
 
 def _no_vehicle(step: Step, numbers: Sequence[Number]) -> Iterator[Finding]:

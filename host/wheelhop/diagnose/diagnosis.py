@@ -59,6 +59,19 @@ class Ranked:
     reason: str  #: why it was accepted or not, in one line
 
 
+@dataclass(frozen=True)
+class Belief:
+    """What the campaign or the vehicle's file says and the fit holds to be wrong: `what` by its
+    dotted name, what was stated and what was fitted, in the same unit, with its standard deviation;
+    `confidence` that it is wrong, None where that was not judged by itself."""
+
+    what: str
+    stated: float
+    fitted: float
+    sd: float
+    confidence: float | None
+
+
 UNLIKELY = 0.05
 """What noise leaves with less than this chance is said to be more than noise."""
 
@@ -157,6 +170,7 @@ class Diagnosis:
     axle_to_body: Linearity | None = None
     limits: tuple[Limit, ...] = ()  #: what else these runs would have shown, and from where on
     findings: tuple[Finding, ...] = ()  #: of the gate before the fit and of the critic after it
+    beliefs: tuple[Belief, ...] = ()  #: what was stated and is held to be what is wrong
 
     def __repr__(self) -> str:
         first, last = self.ladder[0], self.ladder[-1]
@@ -260,6 +274,10 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "next_run": _next_run(diagnosis.next_run),
         "limits": [asdict(limit) for limit in diagnosis.limits],
         "axle_to_body": _linearity(diagnosis.axle_to_body),
+        "beliefs": [
+            {k: v if isinstance(v, str) else _number(v) for k, v in asdict(belief).items()}
+            for belief in diagnosis.beliefs
+        ],
         "findings": findings_to_json(diagnosis.findings),
     }
 

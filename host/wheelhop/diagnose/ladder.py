@@ -11,7 +11,7 @@ from dataclasses import replace
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
 from wheelhop.diagnose.confirm import confirm, refit, without, worth_simulating
-from wheelhop.diagnose.critic import criticism
+from wheelhop.diagnose.critic import criticism, refuted
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.judge import (
     Rung,
@@ -99,7 +99,8 @@ def diagnose_from(
     """
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
     diagnosis = climb(base, effects, max_effects=max_effects, progress=progress, watch=watch)
-    diagnosis = replace(diagnosis, findings=(*gated.findings, *criticism(diagnosis)))
+    findings = *gated.findings, *criticism(diagnosis)
+    diagnosis = replace(diagnosis, findings=findings, beliefs=tuple(refuted(diagnosis)))
     last = diagnosis.ladder[-1]
     between = any(e.place in BETWEEN for e in last.rung.model.effects) or last.above_floor
     whole = len(wheels(vehicle.values)) == len(CORNERS)

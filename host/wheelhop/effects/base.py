@@ -234,6 +234,11 @@ class Effect:
         """The track as it really is, where the campaign says otherwise."""
         return track
 
+    def stated(self) -> Mapping[str, tuple[str, float]]:
+        """Of a belief: what each of its parameters is the error of, as a dotted name, and what the
+        campaign says of it."""
+        return {}
+
     def remedy(self, theta: Values) -> str:
         """What to correct in the campaign, where it says something wrong; else empty."""
         return ""

@@ -7,6 +7,7 @@ may move them, and the critic says which it moved too far.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -21,13 +22,15 @@ from wheelhop.vehicle import Vehicle, corner_position
 @dataclass(frozen=True)
 class Quantity:
     """A number of tracks that a survey may have wrong: `keys` are its names in `TrackSpec`, `scale`
-    is a relative error that plainly shows."""
+    is a relative error that plainly shows; ``instead`` says what looks like the same error in all
+    tracks, empty if that does not show at all."""
 
     name: str
     keys: tuple[str, ...]
     title: str
     equation: str
     scale: float
+    instead: str = ""
 
 
 QUANTITIES = (
@@ -37,7 +40,9 @@ QUANTITIES = (
         "higher or lower than surveyed",
         r"z = (1 + \epsilon)\, z_\text{surveyed}",
         0.1,
+        "all recordings",
     ),
+    # Of all tracks no such error shows: longer waves under a longer vehicle are the same.
     # Over a record of fifty waves an error of one in a thousand is a twentieth of a wave: with
     # more, a signature would not be in proportion to it.
     Quantity(
@@ -50,8 +55,13 @@ QUANTITIES = (
 )
 
 
+ALL = "all"
+"""In the place of a kind of track: whoever wrote a height from trough to crest did so each time."""
+
+
 class TrackSurvey(Effect):
-    """A number of all tracks of one kind is larger, or smaller, than surveyed."""
+    """A number of all tracks of one kind, or of all tracks, is larger, or smaller, than
+    surveyed."""
 
     place = "track"
     source = "one template, one level, one mistake: tracks of a kind are surveyed together"
@@ -59,6 +69,7 @@ class TrackSurvey(Effect):
     is_belief = True
 
     def __init__(self, kind: str, quantity: Quantity, runs: frozenset[str]) -> None:
+        """`kind` may be "all"."""
         self.id = f"belief: {quantity.name} of {kind} tracks"  # type: ignore[misc]
         self.title = f"{kind} tracks are {quantity.title}"  # type: ignore[misc]
         self.equation = quantity.equation  # type: ignore[misc]
@@ -75,17 +86,25 @@ class TrackSurvey(Effect):
 
     def surveyed(self, theta: Values, track: TrackSpec) -> TrackSpec:
         """The track as it is."""
-        if track.kind != self.kind:
+        if self.kind not in (track.kind, ALL):
             return track
         factor = 1.0 + theta["error"]
         keys = self.quantity.keys
         true = {k: float(v) * factor for k, v in track.values.items() if k in keys}
         return replace(track, values={**track.values, **true})
 
+    def stated(self) -> Mapping[str, tuple[str, float]]:
+        """The quantity over what was surveyed."""
+        return {"error": (f"track.{self.kind}.{self.quantity.name}", 1.0)}
+
     def remedy(self, theta: Values) -> str:
         """What to correct in campaign.toml."""
         factor = 1.0 + theta["error"]
-        return f"the {self.quantity.name}s of its {self.kind} tracks times {factor:.4g}"
+        quantity = self.quantity
+        if self.kind == ALL:
+            instead = f"or, which looks the same, {quantity.instead} times {1 / factor:.4g}"
+            return f"the {quantity.name}s of all its tracks times {factor:.4g}, {instead}"
+        return f"the {quantity.name}s of its {self.kind} tracks times {factor:.4g}"
 
 
 class SensorPosition(Effect):
@@ -96,12 +115,14 @@ class SensorPosition(Effect):
     source = "kinematics of a rigid body, small angles"
     is_belief = True
 
-    def __init__(self, channel: str, others: Sequence[str], slope: Array) -> None:
-        """`slope` (2, c) makes of the records of `others` (c,) how the body's acceleration grows
-        ahead and to the left."""
+    def __init__(
+        self, channel: str, place: tuple[float, float], others: Sequence[str], slope: Array
+    ) -> None:
+        """`place` (x, y), m, is where it is said to sit; `slope` (2, c) makes of the records of
+        `others` (c,) how the body's acceleration grows ahead and to the left."""
         self.id = f"belief: position of {channel}"  # type: ignore[misc]
         self.title = f"{channel} sits elsewhere than stated"  # type: ignore[misc]
-        self.channel, self.others, self.slope = channel, others, slope
+        self.channel, self.said, self.others, self.slope = channel, place, others, slope
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """How far it is ahead and to the left of its point."""
@@ -121,6 +142,13 @@ class SensorPosition(Effect):
         found[:, column[self.channel]] += across @ [theta["x_m"], theta["y_m"]]
         return found
 
+    def stated(self) -> Mapping[str, tuple[str, float]]:
+        """Its place about the centre of mass."""
+        return {
+            axis: (f"channel.{self.channel}.{axis}", said)
+            for axis, said in zip(("x_m", "y_m"), self.said, strict=True)
+        }
+
     def remedy(self, theta: Values) -> str:
         """What to correct in campaign.toml."""
         return (
@@ -134,16 +162,19 @@ def beliefs(campaign: Campaign, vehicle: Vehicle) -> Mapping[str, Effect]:
     found: list[Effect] = []
     if isinstance(campaign, ComponentCampaign):
         return {}
-    for kind in dict.fromkeys(run.track.kind for run in campaign.runs):
-        runs = [run for run in campaign.runs if run.track.kind == kind]
-        ids = frozenset(run.id for run in runs)
-        stated = {key for run in runs for key in run.track.values}
-        found += [TrackSurvey(kind, q, ids) for q in QUANTITIES if stated & set(q.keys)]
+    for quantity in QUANTITIES:
+        runs = defaultdict[str, list[str]](list)
+        for run in campaign.runs:
+            if set(quantity.keys) & set(run.track.values):
+                runs[run.track.kind].append(run.id)
+        if len(runs) > 1 and quantity.instead:
+            runs[ALL] = [run_id for of_kind in runs.values() for run_id in of_kind]
+        found += [TrackSurvey(kind, quantity, frozenset(ids)) for kind, ids in runs.items()]
     places = {c.name: place for c in campaign.channels if (place := _place(c, vehicle))}
     fields = np.array([(1.0, *place) for place in places.values()])
     if len(places) > len(BODY_MODES) and np.linalg.matrix_rank(fields) == len(BODY_MODES):
         slope = np.linalg.pinv(fields)[1:]
-        found += [SensorPosition(name, tuple(places), slope) for name in places]
+        found += [SensorPosition(name, at, tuple(places), slope) for name, at in places.items()]
     return {effect.id: effect for effect in found}
 
 

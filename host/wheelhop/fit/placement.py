@@ -142,7 +142,7 @@ def _match_harmonics(
         line = kernel @ measured[:, predicted]
         wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
         response = frequency_response(system, frequency[inside])[:, predicted] @ wheel
-        response *= np.sinc(frequency[inside] * campaign.averaging_s)[:, None]
+        response *= campaign.averaging.kept(frequency[inside])[:, None]
         # Sum of |measured − model|² over channels, less the part that neither changes.
         cross = np.einsum("fc,fc->f", response, line.conj())
         turn = np.exp(2j * np.pi * k * phases)

@@ -173,5 +173,6 @@ def rigid_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[F
             f"channels {names}",
             f"{names} cannot sit on one rigid body: B1 − B2 − B3 + B4, which is zero on it, holds"
             f" {100 * share:.0f} % of their motion (four unrelated signals: 25 %).",
-            "Look at the four sensors' places, signs and gains before a spring is blamed.",
+            "Look at the four sensors' places, signs and gains before a spring is blamed; only a"
+            " frame that twists at its resonance does as much.",
         )

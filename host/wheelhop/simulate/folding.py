@@ -1,7 +1,7 @@
 """What a sampled record cannot tell: motion above half the sample rate, folded into it.
 
-A wheel that meets sharp edges moves above half the sample rate, too. The logger's means over
-`window_s` damp that, and sampling folds the rest: what moved at f_s − f is recorded as moving at f.
+A wheel that meets sharp edges moves above half the sample rate, too. The logger's means
+damp that, and sampling folds the rest: what moved at f_s − f is recorded as moving at f.
 Where the record is only compared with a model, the model's record is folded in the same way. Where
 it drives a model, the model is driven by motion that never was, and twice integrated a line of the
 hundredth harmonic that comes down to half a hertz is larger than the road.
@@ -14,6 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wheelhop.campaign import Averaging
 
 Array = NDArray[np.float64]
 
@@ -30,12 +32,12 @@ SURE = 1e-12
 
 
 def folded_power(
-    record: Array, rate_hz: float, window_s: float, noise_rms: float, frequency_hz: Array
+    record: Array, rate_hz: float, averaging: Averaging, noise_rms: float, frequency_hz: Array
 ) -> Array:
     """How much of a record's power is motion from above half the sample rate (f, c), (m/s²)², as
     white noise of that variance would have it at `frequency_hz` (f,).
 
-    ``record`` (n, c) holds means over ``window_s`` at ``rate_hz``, with sensor noise of
+    ``record`` (n, c) holds means (``averaging``) at ``rate_hz``, with sensor noise of
     ``noise_rms`` in m/s². The spectrum of the upper octave, freed of the noise and of what
     averaging took, is continued as a power of the frequency up to one and a half times the rate.
     It holds what is folded near half the rate, too: where spectra fall the answer is too high, by
@@ -51,13 +53,13 @@ def folded_power(
         part = (frequency >= edges[i]) & (frequency < edges[i + 1])
         levels[i] = power[part].mean(axis=0) - noise_rms**2
     middle = np.sqrt(edges[:-1] * edges[1:])
-    levels = np.maximum(levels / np.sinc(middle * window_s)[:, None] ** 2, SURE)
+    levels = np.maximum(levels / averaging.kept(middle)[:, None] ** 2, SURE)
     slope = np.polyfit(np.log(middle), np.log(levels), 1)[0].clip(STEEPEST, 0.0)
     level = levels.mean(axis=0)
 
     def above(f: Array) -> Array:
         trend = level * (f[:, None] / middle.mean()) ** slope
-        return np.asarray(trend * np.sinc(f * window_s)[:, None] ** 2)
+        return np.asarray(trend * averaging.kept(f)[:, None] ** 2)
 
     return above(rate_hz - frequency_hz) + above(rate_hz + frequency_hz)
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
+from wheelhop.campaign import Averaging
 from wheelhop.vehicle.assembly import System
 
 Array = NDArray[np.float64]
@@ -41,19 +42,19 @@ class ForceResponse:
         Number of samples of the forces, and after how many more an impulse is forgotten.
     period_s
         Time between samples; forces must hold nothing above half their rate.
-    window_s
-        Accelerations are means over this window.
+    averaging
+        What accelerations are the means of.
     """
 
     def __init__(
-        self, system: System, n: int, memory: int, period_s: float, window_s: float
+        self, system: System, n: int, memory: int, period_s: float, averaging: Averaging
     ) -> None:
         self._n = fft.next_fast_len(n + memory, real=True)
         frequency = fft.rfftfreq(self._n, period_s)
         omega = 2 * np.pi * frequency[:, None, None]
         dynamic = system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
         moved = system.output @ np.linalg.solve(dynamic, system.force.astype(complex))
-        self._response = -(omega**2) * np.sinc(frequency * window_s)[:, None, None] * moved
+        self._response = -(omega**2) * averaging.kept(frequency)[:, None, None] * moved
 
     def __call__(self, force: Array) -> Array:
         """Accelerations (n, c), m/s², for histories (n, k), N."""

@@ -9,11 +9,11 @@ processor's vector unit.
 from __future__ import annotations
 
 import warnings
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
-from math import floor
 from types import FunctionType
 from typing import Any
 
@@ -22,6 +22,7 @@ import numpy as np
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numpy.typing import NDArray
 
+from wheelhop.campaign import Averaging
 from wheelhop.effects import law
 from wheelhop.simulate.lanes import LANES, aligned, load, plus, side_by_side, splat, store
 from wheelhop.simulate.runge_kutta import HALF_STEPS, STAGES, TO_NEXT, TOTAL, WEIGHTS
@@ -138,24 +139,16 @@ def _drive(z, first, u, du, w, half_step, dt):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
 def _sample(  # type: ignore[no-untyped-def]
-    y, output, mean, q, acc, v_old, a_old, t, dt, first, stride, window, lead, lead_part, lag,
-    lag_part,
+    y, output, mean, q, acc, v_old, a_old, t, first, stride, ends, weights,
 ):  # fmt: skip
-    """The mean acceleration over a window is its velocity at the end less that at the beginning."""
+    """Adds to the samples what they take of the step just finished (`_taps`)."""
     n, c = acc.shape[0], y.shape[1]
-    for edge in range(2 if window > 0.0 else 1):
-        since = t - first
-        if window > 0.0:
-            since -= 1 + (lead if edge == 0 else lag)
+    for tap in range(len(ends)):
+        since = t - first - ends[tap]
         if since < 0 or since % stride != 0 or since // stride >= y.shape[0]:
             continue
-        # Cubic Hermite of the velocity over the step just finished.
-        part = lead_part if edge == 0 else lag_part
-        size = 0.0 if window == 0.0 else (-1.0 if edge == 0 else 1.0) / window
-        h00 = splat(size * (1.0 + 2.0 * part) * (1.0 - part) ** 2)
-        h01 = splat(size * part * part * (3.0 - 2.0 * part))
-        h10 = splat(size * part * (1.0 - part) ** 2 * dt)
-        h11 = splat(1.0 if window == 0.0 else size * part * part * (part - 1.0) * dt)
+        h00, h01 = splat(weights[tap, 0]), splat(weights[tap, 1])
+        h10, h11 = splat(weights[tap, 2]), splat(weights[tap, 3])
         for i in range(n):
             v = plus(plus(splat(0.0), h00, load(v_old, i)), h01, load(q, n + i))
             store(mean, i, plus(plus(v, h10, load(a_old, i)), h11, load(acc, i)))
@@ -168,7 +161,7 @@ def _sample(  # type: ignore[no-untyped-def]
 @_compiled
 def _integrate(  # type: ignore[no-untyped-def]
     y, room, motion, extension, output, groups, laws, parameters, u, du, w, q, dt, first, stride,
-    window,
+    ends, weights,
 ):  # fmt: skip
     """Run-time loop; lanes are the last axis of all arrays but `parameters`. It goes by the vector
     z = (x, ẋ, u, u̇, w, f) of state, prescribed motions, applied forces and laws' forces: `motion`
@@ -186,10 +179,6 @@ def _integrate(  # type: ignore[no-untyped-def]
     _apply(port, X * ports, extension, z)
     for i in range(ports):
         store(port, START * ports + i, load(port, X * ports + i))
-    lead = np.int64(np.floor(-0.5 * window / dt))
-    lead_part = -0.5 * window / dt - lead
-    lag = np.int64(np.floor(0.5 * window / dt))
-    lag_part = 0.5 * window / dt - lag
 
     for t in range(u.shape[0] - 1):
         for stage in range(STAGES):
@@ -206,8 +195,7 @@ def _integrate(  # type: ignore[no-untyped-def]
             _apply(acc, 0, motion, z)
             if stage == 0:
                 _sample(
-                    y, output, mean, q, acc, v_old, a_old, t, dt, first, stride, window,
-                    lead, lead_part, lag, lag_part,
+                    y, output, mean, q, acc, v_old, a_old, t, first, stride, ends, weights,
                 )  # fmt: skip
                 for i in range(n):
                     store(v_old, i, load(q, n + i))
@@ -267,7 +255,7 @@ def integrate(
     step_s: float,
     first: int,
     stride: int,
-    window_s: float,
+    averaging: Averaging,
     n_samples: int,
 ) -> list[Array]:
     """Accelerations of the outputs of mechanisms of one make.
@@ -280,10 +268,10 @@ def integrate(
         Step of the integration. Accuracy needs (highest natural frequency) × step below about 1.
     first, stride
         Sample i is taken at step first + i · stride.
-    window_s
-        Each sample is the mean acceleration over this window, centred on it; 0: the value itself.
+    averaging
+        What each sample is the mean of.
     n_samples
-        Number of samples; the last window must end before step T.
+        Number of samples; what the last is the mean of must end before step T.
 
     Returns
     -------
@@ -292,10 +280,10 @@ def integrate(
     if any(task.system.port_by and any(task.system.port_by) for task in tasks):
         raise ValueError("a law that depends on an input acts on a component on a rig alone")
     steps = len(tasks[0].height) - 1
-    reach = first + (n_samples - 1) * stride + floor(0.5 * window_s / step_s) + 1
-    if reach > steps or first < floor(0.5 * window_s / step_s) + 1:
+    ends, weights = _taps(averaging, step_s)
+    if first + min(ends) < 1 or first + (n_samples - 1) * stride + max(ends) >= steps:
         raise ValueError("the samples do not lie inside the integrated span")
-    sampling = (step_s, first, stride, window_s)
+    sampling = (step_s, first, stride, ends, weights)
     found: list[Array] = []
     for begin in range(0, len(tasks), LANES):
         together = tasks[begin : begin + LANES]
@@ -306,6 +294,30 @@ def integrate(
             record[:, np.isnan(task.system.output).any(axis=1)] = np.nan
             found.append(record)
     return found
+
+
+def _taps(averaging: Averaging, step_s: float) -> tuple[NDArray[np.int64], Array]:
+    """What samples take of the motion: how many steps after a sample the steps end of which it
+    takes something (m,), and so much of velocities and accelerations at their beginnings and ends,
+    (v, v, a, a), (m, 4): a mean acceleration is the velocity at the end of its window less that at
+    the beginning, a cubic Hermite polynomial within a step."""
+    half, found = averaging.window_s / 2, defaultdict[float, float](float)
+    size = 1.0 / (averaging.count * (2 * half or 1.0))
+    for centre in averaging.centres_s:
+        for edge, sign in ((half, 1.0), (-half, -1.0)) if half else ((0.0, 1.0),):
+            # Where windows abut, the end of one is the beginning of the next.
+            found[round((centre + edge) / step_s, 9)] += sign * size
+    at = np.array([instant for instant, weight in found.items() if abs(weight) > 1e-9 * size])
+    weight = np.array([found[instant] for instant in at])
+    ends = np.ceil(at).astype(np.int64)
+    p = at - ends + 1.0
+    if half:
+        h00, h01 = (1 + 2 * p) * (1 - p) ** 2, p * p * (3 - 2 * p)
+        h10, h11 = p * (1 - p) ** 2 * step_s, p * p * (p - 1) * step_s
+    else:
+        h01 = 6 * p * (1 - p) / step_s
+        h00, h10, h11 = -h01, (1 - p) * (1 - 3 * p), p * (3 * p - 2)
+    return ends, np.ascontiguousarray(weight[:, None] * np.stack([h00, h01, h10, h11], axis=1))
 
 
 def _arguments(tasks: Sequence[Task]) -> list[object]:

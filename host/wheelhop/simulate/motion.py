@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign import Averaging
 from wheelhop.simulate.integrator import Task, integrate
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.run import RunSimulator
@@ -54,7 +55,7 @@ class MotionSimulator(RunSimulator):
         steps = slice(1, len(height) - 1)  # the integrator samples neither the first nor the last
         count = steps.stop - steps.start
         (found,) = integrate(
-            [task], step_s=step_s, first=1, stride=1, window_s=0.0, n_samples=count
+            [task], step_s=step_s, first=1, stride=1, averaging=Averaging(0.0), n_samples=count
         )
         acceleration, displacement, velocity = found[:, :n], found[:, n : 2 * n], found[:, 2 * n :]
         time_s, record = self._times(stride, 1)[steps], self.run.time_s

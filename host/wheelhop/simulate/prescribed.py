@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import interpolate
 
-from wheelhop.campaign import Run
+from wheelhop.campaign import Averaging, Run
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.model import Model
 from wheelhop.track import Track, Wheel, WheelPath, make_track
@@ -65,9 +65,9 @@ def slow_part(time_s: Array, height: Array, spacing_s: float) -> interpolate.BSp
 
 
 def unaveraged(
-    time_s: Array, record: Array, window_s: float, beyond: int
+    time_s: Array, record: Array, averaging: Averaging, beyond: int
 ) -> interpolate.CubicSpline:
-    """The cubic spline whose means over windows centred on the samples are the record (n, c).
+    """The cubic spline whose means about the samples are the record (n, c).
 
     Averaging commutes with a linear model, not with friction: the axle must move as it did, and
     what the model then shows is averaged. Below half the sample rate a window of one period keeps
@@ -80,12 +80,22 @@ def unaveraged(
     record = np.pad(record, ((beyond, beyond), (0, 0)), mode="edge")
     found = interpolate.CubicSpline(time_s, record)
     guess = record
-    for _ in range(ROUNDS if window_s > 0.0 else 0):
-        way = found.antiderivative()
-        mean = (way(time_s + window_s / 2) - way(time_s - window_s / 2)) / window_s
-        guess = guess + record - mean
+    for _ in range(ROUNDS if averaging.reach_s > 0.0 else 0):
+        guess = guess + record - _means(found, averaging, time_s)
         found = interpolate.CubicSpline(time_s, guess)
     return found
+
+
+def _means(signal: interpolate.CubicSpline, averaging: Averaging, time_s: Array) -> Array:
+    """Means (n, c) of a signal about some instants."""
+    half = averaging.window_s / 2
+    instants = [time_s + centre for centre in averaging.centres_s]
+    if half == 0.0:
+        return np.asarray(np.mean([signal(t) for t in instants], axis=0))
+    way = signal.antiderivative()
+    return np.asarray(np.mean([way(t + half) - way(t - half) for t in instants], axis=0)) / (
+        2 * half
+    )
 
 
 def twice_integrated(

@@ -106,7 +106,7 @@ class RunSimulator:
         self.campaign, self.run = campaign, run
         self.drive: Drive = "axles" if run.track.kind == "unknown" else "road"
         period = 1.0 / campaign.sample_rate_hz
-        self._margin = math.ceil(campaign.averaging_s / period) + 1
+        self._margin = math.ceil(2 * campaign.averaging.reach_s / period) + 1
         self._lead, self._before, self._after = self._margin, 0, 0
         if self.drive == "road":
             self._before = math.ceil(max(run_up_s, LEAST_RUN_UP_S) / period)
@@ -277,7 +277,7 @@ class RunSimulator:
                 step_s=1.0 / (self.campaign.sample_rate_hz * stride),
                 first=(self._lead - self._before) * stride,
                 stride=stride // per_sample,
-                window_s=self.campaign.averaging_s,
+                averaging=self.campaign.averaging,
                 n_samples=self._sensed * per_sample + 1,
             )
             for job, acceleration in zip(jobs, found, strict=True):
@@ -296,7 +296,7 @@ class RunSimulator:
                 len(time_s),
                 self._lead * per_sample,
                 1.0 / (self.campaign.sample_rate_hz * per_sample),
-                self.campaign.averaging_s,
+                self.campaign.averaging,
             )
         first = (self._lead - self._before) * per_sample
         rise = base.response(change)[first : first + len(base.acceleration)]
@@ -379,7 +379,7 @@ class RunSimulator:
         corner = {c.corner: i for i, c in enumerate(channels) if c.is_axle}
         columns = [corner[i] for i in wheels(model.values)]
         acceleration = unaveraged(
-            self.run.time_s, measured[:, columns], self.campaign.averaging_s, self._margin
+            self.run.time_s, measured[:, columns], self.campaign.averaging, self._margin
         )
         return twice_integrated(acceleration, time_s, self.campaign.band_hz[0])
 
