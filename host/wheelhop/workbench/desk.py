@@ -119,11 +119,11 @@ class Desk:
         return bool(self._future)
 
     def begin(self) -> None:
-        """Fit what the session chose."""
-        self._loop = asyncio.get_running_loop()
-        notice = self.notice
-        self._work()
-        self.notice = notice
+        """Fit what the session chose, unless something was ordered before."""
+        if self._loop is None:
+            notice = self.notice
+            self._work()
+            self.notice = notice
 
     def add(self, effect: str) -> None:
         """Make an effect part of the model."""
@@ -255,6 +255,7 @@ class Desk:
         long = order.diagnose or order.law
         self.job = Job(title, "starting", time.monotonic(), order.diagnose, long)
         self.errors = ()
+        self._loop = asyncio.get_running_loop()
         self._orders.send(order)
         self._changed()
 

@@ -55,9 +55,6 @@ class Start:
             await run.io_bound(self._bench.put, folder, self._read)
         except InputError as error:
             self._say(str(error))
-            return
-        if self._bench.desk is not None:
-            self._bench.desk.begin()
 
     async def _open(self) -> None:
         text = self._folder.value.strip()
