@@ -24,6 +24,9 @@ DIGITS = 5  # significant ones that a point on a screen can show
 MOST = 1200
 """So many points of a curve are drawn where it is looked at, two a pixel on a wide screen."""
 COARSE = 100  # on either side, to be seen in passing
+FINE = 500
+"""A curve of more points is drawn one pixel wide: without a graphics card a wider pen takes a
+browser three times as long, and what the eye can follow is gone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +154,8 @@ def _decades(panel: Panel) -> Options:
 
 
 def _series(line: Line, index: int) -> Options:
-    style: Options = {"color": line.colour, "width": line.width}
+    count = len(np.asarray(line.y))
+    style: Options = {"color": line.colour, "width": line.width if count <= FINE else 1.0}
     if line.dashed:
         style["type"] = "dashed"
     return {
@@ -162,7 +166,7 @@ def _series(line: Line, index: int) -> Options:
         "symbol": "none",
         "lineStyle": style,
         "itemStyle": {"color": line.colour},
-        "data": line.points(0, len(np.asarray(line.y))),
+        "data": line.points(0, count),
     }
 
 

@@ -33,6 +33,11 @@ ALL_RUNS = -1
 WHOLE = (0.0, 100.0)
 STEP = 0.2  # of what is shown, for one press of a key
 CLOSEST = 0.5  # per cent of a record
+RESTED = """(event) => {
+  clearTimeout(window.wheelhopResting);
+  window.wheelhopResting = setTimeout(() => emit(event), 150);
+}"""
+"""Sends what is looked at once it stays: to draw anew while it moves would make it stutter."""
 
 
 class CompareView:
@@ -63,7 +68,7 @@ class CompareView:
         self._playback.section.set_visibility(False)
         self._time = ui.echart({}).classes("bench-chart").props('aria-label="against time"')
         self._lines: list[Line] = []
-        self._time.on("chart:datazoom", self._zoomed, throttle=0.3, leading_events=False)
+        self._time.on("chart:datazoom", self._zoomed, js_handler=RESTED)
         self._time.props("tabindex=0").on("keydown", self._pressed, args=["key"])
         self._window = WHOLE
         self._spectrum = ui.echart({}).classes("bench-spectrum").props('aria-label="spectrum"')
