@@ -77,7 +77,6 @@ def read_campaign(
     if not folder.is_dir():
         what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
         raise CampaignError(f"{folder}: {what}")
-    progress(f"reading {folder}")
     top = read_toml(folder / "campaign.toml", CampaignError)
     campaign = _read(top, folder, lambda id_: id_ not in skip, progress, unread)
     refuse_leaks(campaign)
