@@ -217,11 +217,13 @@ def test_runs_and_channels_are_left_out_and_taken_back(small, open_page, picture
 
 def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
     files = write_foreign(tmp_path)
+    files[0] = files[0].rename(tmp_path / "a lawn, 7,5 kmh.csv")
     with workbench(home=tmp_path) as (address, process):
         page = open_page(address)
         page.set_input_files("input[type=file]", [str(file) for file in files])
         speeds = page.get_by_label("speed, km/h")
         speeds.nth(2).wait_for()
+        assert speeds.nth(0).input_value() == "7.5"  # as its name says
         for i in range(3):
             speeds.nth(i).fill("10")
         wait_until(lambda: next(tmp_path.rglob("draft.json")).read_text().count("10.0,") == 3)

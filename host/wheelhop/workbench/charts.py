@@ -24,20 +24,21 @@ DIGITS = 5  # significant ones that a point on a screen can show
 MOST = 1200
 """So many points of a curve are drawn where it is looked at, two a pixel on a wide screen."""
 COARSE = 100  # on either side, to be seen in passing
-FINE = 500
-"""A curve of more points is drawn one pixel wide: without a graphics card a wider pen takes a
-browser three times as long, and what the eye can follow is gone."""
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """One curve of a chart: x and y (n,)."""
+    """One curve of a chart: x and y (n,), `width` in pixels.
+
+    Without a graphics card a pen wider than one pixel takes a browser three times as long: it is
+    for one curve among others, and not for one of more samples than are drawn.
+    """
 
     name: str
     x: ArrayLike
     y: ArrayLike
     colour: str
-    width: float = 1.2
+    width: float = 1.0
     dashed: bool = False
 
     def points(self, first: int, last: int) -> list[list[float | None]]:
@@ -155,7 +156,7 @@ def _decades(panel: Panel) -> Options:
 
 def _series(line: Line, index: int) -> Options:
     count = len(np.asarray(line.y))
-    style: Options = {"color": line.colour, "width": line.width if count <= FINE else 1.0}
+    style: Options = {"color": line.colour, "width": line.width if count <= MOST else 1.0}
     if line.dashed:
         style["type"] = "dashed"
     return {

@@ -148,7 +148,7 @@ class CompareView:
         measured = curves[0][1]
         noise = self._noise(channel.name, models)
         upper = [
-            Line(name, time, y, colour, 2.2 if i == 0 else 1.2, colour in MORE)
+            Line(name, time, y, colour, 2.2 if i == 0 else 1.0, colour in MORE)
             for i, (name, y, colour) in enumerate(curves)
         ]
         lower = [

@@ -257,7 +257,7 @@ def _short(words: str) -> str:
 def _speed_in(name: str) -> float | None:
     """The speed that a file's name tells, km/h: "washboard 7,5kmh"."""
     found = re.search(r"(\d+(?:[.,]\d+)?)[\s_-]*(?:km[-_/]?h|kmph|kph)", name, re.IGNORECASE)
-    return float(found[1].replace(",", ".")) if found else None
+    return (float(found[1].replace(",", ".")) or None) if found else None
 
 
 def _track_in(name: str) -> str:

@@ -97,7 +97,7 @@ class Guide:
             self._columns.run_method("scrollIntoView", {"behavior": "smooth", "block": "start"})
 
     async def _upload(self, event: UploadEventArguments) -> None:
-        name = re.sub(r"[^\w.() -]+", "_", Path(event.file.name).name)[-100:] or "recording.csv"
+        name = re.sub(r"[^\w.,() -]+", "_", Path(event.file.name).name)[-100:] or "recording.csv"
         target = self._draft.folder / name
         try:
             await run.io_bound(make_folder, target.parent)
