@@ -187,32 +187,30 @@ def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
         page.screenshot(path=pictures / "law.png", full_page=True)
 
 
-def test_work_is_given_up_at_once(small, open_page):
-    with workbench(small) as (address, _):
-        page = open_page(address)
-        page.wait_for_selector("table.heat td:is(.h0, .h1, .h2, .h3, .h4)")  # the model is fitted
-        turn(page, "What is missing")
-        page.get_by_role("button", name="Find out what is missing").click()
-        page.get_by_text("diagnosing:").wait_for()
-        time.sleep(2.0)
-        began = time.monotonic()
-        page.get_by_role("button", name="Stop").click()
-        page.get_by_text("given up").wait_for()
-        assert time.monotonic() - began < 1.0
-        page.get_by_role("button", name="Find out what is missing").wait_for()
+def test_work_is_given_up_at_once(small_open, open_page):
+    page = open_page(small_open)
+    page.wait_for_selector("table.heat td:is(.h0, .h1, .h2, .h3, .h4)")  # the model is fitted
+    turn(page, "What is missing")
+    page.get_by_role("button", name="Find out what is missing").click()
+    page.get_by_text("diagnosing:").wait_for()
+    time.sleep(2.0)
+    began = time.monotonic()
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_text("given up").wait_for()
+    assert time.monotonic() - began < 1.0
+    page.get_by_role("button", name="Find out what is missing").wait_for()
 
 
-def test_runs_and_channels_are_left_out_and_taken_back(small, open_page, pictures):
-    with workbench(small) as (address, _):
-        page = open_page(address)
-        page.wait_for_selector("table.heat td.h0")
-        page.get_by_role("button", name="leave out").first.click()
-        page.wait_for_selector("tr.out")
-        page.get_by_role("button", name="take in").click()
-        page.wait_for_selector("tr.out", state="detached")
-        turn(page, "The model")
-        page.get_by_role("heading", name="How the fit converges").wait_for()
-        page.screenshot(path=pictures / "converging.png")
+def test_runs_and_channels_are_left_out_and_taken_back(small_open, open_page, pictures):
+    page = open_page(small_open)
+    page.wait_for_selector("table.heat td.h0")
+    page.get_by_role("button", name="leave out").first.click()
+    page.wait_for_selector("tr.out")
+    page.get_by_role("button", name="take in").click()
+    page.wait_for_selector("tr.out", state="detached")
+    turn(page, "The model")
+    page.get_by_role("heading", name="How the fit converges").wait_for()
+    page.screenshot(path=pictures / "converging.png")
 
 
 def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
