@@ -73,7 +73,7 @@ class Start:
         with ui.row():
             for folder in found:
                 ui.button(folder.name, on_click=lambda folder=folder: self.put(folder)).props(
-                    "no-caps outline dense"
+                    "no-caps outline"
                 )
 
     def _say(self, line: str) -> None:
