@@ -207,6 +207,15 @@ def test_recordings_of_runs_left_out_are_not_read(folder):
     assert [run.id for run in read_campaign(folder, skip=["fast"]).runs] == ["slow"]
 
 
+def test_runs_may_be_listed_without_their_samples(folder):
+    (folder / "runs/fast.csv").write_text("no recording\n")
+    campaign = read_campaign(folder, unread=lambda runs: [run.id for run in runs[1:]])
+    slow, fast = campaign.runs
+    assert (slow.id, fast.id) == ("slow", "fast")
+    assert len(slow.time_s) > 0
+    assert fast.record.shape == (0, len(campaign.channels)) and len(fast.time_s) == 0
+
+
 def test_of_very_many_runs_it_is_said_how_far_reading_is(folder):
     toml, slow = folder / "campaign.toml", (folder / "runs/slow.csv").read_text()
     head, rows = slow.split("\n", 1)

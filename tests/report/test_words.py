@@ -4,9 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from wheelhop.diagnose.next_run import NextRun
 from wheelhop.effects import load_effects
 from wheelhop.files.words import chance, interval, label_of, percent, signed, significant, unit_of
-from wheelhop.report.words import form_of
+from wheelhop.report.words import form_of, next_run_words
 
 
 def number(text: str) -> float:
@@ -68,3 +69,9 @@ def test_the_form_of_an_effect_is_told(friction):
         for choice in effect.choices(channels):
             chosen = effect.with_choice(choice) if choice else effect
             assert form_of(chosen, channels) == choice
+
+
+@pytest.mark.parametrize(("log_odds", "words"), [(3.0, "of 20."), (65741.0, "of more than 10⁶.")])
+def test_odds_are_told_as_far_as_they_mean_anything(log_odds, words):
+    run = NextRun("slow", "washboard", 7.5, ("dry-friction", "digressive-damper"), 71, 17, log_odds)
+    assert next_run_words(run).endswith(f"expected to change the odds by a factor {words}")

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from tests.truth.campaign import make_campaign, write_campaign
+from tests.truth.effects import make_effects
 from tests.truth.presets import PRESETS, planned_runs
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -94,21 +95,37 @@ def pictures(tmp_path_factory) -> Path:
     return folder
 
 
+def a_few_runs(folder, kept, hidden, seed):
+    """A campaign of some runs of the short one, quickly made."""
+    planned = planned_runs(PRESETS["atv"], short=True, lateral_offset_mm=0.0)
+    others = [run.id for run in planned if run.id not in kept]
+    physics = make_effects(hidden)
+    settings = {"seed": seed, "short": True, "draft": True, "without": others}
+    return write_campaign(folder, PRESETS["atv"], physics, **settings)
+
+
 @pytest.fixture(scope="session")
 def friction(tmp_path_factory):
     hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
-    folder = tmp_path_factory.mktemp("friction")
-    return make_campaign(folder, seed=101, effects=hidden, short=True)
+    fitted = ("washboard-low-slow", "washboard-high-fast", "herringbone-low-fast")
+    held_out = ("washboard-high-slow", "herringbone-high-fast")
+    kept = (*fitted, *held_out, "chassis-twist-low-fast")
+    return a_few_runs(tmp_path_factory.mktemp("friction"), kept, hidden, seed=101)
 
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory):
     """Three runs, nothing hidden: for tests of the page, where a fit is only to be there soon."""
     kept = ("washboard-low-slow", "washboard-high-slow", "herringbone-low-fast")
-    planned = planned_runs(PRESETS["atv"], short=True, lateral_offset_mm=0.0)
-    others = [run.id for run in planned if run.id not in kept]
-    folder, preset = tmp_path_factory.mktemp("small"), PRESETS["atv"]
-    return write_campaign(folder, preset, [], seed=102, short=True, draft=True, without=others)
+    return a_few_runs(tmp_path_factory.mktemp("small"), kept, {}, seed=102)
+
+
+@pytest.fixture(scope="session")
+def small_open(small, tmp_path_factory):
+    """The address of a workbench on a copy of it that is fitted but once."""
+    folder = shutil.copytree(small, tmp_path_factory.mktemp("open") / "small")
+    with workbench(folder) as (address, _):
+        yield address
 
 
 @pytest.fixture(scope="session")

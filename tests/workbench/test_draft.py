@@ -69,8 +69,11 @@ def test_the_campaign_holds_what_was_recorded(draft, tmp_path):
         piece.track |= {"amplitude_mm": 15.0, "pitch_mm": 400.0}
         piece.speed_kmph = 7.5
     draft.better["body.mass_kg"] = 250.0
+    draft.recorder |= {"averaging_ms": 6.6, "noise_rms_m_s2": 0.05}
     draft.make(tmp_path / "made", "My car")
     campaign = read_campaign(tmp_path / "made")
+    assert campaign.averaging_s == pytest.approx(6.6e-3)
+    assert campaign.noise_rms == 0.05
     assert [run.role for run in campaign.runs] == ["fit", "fit", "validate"]
     assert {c.name for c in campaign.channels} == set(NAMES)
     run = campaign.runs[0]
@@ -121,10 +124,13 @@ def mistakes():
     def no_wavelength(draft):
         draft.pieces[0].choose("washboard")
 
+    def long_mean(draft):
+        draft.recorder["averaging_ms"] = 500.0
+
     def outside(draft):
         draft.pieces[1].from_s, draft.pieces[1].to_s = 100.0, 120.0
 
-    wrong = [nothing_taken, one_name, slash, steep, no_mass, outside]
+    wrong = [long_mean, nothing_taken, one_name, slash, steep, no_mass, outside]
     return [*wrong, no_weight, in_millimetres, no_speed, no_wavelength]
 
 
@@ -150,10 +156,11 @@ def test_a_draft_that_was_kept_is_the_same(draft, tmp_path):
     draft.pieces[0].track["pitch_mm"] = 400.0
     draft.pieces[1].to_s -= 2.0
     draft.columns[3].place, draft.columns[4].unit = NOT_USED, "mg"
+    draft.recorder["averaging_ms"] = 5.0
     draft.better["body.mass_kg"], draft.title = 250.0, 'Mein "Auto" \u00fc'
     keep(draft)
     again = resume(draft.folder, None)
-    for name in ("files", "columns", "pieces", "answers", "better", "title"):
+    for name in ("files", "columns", "pieces", "answers", "better", "recorder", "title"):
         assert getattr(again, name) == getattr(draft, name), name
     again.read()
     assert again.pieces == draft.pieces

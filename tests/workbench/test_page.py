@@ -1,7 +1,6 @@
 """The page as a user meets it: real clicks in a real browser."""
 
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -188,41 +187,41 @@ def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
         page.screenshot(path=pictures / "law.png", full_page=True)
 
 
-def test_work_is_given_up_at_once(small, open_page):
-    with workbench(small) as (address, _):
-        page = open_page(address)
-        page.wait_for_selector("table.heat td:is(.h0, .h1, .h2, .h3, .h4)")  # the model is fitted
-        turn(page, "What is missing")
-        page.get_by_role("button", name="Find out what is missing").click()
-        page.get_by_text("diagnosing:").wait_for()
-        time.sleep(2.0)
-        began = time.monotonic()
-        page.get_by_role("button", name="Stop").click()
-        page.get_by_text("given up").wait_for()
-        assert time.monotonic() - began < 1.0
-        page.get_by_role("button", name="Find out what is missing").wait_for()
+def test_work_is_given_up_at_once(small_open, open_page):
+    page = open_page(small_open)
+    page.wait_for_selector("table.heat td:is(.h0, .h1, .h2, .h3, .h4)")  # the model is fitted
+    turn(page, "What is missing")
+    page.get_by_role("button", name="Find out what is missing").click()
+    page.get_by_text("diagnosing:").wait_for()
+    time.sleep(2.0)
+    began = time.monotonic()
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_text("given up").wait_for()
+    assert time.monotonic() - began < 1.0
+    page.get_by_role("button", name="Find out what is missing").wait_for()
 
 
-def test_runs_and_channels_are_left_out_and_taken_back(small, open_page, pictures):
-    with workbench(small) as (address, _):
-        page = open_page(address)
-        page.wait_for_selector("table.heat td.h0")
-        page.get_by_role("button", name="leave out").first.click()
-        page.wait_for_selector("tr.out")
-        page.get_by_role("button", name="take in").click()
-        page.wait_for_selector("tr.out", state="detached")
-        turn(page, "The model")
-        page.get_by_role("heading", name="How the fit converges").wait_for()
-        page.screenshot(path=pictures / "converging.png")
+def test_runs_and_channels_are_left_out_and_taken_back(small_open, open_page, pictures):
+    page = open_page(small_open)
+    page.wait_for_selector("table.heat td.h0")
+    page.get_by_role("button", name="leave out").first.click()
+    page.wait_for_selector("tr.out")
+    page.get_by_role("button", name="take in").click()
+    page.wait_for_selector("tr.out", state="detached")
+    turn(page, "The model")
+    page.get_by_role("heading", name="How the fit converges").wait_for()
+    page.screenshot(path=pictures / "converging.png")
 
 
 def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
     files = write_foreign(tmp_path)
+    files[0] = files[0].rename(tmp_path / "a lawn, 7,5 kmh.csv")
     with workbench(home=tmp_path) as (address, process):
         page = open_page(address)
         page.set_input_files("input[type=file]", [str(file) for file in files])
         speeds = page.get_by_label("speed, km/h")
         speeds.nth(2).wait_for()
+        assert speeds.nth(0).input_value() == "7.5"  # as its name says
         for i in range(3):
             speeds.nth(i).fill("10")
         wait_until(lambda: next(tmp_path.rglob("draft.json")).read_text().count("10.0,") == 3)
@@ -256,22 +255,3 @@ def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
     first, *others = read_campaign(tmp_path / "made").runs
     assert len(others) == 2
     assert len(first.time_s) == pytest.approx((15.5 - 8.1) * 100, abs=15)
-
-
-NASTY = '<img src=x onerror="document.title=1"> "quoted" & ' + "long " * 200
-
-
-def test_names_are_text_and_nothing_else(small, tmp_path, open_page, pictures):
-    folder = shutil.copytree(small, tmp_path / "nasty")
-    file = folder / "campaign.toml"
-    text = file.read_text()
-    title = NASTY.replace("\\", "\\\\").replace('"', '\\"')
-    file.write_text(re.sub(r"title = .*", lambda _: f'title = "{title}"', text))
-    with workbench(folder) as (address, _):
-        page = open_page(address)
-        assert page.locator("h1").inner_text().startswith("<img")
-        assert page.title() != "1"
-        assert page.locator("h1 img").count() == 0
-        width = page.evaluate("document.documentElement.scrollWidth")
-        assert width <= 1280
-        page.screenshot(path=pictures / "nasty.png")

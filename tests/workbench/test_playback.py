@@ -6,7 +6,6 @@ import pytest
 from wheelhop.campaign import read_campaign
 from wheelhop.track import make_track
 from wheelhop.workbench.playback import END_S, scene_of
-from wheelhop.workbench.session import MOST_RUNS, first_session
 from wheelhop.workbench.shown import Rung, Shape, Signals
 
 SHAPE = Shape(wheelbase_m=1.4, track_width_m=1.2, radius_m=0.28)
@@ -57,17 +56,3 @@ def test_a_run_that_is_not_modelled_is_not_played(herringbone):
     rung.signals.clear()
     rung.signals["another"] = other
     assert scene_of(herringbone, rung, "left") is None
-
-
-def test_of_very_many_runs_some_of_either_role_are_taken(request):
-    from dataclasses import replace
-
-    campaign = read_campaign(request.config.rootpath / "examples/clean")
-    many = tuple(replace(run, id=f"{run.id}-{i}") for i in range(600) for run in campaign.runs)
-    whole = replace(campaign, runs=many)
-    session = first_session(whole)
-    taken = session.choice.applied(whole)
-    assert 0.9 * MOST_RUNS < len(taken.runs) <= MOST_RUNS
-    assert taken.fit_runs
-    assert taken.validate_runs
-    assert first_session(campaign).choice.without_runs == ()

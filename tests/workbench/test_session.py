@@ -1,5 +1,6 @@
 """The session file: what was decided and found comes back, whatever the names are."""
 
+import shutil
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.campaign import CampaignError, read_campaign
-from wheelhop.workbench.session import Choice, Session, read_session, write_session
+from wheelhop.workbench.bench import Workbench
+from wheelhop.workbench.session import (
+    MOST_RUNS,
+    Choice,
+    Session,
+    first_session,
+    read_session,
+    write_session,
+)
 from wheelhop.workbench.shown import Row, Verdict
 
 CLEAN = Path(__file__).parents[2] / "examples/clean"
@@ -85,3 +94,42 @@ def test_something_has_to_be_left():
         Choice(without_runs=tuple(RUNS)).applied(CAMPAIGN)
     with pytest.raises(CampaignError, match="take one back in"):
         Choice(without_channels=tuple(CHANNELS)).applied(CAMPAIGN)
+
+
+def test_of_very_many_runs_some_of_either_role_are_taken():
+    many = tuple(replace(run, id=f"{run.id}-{i}") for i in range(600) for run in CAMPAIGN.runs)
+    whole = replace(CAMPAIGN, runs=many)
+    session = first_session(whole)
+    taken = session.choice.applied(whole)
+    assert 0.9 * MOST_RUNS < len(taken.runs) <= MOST_RUNS
+    assert taken.fit_runs
+    assert taken.validate_runs
+    assert first_session(CAMPAIGN).choice.without_runs == ()
+
+
+def write_many(folder, count, whole):
+    """A campaign of so many runs; but for those that are `whole`, their files are no recordings."""
+    head, *_ = (CLEAN / "campaign.toml").read_text().partition("[[run]]")
+    run = (
+        '[[run]]\nid = "{0}"\nfile = "{0}.csv"\nrole = "fit"\nspeed_kmph = 5\ntrack.kind = "flat"\n'
+    )
+    (folder / "campaign.toml").write_text(head + "".join(run.format(i) for i in range(count)))
+    shutil.copy(CLEAN / "vehicle.toml", folder)
+    rows = CAMPAIGN.runs[0].file.read_text().splitlines(keepends=True)[:421]
+    for i in range(count):
+        (folder / f"{i}.csv").write_text("".join(rows) if i in whole else "no recording")
+
+
+def test_of_very_many_runs_only_those_taken_are_read(tmp_path):
+    whole = [i * 300 // MOST_RUNS for i in range(MOST_RUNS)]
+    write_many(tmp_path, 300, whole)
+    bench = Workbench()
+    bench.put(tmp_path)
+    try:
+        assert "300 runs: 200 were read" in bench.desk.notice
+        assert "the other 100 are left out" in bench.desk.notice
+        read = [int(run.id) for run in bench.desk.campaign.runs if len(run.time_s)]
+        assert read == whole
+        assert len(bench.desk.choice.applied(bench.desk.campaign).runs) == MOST_RUNS
+    finally:
+        bench.close()

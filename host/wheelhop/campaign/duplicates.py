@@ -94,7 +94,7 @@ def find_duplicates(campaign: Campaign) -> list[Duplicate]:
 
 def refuse_leaks(campaign: Campaign) -> None:
     """Raise CampaignError if a run that is to judge holds the very samples of one to be fitted."""
-    fitted = {_digest(run): run.id for run in campaign.fit_runs}
+    fitted = {_digest(run): run.id for run in campaign.fit_runs if len(run.time_s)}
     for run in campaign.validate_runs:
         twin = fitted.get(_digest(run))
         if twin is not None:

@@ -35,6 +35,7 @@ from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
 
 T = TypeVar("T")
 Progress = Callable[[str], None]
+Unread = Callable[[Sequence[Entry]], Container[str]]
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
@@ -53,7 +54,10 @@ NOT_RECORDED = "if it was not recorded, list under [channels] in campaign.toml t
 
 
 def read_campaign(
-    folder: str | Path, skip: Container[str] = (), progress: Progress = lambda text: None
+    folder: str | Path,
+    skip: Container[str] = (),
+    progress: Progress = lambda text: None,
+    unread: Unread = lambda entries: (),
 ) -> Campaign:
     """Read the campaign in `folder` strictly: nothing is guessed, no mistake is passed over.
 
@@ -62,7 +66,8 @@ def read_campaign(
     Either way `channels` follow the column order of the first run's recording.
 
     Runs whose ids are in `skip` are left out, and their recordings not read; `progress` is told how
-    far reading is, every hundred runs.
+    far reading is, every hundred runs. `unread` is asked once, of all runs of a vehicle, for the
+    ids of those that are to be listed without their samples: `time_s` and `record` have no rows.
 
     Raises `CampaignError`, one line naming file, key or row, and remedy, for every mistake in
     campaign.toml and the recordings; the same samples to fit and to judge are one of them.
@@ -73,7 +78,7 @@ def read_campaign(
         what = "give the folder that holds campaign.toml" if folder.is_file() else "no such folder"
         raise CampaignError(f"{folder}: {what}")
     top = read_toml(folder / "campaign.toml", CampaignError)
-    campaign = _read(top, folder, lambda id_: id_ not in skip, progress)
+    campaign = _read(top, folder, lambda id_: id_ not in skip, progress, unread)
     refuse_leaks(campaign)
     return campaign
 
@@ -82,10 +87,12 @@ def check_run(folder: Path, text: str, id_: str) -> None:
     """Raise the `CampaignError` of `read_campaign` if `text` were campaign.toml in `folder`, as far
     as that text and the recording of one run are at fault; the others are not read."""
     top = parse_toml(text, folder / "campaign.toml", CampaignError)
-    _read(top, folder, lambda other: other == id_, lambda text: None)
+    _read(top, folder, lambda other: other == id_, lambda text: None, lambda entries: ())
 
 
-def _read(top: Table, folder: Path, wanted: Callable[[str], bool], progress: Progress) -> Campaign:
+def _read(
+    top: Table, folder: Path, wanted: Callable[[str], bool], progress: Progress, unread: Unread
+) -> Campaign:
     top.format()
     if top.text("kind", "vehicle", choices=("vehicle", "component")) == "component":
         return read_component(top, folder)
@@ -106,7 +113,15 @@ def _read(top: Table, folder: Path, wanted: Callable[[str], bool], progress: Pro
     listed = top.tables("run", "id")
     drives = [_drive(run, folder) for run in _counted(listed, "run", progress)]
     check_entries(top, drives)
-    return _with_recordings(empty, [drive for drive in drives if wanted(drive.id)], progress)
+    drives = [drive for drive in drives if wanted(drive.id)]
+    waiting = unread(drives)
+    read = _with_recordings(empty, [d for d in drives if d.id not in waiting], progress)
+    if len(read.runs) == len(drives):
+        return read
+    none = frozen(np.zeros((0, len(read.channels))))
+    runs = {d.id: Run(**vars(d), time_s=none[:, 0], record=none) for d in drives}
+    runs |= {run.id: run for run in read.runs}
+    return replace(read, runs=tuple(runs.values()))
 
 
 def _refuse_gaps(top: Table) -> None:

@@ -122,7 +122,8 @@ def _amplitude(name: str, value: float) -> str:
 
 
 def _factor(log_odds: float) -> str:
-    return f"{exp(log_odds):.0f}" if log_odds < log(1e3) else f"10^{log_odds / log(10):.0f}"
+    """As far up as it means anything."""
+    return f"{exp(log_odds):.0f}" if log_odds < log(1e6) else "more than 10⁶"
 
 
 def form_of(effect: Effect, channels: Sequence[Channel]) -> str:

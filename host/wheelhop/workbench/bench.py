@@ -11,6 +11,7 @@ from wheelhop.campaign import Campaign, CampaignError, read_campaign
 from wheelhop.files import claimed
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.recorder import Recorder
+from wheelhop.workbench.session import unread
 
 if TYPE_CHECKING:
     from wheelhop.workbench.draft import Draft
@@ -41,7 +42,7 @@ class Workbench:
     def put(self, folder: Path, progress: Callable[[str], None] = lambda text: None) -> None:
         """Open a campaign in place of the one that is there; raises CampaignError, and then that
         one stays. `progress` is told how far reading is."""
-        campaign = read_campaign(folder, progress=progress)
+        campaign = read_campaign(folder, (), progress, lambda runs: unread(folder, runs))
         if self.desk is None or not same(self.desk.campaign, campaign):
             claims = ExitStack()
             claims.enter_context(claimed(folder, "workbench", CampaignError))

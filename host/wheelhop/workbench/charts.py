@@ -28,13 +28,17 @@ COARSE = 100  # on either side, to be seen in passing
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """One curve of a chart: x and y (n,)."""
+    """One curve of a chart: x and y (n,), `width` in pixels.
+
+    Without a graphics card a pen wider than one pixel takes a browser three times as long: it is
+    for one curve among others, and not for one of more samples than are drawn.
+    """
 
     name: str
     x: ArrayLike
     y: ArrayLike
     colour: str
-    width: float = 1.2
+    width: float = 1.0
     dashed: bool = False
 
     def points(self, first: int, last: int) -> list[list[float | None]]:
@@ -151,7 +155,8 @@ def _decades(panel: Panel) -> Options:
 
 
 def _series(line: Line, index: int) -> Options:
-    style: Options = {"color": line.colour, "width": line.width}
+    count = len(np.asarray(line.y))
+    style: Options = {"color": line.colour, "width": line.width if count <= MOST else 1.0}
     if line.dashed:
         style["type"] = "dashed"
     return {
@@ -162,7 +167,7 @@ def _series(line: Line, index: int) -> Options:
         "symbol": "none",
         "lineStyle": style,
         "itemStyle": {"color": line.colour},
-        "data": line.points(0, len(np.asarray(line.y))),
+        "data": line.points(0, count),
     }
 
 

@@ -33,6 +33,11 @@ ALL_RUNS = -1
 WHOLE = (0.0, 100.0)
 STEP = 0.2  # of what is shown, for one press of a key
 CLOSEST = 0.5  # per cent of a record
+RESTED = """(event) => {
+  clearTimeout(window.wheelhopResting);
+  window.wheelhopResting = setTimeout(() => emit(event), 150);
+}"""
+"""Sends what is looked at once it stays: to draw anew while it moves would make it stutter."""
 
 
 class CompareView:
@@ -41,12 +46,9 @@ class CompareView:
     def __init__(self, desk: Desk, looking: Looking) -> None:
         self._desk, self._looking = desk, looking
         self._seen: object = None
-        runs = {i: run.id for i, run in enumerate(desk.campaign.runs)}
         channels = {i: channel.name for i, channel in enumerate(desk.campaign.channels)}
         with ui.row().classes("bench-controls"):
-            self._run: Any = ui.select(
-                {**runs, ALL_RUNS: "all runs, one after the other"}, label="run", value=0
-            ).props("dense options-dense")
+            self._run: Any = ui.select({}, label="run").props("dense options-dense")
             self._channel: Any = ui.select(channels, label="channel", value=0).props("dense")
             self._rungs: Any = ui.select({}, label="models", multiple=True).props("dense")
             self._rungs.on_value_change(self._chosen)
@@ -63,7 +65,7 @@ class CompareView:
         self._playback.section.set_visibility(False)
         self._time = ui.echart({}).classes("bench-chart").props('aria-label="against time"')
         self._lines: list[Line] = []
-        self._time.on("chart:datazoom", self._zoomed, throttle=0.3, leading_events=False)
+        self._time.on("chart:datazoom", self._zoomed, js_handler=RESTED)
         self._time.props("tabindex=0").on("keydown", self._pressed, args=["key"])
         self._window = WHOLE
         self._spectrum = ui.echart({}).classes("bench-spectrum").props('aria-label="spectrum"')
@@ -79,8 +81,7 @@ class CompareView:
     def show(self) -> None:
         """Bring it up to date."""
         looking = self._looking
-        if looking.run is not None:
-            self._run.set_value(looking.run)
+        self._offer_runs()
         if looking.channel is not None:
             self._channel.set_value(looking.channel)
         self._offer_models()
@@ -95,6 +96,18 @@ class CompareView:
     def _chosen(self) -> None:
         self._looking.run, self._looking.channel = self._run.value, self._channel.value
         self.show()
+
+    def _offer_runs(self) -> None:
+        """Those that are taken, and the one that is looked at."""
+        left_out, looked_at = frozenset(self._desk.choice.without_runs), self._looking.run
+        runs = enumerate(self._desk.campaign.runs)
+        names = {i: run.id for i, run in runs if i == looked_at or run.id not in left_out}
+        names[ALL_RUNS] = "all runs, one after the other"
+        value = self._run.value if looked_at is None else looked_at
+        if names != self._run.options:
+            self._run.set_options(names, value=value if value in names else next(iter(names)))
+        else:
+            self._run.set_value(value)
 
     def _offer_models(self) -> None:
         """Every rung of the ladder may be looked at; first it is the baseline and the last one."""
@@ -119,22 +132,23 @@ class CompareView:
         self._playback.show(run, models[-1][1] if models else None, self._side.value)
 
     def _step(self, by: int) -> None:
-        count = len(self._desk.campaign.runs)
-        self._run.set_value((max(self._run.value, 0) + by) % count)
+        *runs, _ = self._run.options
+        at = runs.index(self._run.value) if self._run.value in runs else 0
+        self._run.set_value(runs[(at + by) % len(runs)])
 
     def _draw(self, keep_zoom: bool) -> None:
         models = self._models()
         channel = self._desk.campaign.channels[self._channel.value]
         time, rate_hz, curves = self._curves(channel.name, models)
         if not len(time):
-            self._words.set_text("not predicted by the model, or left out: nothing to compare")
+            self._words.set_text("left out, or not predicted by the model: nothing to compare")
             self._time.options.clear()
             self._time.update()
             return
         measured = curves[0][1]
         noise = self._noise(channel.name, models)
         upper = [
-            Line(name, time, y, colour, 2.2 if i == 0 else 1.2, colour in MORE)
+            Line(name, time, y, colour, 2.2 if i == 0 else 1.0, colour in MORE)
             for i, (name, y, colour) in enumerate(curves)
         ]
         lower = [
@@ -216,11 +230,12 @@ class CompareView:
         """Time, sample rate, and named curves, the measured one first."""
         campaign = self._desk.campaign
         chosen = self._run.value
-        runs = campaign.runs if chosen == ALL_RUNS else (campaign.runs[chosen],)
+        listed = list(self._run.options)[:-1]
+        runs = [campaign.runs[i] for i in (listed if chosen == ALL_RUNS else [chosen])]
         if not models:
             column = [c.name for c in campaign.channels].index(channel)
-            records = [run.record[:, column] - run.record[:, column].mean() for run in runs]
-            measured = np.concatenate(records)
+            records = [run.record[:, column] for run in runs if len(run.time_s)]
+            measured = np.concatenate([np.zeros(0), *(r - r.mean() for r in records)])
             rate = campaign.sample_rate_hz
             return np.arange(len(measured)) / rate, rate, [("measured", measured, MEASURED)]
         first = models[0][1]

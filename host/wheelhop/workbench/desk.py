@@ -20,9 +20,9 @@ from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files import InputError
 from wheelhop.workbench.order import Order, obey_orders
 from wheelhop.workbench.session import (
-    MOST_RUNS,
     Choice,
     Session,
+    first_session,
     read_session,
     toggled,
     without,
@@ -119,11 +119,11 @@ class Desk:
         return bool(self._future)
 
     def begin(self) -> None:
-        """Fit what the session chose."""
-        self._loop = asyncio.get_running_loop()
-        notice = self.notice
-        self._work()
-        self.notice = notice
+        """Fit what the session chose, unless something was ordered before."""
+        if self._loop is None:
+            notice = self.notice
+            self._work()
+            self.notice = notice
 
     def add(self, effect: str) -> None:
         """Make an effect part of the model."""
@@ -255,6 +255,7 @@ class Desk:
         long = order.diagnose or order.law
         self.job = Job(title, "starting", time.monotonic(), order.diagnose, long)
         self.errors = ()
+        self._loop = asyncio.get_running_loop()
         self._orders.send(order)
         self._changed()
 
@@ -361,16 +362,17 @@ class Desk:
     def _read(self) -> Session:
         try:
             session = read_session(self.campaign)
-            left_out, count = len(session.choice.without_runs), len(self.campaign.runs)
-            if count > MOST_RUNS and count - left_out <= MOST_RUNS:
-                self.notice = (
-                    f"{count} runs: {count - left_out} of them are taken, the others are left out"
-                    " until you take them in"
-                )
-            return session
         except InputError as error:
             self.notice = f"{error}; a new session begins, the file stays until something is chosen"
-            return Session()
+            return first_session(self.campaign)
+        runs = self.campaign.runs
+        waiting = sum(not len(run.time_s) for run in runs)
+        if waiting:
+            self.notice = (
+                f"{len(runs)} runs: {len(runs) - waiting} were read, evenly spaced; the other"
+                f" {waiting} are left out, and not read until you take them in"
+            )
+        return session
 
     def _keep(self) -> None:
         try:

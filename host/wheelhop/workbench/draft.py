@@ -19,7 +19,7 @@ from wheelhop.formats.places import likely_point
 from wheelhop.logger.recording import Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
-from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, known
+from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, RECORDER_WORDS, known
 
 UNITS = ("m/s²", "g", "mg", "mm/s²", "cm/s²")
 NOT_USED = "not used"
@@ -69,7 +69,8 @@ class Draft:
 
     It is kept in `folder` (`kept`), with the recordings that came from the browser. `constants` are
     those of the logger's sensors, None: nominal ones. `answers` are to `QUESTIONS`, `better` are
-    numbers of the vehicle known better than estimated, by their dotted names; None: not known.
+    numbers of the vehicle known better than estimated, by their dotted names, `recorder` those of
+    the instrument, by their keys in campaign.toml; None: not known.
     `title` and `target` are the campaign's, the latter a folder. `trouble` says why the recordings
     cannot be read as their columns are named now.
     """
@@ -83,6 +84,7 @@ class Draft:
         self.recordings: dict[Path, Recording] = {}
         self.answers: dict[str, float | None] = dict.fromkeys(q.name for q in QUESTIONS)
         self.better: dict[str, float | None] = {}
+        self.recorder: dict[str, float | None] = dict.fromkeys(RECORDER_WORDS)
         self.title, self.target = "My campaign", ""
         self.trouble = self.kept = ""
         self._map: Map | None = None
@@ -171,7 +173,10 @@ class Draft:
                 vehicle.write_text(self._vehicle_text(title), encoding="utf-8")
                 read_vehicle(vehicle)  # a number that cannot be is said now
                 like = self.recordings[taken[0].file]
-                new_campaign(folder, title, like, {}, vehicle, self.constants)
+                if averaging_ms := self.recorder["averaging_ms"]:
+                    like = replace(like, averaging_s=averaging_ms * 1e-3)
+                noise = self.recorder["noise_rms_m_s2"]
+                new_campaign(folder, title, like, {}, vehicle, self.constants, noise)
             for piece in taken:
                 self._add(folder, piece)
         except BaseException:
@@ -252,7 +257,7 @@ def _short(words: str) -> str:
 def _speed_in(name: str) -> float | None:
     """The speed that a file's name tells, km/h: "washboard 7,5kmh"."""
     found = re.search(r"(\d+(?:[.,]\d+)?)[\s_-]*(?:km[-_/]?h|kmph|kph)", name, re.IGNORECASE)
-    return float(found[1].replace(",", ".")) if found else None
+    return (float(found[1].replace(",", ".")) or None) if found else None
 
 
 def _track_in(name: str) -> str:

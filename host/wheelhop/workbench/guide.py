@@ -17,7 +17,13 @@ from wheelhop.files.words import label_of, unit_of
 from wheelhop.vehicle.estimate import estimate
 from wheelhop.workbench.draft import PLACES, TRACKS, UNITS, Draft, Piece
 from wheelhop.workbench.kept import drop, keep
-from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, TRACK_WORDS, known
+from wheelhop.workbench.questions import (
+    FIELD_WORDS,
+    QUESTIONS,
+    RECORDER_WORDS,
+    TRACK_WORDS,
+    known,
+)
 from wheelhop.workbench.stretches import stretches_html
 
 FIELD = "dense outlined"
@@ -91,7 +97,7 @@ class Guide:
             self._columns.run_method("scrollIntoView", {"behavior": "smooth", "block": "start"})
 
     async def _upload(self, event: UploadEventArguments) -> None:
-        name = re.sub(r"[^\w.() -]+", "_", Path(event.file.name).name)[-100:] or "recording.csv"
+        name = re.sub(r"[^\w.,() -]+", "_", Path(event.file.name).name)[-100:] or "recording.csv"
         target = self._draft.folder / name
         try:
             await run.io_bound(make_folder, target.parent)
@@ -254,6 +260,8 @@ class Guide:
     def _show_vehicle(self) -> None:
         draft = self._draft
         with self._vehicle:
+            if any(not recording.averaging_s for recording in draft.recordings.values()):
+                self._show_recorder()
             ui.html("What you know of the vehicle", sanitize=False, tag="h3")
             ui.html(
                 "<p class='soft'>Four numbers are needed; leave empty what you do not know. The"
@@ -270,6 +278,19 @@ class Guide:
                 for key in estimate(known("any", TYPICAL)):
                     draft.better.setdefault(key, None)
                     _number(f"{label_of(key)}, {unit_of(key)}", draft.better, key)
+
+    def _show_recorder(self) -> None:
+        """What the files do not say of the instrument."""
+        ui.html("What you know of the recorder", sanitize=False, tag="h3")
+        ui.html(
+            "<p class='soft'>Its data sheet tells; leave empty what you do not know. A recorder"
+            " that averages between two samples weakens the top of the band, and the model does the"
+            " same if it is told. Accelerations count upwards.</p>",
+            sanitize=False,
+        )
+        with ui.element("div").classes("bench-numbers"):
+            for key, words in RECORDER_WORDS.items():
+                _number(words, self._draft.recorder, key)
 
     def _show_end(self) -> None:
         draft = self._draft

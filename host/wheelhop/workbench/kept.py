@@ -74,6 +74,7 @@ def _text(draft: Draft) -> str:
         "pieces": [{**asdict(piece), "file": str(piece.file)} for piece in draft.pieces],
         "answers": draft.answers,
         "better": {key: value for key, value in draft.better.items() if value is not None},
+        "recorder": draft.recorder,
         "title": draft.title,
         "target": draft.target,
     }
@@ -94,4 +95,5 @@ def _fill(draft: Draft, document: dict[str, Any]) -> None:
     draft.pieces = [piece for piece in pieces if piece.file in draft.files]
     draft.answers |= document["answers"]
     draft.better |= document["better"]
+    draft.recorder |= document.get("recorder", {})
     draft.title, draft.target = str(document["title"]), str(document["target"])

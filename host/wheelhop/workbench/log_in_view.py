@@ -29,9 +29,6 @@ class LogInView:
                 await run.io_bound(bench.put, folder)
             except InputError as error:
                 desk.say(str(error))
-                return
-            assert bench.desk is not None
-            bench.desk.begin()
 
         with ui.element("section"):
             ui.html("Record with the logger", sanitize=False, tag="h2")

@@ -28,6 +28,9 @@ from wheelhop.workbench.where_view import WhereView
 LOOK_S = 0.25
 """So often a page asks whether the desk has changed."""
 
+SETTLED_S = 1.0
+"""After that the page is on the screen, and the process that computes may take its share."""
+
 VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("overview", "Overview", Overview),
     ("compare", "Compare", CompareView),
@@ -86,6 +89,7 @@ class Page:
                 self._panels[key] = ui.element("div").props(f"data-view={key}").classes(ASLEEP)
         self._tabs.set_value("overview")
         self._look()
+        ui.timer(SETTLED_S, desk.begin, once=True)
         ui.timer(LOOK_S, self._look)
 
     def _top(self) -> None:

@@ -71,11 +71,10 @@ def scene_of(run: Run, rung: Rung, side: str) -> dict[str, Any] | None:
     modelled = _heights(signals, signals.modelled_m[kept], rung, side)
     if not any(part for end in measured.values() for part in end.values()):
         return None
-    position = signals.position_m
-    if position is None:
-        position = (run.time_s - run.time_s[0]) * run.speed_m_s
+    time_s = np.arange(len(signals.measured)) / signals.rate_hz
+    where = signals.position_m
+    position = (time_s * run.speed_m_s if where is None else where)[kept]
     shape = rung.shape
-    position = position[kept]
     first, ground = _ground(run, position, shape, side)
     heights = [y for view in (measured, modelled) for end in view.values() for y in end.values()]
     return {

@@ -66,6 +66,12 @@ QUESTIONS = (
     Question("driver_kg", "weight of the driver", "kg", 20.0, 250.0),
 )
 
+RECORDER_WORDS = {
+    "averaging_ms": "each sample is the mean over so long, ms",
+    "noise_rms_m_s2": "noise of a channel at rest, engine off, rms in band, m/s²",
+}
+"""What a data sheet of an instrument may tell, by its key in campaign.toml."""
+
 TRACK_WORDS = {
     "washboard": "washboard: waves across the track",
     "one-sided-washboard": "washboard under the left wheels only",

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 EMULATED_FACTOR = 10.0
 FOLDER = "recordings"
-ANNOUNCED_S = 10.0
+ANNOUNCED_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -117,9 +118,10 @@ class Recorder:
             self._emulated = context.Process(target=be_a_logger, args=(there,), daemon=True)
             self._emulated.start()
             there.close()
-            if not self._keeps_it.poll(ANNOUNCED_S):
-                raise InputError("the emulated logger does not start")
-            line: str = self._keeps_it.recv()
+            line = "the emulated logger does not start"
+            if self._keeps_it.poll(ANNOUNCED_S):
+                with suppress(EOFError):  # it has ended without a word
+                    line = self._keeps_it.recv()
             if line:
                 raise InputError(line)
             self.notice = (

@@ -5,35 +5,18 @@ from __future__ import annotations
 import secrets
 import socket
 import sys
-import time
 import webbrowser
-from collections.abc import Callable
-from contextlib import asynccontextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from threading import Thread
-from typing import TYPE_CHECKING
-
-import uvicorn
-from fastapi import FastAPI, HTTPException
-from fastapi.responses import FileResponse
-from nicegui import ui
 
 from wheelhop.campaign import CampaignError
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.guard import Guard
-from wheelhop.workbench.out_view import REPORT_ADDRESS
-from wheelhop.workbench.page import lay_out
-from wheelhop.workbench.takeaway import REPORT
-
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
 
 LOCAL = "127.0.0.1"
-AHEAD_S = 2.0
-REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-"""A report may have come with somebody's campaign: it shows, and does nothing."""
-PATIENCE_S = 3600.0
-"""So long a page that lost its connection, on a closed laptop, finds what it showed."""
+CLIENTS = ("aiohttp", "requests", "tornado")
+"""What the page's framework loads for programs that talk to it. Ours are browsers."""
 
 
 def serve(
@@ -61,49 +44,38 @@ def serve(
     with _bound(host, port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
-        names = {host, "localhost"} if host == LOCAL else {host}
-        guard = Guard(make_app(bench), token, frozenset(f"{name}:{port}" for name in names))
         address = f"http://{host}:{port}/?token={token}"
         tell(f"the workbench is at {address}")
         if browse:
             webbrowser.open(address)
-        config = uvicorn.Config(guard, log_level="warning", timeout_graceful_shutdown=1)
+        # A browser takes a second to start: the framework is loaded meanwhile.
+        with _without(CLIENTS):
+            import uvicorn
+
+            from wheelhop.workbench.app import make_app
+
+        names = {host, "localhost"} if host == LOCAL else {host}
+        far = host != LOCAL
+        hosts = frozenset(f"{name}:{port}" for name in names)
+        config = uvicorn.Config(
+            Guard(make_app(bench, far), token, hosts),
+            log_level="warning",
+            timeout_graceful_shutdown=1,
+            ws_per_message_deflate=far,
+        )
         uvicorn.Server(config).run(sockets=[listening])
 
 
-def make_app(bench: Workbench) -> FastAPI:
-    """The application that shows a bench; its work begins and ends with the server."""
-
-    @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        if bench.desk is not None:
-            bench.desk.begin()
-        Thread(target=_load_ahead, daemon=True).start()
+@contextmanager
+def _without(packages: tuple[str, ...]) -> Iterator[None]:
+    """Within it these packages are as if they were not installed, unless they are loaded."""
+    hidden = {name: None for name in packages if name not in sys.modules}
+    sys.modules.update(hidden)  # type: ignore[arg-type]
+    try:
         yield
-        bench.close()
-
-    app = FastAPI(lifespan=lifespan)
-
-    @ui.page("/")
-    def index() -> None:
-        lay_out(bench)
-
-    @app.get(REPORT_ADDRESS)
-    def report() -> FileResponse:
-        desk = bench.desk
-        if desk is None or not (desk.campaign.folder / REPORT).is_file():
-            raise HTTPException(404, "there is no report yet")
-        headers = {"content-security-policy": REPORT_POLICY}
-        return FileResponse(desk.campaign.folder / REPORT, headers=headers)
-
-    ui.run_with(app, title="wheelhop", dark=None, reconnect_timeout=PATIENCE_S, tailwind=False)
-    return app
-
-
-def _load_ahead() -> None:
-    """What only some views need is loaded after the first page is there, before it is asked for."""
-    time.sleep(AHEAD_S)
-    import wheelhop.workbench.log_in_view  # noqa: F401
+    finally:
+        for name in hidden:
+            del sys.modules[name]
 
 
 def _bound(host: str, port: int) -> socket.socket:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
-from wheelhop.campaign import Campaign, CampaignError
-from wheelhop.files import Table, read_toml, to_toml, write_text
+from wheelhop.campaign import Campaign, CampaignError, Run
+from wheelhop.campaign.common import Entry
+from wheelhop.files import InputError, Table, read_toml, to_toml, write_text
 from wheelhop.workbench.shown import Row, Verdict
 
 FILE = "session.toml"
@@ -39,11 +41,12 @@ class Choice:
 
         Raises CampaignError if no run that is fitted, or no channel, is left.
         """
+        left_out = frozenset(self.without_runs)
         kept = [i for i, c in enumerate(campaign.channels) if c.name not in self.without_channels]
         runs = tuple(
             replace(run, role=self.roles.get(run.id, run.role), record=run.record[:, kept])
             for run in campaign.runs
-            if run.id not in self.without_runs
+            if run.id not in left_out
         )
         if not kept or not any(run.role == "fit" for run in runs):
             raise CampaignError(
@@ -89,15 +92,28 @@ def read_session(campaign: Campaign) -> Session:
 def first_session(campaign: Campaign) -> Session:
     """That of a campaign nobody has opened: of very many runs, `MOST_RUNS` evenly spaced ones of
     either role are taken, and the others left out until somebody takes them in."""
-    if len(campaign.runs) <= MOST_RUNS:
-        return Session()
+    return Session(Choice(without_runs=_too_many(campaign.runs)))
+
+
+def unread(folder: Path, runs: Sequence[Entry]) -> frozenset[str]:
+    """Of very many runs, those whose recordings may wait: they are left out of the session."""
+    if len(runs) <= MOST_RUNS:
+        return frozenset()
+    try:
+        return frozenset(read_toml(folder / FILE).texts("without_runs"))
+    except InputError:  # there is none yet, or it is said later what is wrong with it
+        return frozenset(_too_many(runs))
+
+
+def _too_many(runs: Sequence[Entry | Run]) -> tuple[str, ...]:
+    if len(runs) <= MOST_RUNS:
+        return ()
     kept: set[str] = set()
     for role in ROLES:
-        runs = [run.id for run in campaign.runs if run.role == role]
-        count = min(len(runs), max(MOST_RUNS * len(runs) // len(campaign.runs), 1))
-        kept |= {runs[i * len(runs) // count] for i in range(count)}
-    left_out = tuple(run.id for run in campaign.runs if run.id not in kept)
-    return Session(Choice(without_runs=left_out))
+        ids = [run.id for run in runs if run.role == role]
+        count = min(len(ids), max(MOST_RUNS * len(ids) // len(runs), 1))
+        kept |= {ids[i * len(ids) // count] for i in range(count)}
+    return tuple(run.id for run in runs if run.id not in kept)
 
 
 def write_session(campaign: Campaign, session: Session, written_by: str) -> None:

@@ -55,9 +55,6 @@ class Start:
             await run.io_bound(self._bench.put, folder, self._read)
         except InputError as error:
             self._say(str(error))
-            return
-        if self._bench.desk is not None:
-            self._bench.desk.begin()
 
     async def _open(self) -> None:
         text = self._folder.value.strip()
@@ -76,7 +73,7 @@ class Start:
         with ui.row():
             for folder in found:
                 ui.button(folder.name, on_click=lambda folder=folder: self.put(folder)).props(
-                    "no-caps outline dense"
+                    "no-caps outline"
                 )
 
     def _say(self, line: str) -> None:

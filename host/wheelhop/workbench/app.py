@@ -1,0 +1,68 @@
+"""What the server serves: the page of a bench, and its report."""
+
+from __future__ import annotations
+
+import time
+from contextlib import asynccontextmanager
+from threading import Thread
+from typing import TYPE_CHECKING
+
+from fastapi import FastAPI, HTTPException
+from fastapi.middleware.gzip import GZipMiddleware
+from fastapi.responses import FileResponse
+from nicegui import ui
+
+from wheelhop.workbench.bench import Workbench
+from wheelhop.workbench.out_view import REPORT_ADDRESS
+from wheelhop.workbench.page import lay_out
+from wheelhop.workbench.takeaway import REPORT
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+AHEAD_S = 2.0
+REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+"""A report may have come with somebody's campaign: it shows, and does nothing."""
+PATIENCE_S = 3600.0
+"""So long a page that lost its connection, on a closed laptop, finds what it showed."""
+
+
+def make_app(bench: Workbench, far: bool) -> FastAPI:
+    """The application that shows a bench; its work ends with the server. What goes over a network
+    (`far`) is compressed; on the way to a browser beside the server that only takes time."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        Thread(target=_load_ahead, daemon=True).start()
+        yield
+        bench.close()
+
+    app = FastAPI(lifespan=lifespan)
+
+    @ui.page("/")
+    def index() -> None:
+        lay_out(bench)
+
+    @app.get(REPORT_ADDRESS)
+    def report() -> FileResponse:
+        desk = bench.desk
+        if desk is None or not (desk.campaign.folder / REPORT).is_file():
+            raise HTTPException(404, "there is no report yet")
+        headers = {"content-security-policy": REPORT_POLICY}
+        return FileResponse(desk.campaign.folder / REPORT, headers=headers)
+
+    ui.run_with(
+        app,
+        title="wheelhop",
+        dark=None,
+        reconnect_timeout=PATIENCE_S,
+        tailwind=False,
+        gzip_middleware_factory=GZipMiddleware if far else None,
+    )
+    return app
+
+
+def _load_ahead() -> None:
+    """What only some views need is loaded after the first page is there, before it is asked for."""
+    time.sleep(AHEAD_S)
+    import wheelhop.workbench.log_in_view  # noqa: F401
