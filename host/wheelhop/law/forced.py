@@ -11,6 +11,7 @@ that is known where its motion is recorded.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,15 +97,26 @@ class ForcedRun:
                 for part, given in ((motion, moves.height), (jw[..., 0] * motion, moves.rate))
             )
 
-    def answers(self, ports: Sequence[int], force: Array) -> Array:
-        """In-band coefficients (size, j) of what forces (T, j), N, add to the record, each at the
-        port of its number: they oppose its extension."""
-        to = -np.einsum("cn,fnm,pm->fcp", self._output, self._inverse, self._system.port)
-        spectrum = fft.rfft(force, self._long, axis=0)[: self._short // 2 + 1]
-        changes = self._sampled(to[: len(spectrum), :, list(ports)] * spectrum[:, None, :])
+    def answers(self, ports: Sequence[int], force: Array, columns: Sequence[int]) -> Array:
+        """In-band coefficients (size, k) of what forces (T, j), N, add to the record, each at the
+        port of its number: they oppose its extension. Forces of the same column of the k are added
+        up. Single precision is enough for what is kept in it."""
+        half, to = self._short // 2 + 1, self._to_record
+        spectrum = fft.rfft(force.T.astype(np.float32), self._long, axis=1)[:, :half]
+        moved = np.zeros((half, self._output.shape[0], max(columns) + 1), np.complex64)
+        for j, (port, column) in enumerate(zip(ports, columns, strict=True)):
+            moved[:, :, column] += to[port] * spectrum[j, :, None]
+        changes = self._sampled(moved)
         bench = self._bench
         found = bench.band.coefficients(changes[:, bench.predicted])
-        return np.asarray(found.reshape(-1, force.shape[1]))
+        return np.asarray(found.reshape(-1, moved.shape[2]))
+
+    @cached_property
+    def _to_record(self) -> NDArray[np.complex64]:
+        """Outputs (p, f, c) per force at each port, at the frequencies that samples show."""
+        inverse = self._inverse[: self._short // 2 + 1]
+        found = -np.einsum("cn,fnm,pm->pfc", self._output, inverse, self._system.port)
+        return np.asarray(found, np.complex64)
 
     def _spectrum(self, given: Array) -> ComplexArray:
         """Of histories (T, k), as columns (f, k, 1)."""
@@ -115,6 +127,7 @@ class ForcedRun:
         motion (f, …)."""
         half = self._short // 2 + 1
         weight = self._accelerated[:half].reshape(-1, *[1] * (motion.ndim - 1))
+        weight = weight.astype(motion.real.dtype)
         found = fft.irfft(motion[:half] * weight, self._short, axis=0) / self._stride
         first = self.samples.start // self._stride
         return np.asarray(found[first : first + len(self._bench.run.time_s)])

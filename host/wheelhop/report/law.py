@@ -128,10 +128,11 @@ def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
     fit = rival.rung.fit
     formula = next(e for e in fit.model.effects if isinstance(e, Formula))
     grown = max(fit.rss / (fit.size * fit.sigma**2), 1.0) ** 0.5
+    values = fit.model.values
     return {
-        term.words: (fit.model.values[key], fit.uncertainty(key) * grown)
-        for term in formula.terms
-        for key in (f"{formula.id}.{term.name}_N",)
+        f"{prefix.replace('_', ': ')}{term.words}": (values[key], fit.uncertainty(key) * grown)
+        for term, keys in formula.at(values)
+        for (prefix, _), key in zip(formula.ends(), keys, strict=True)
     }
 
 
