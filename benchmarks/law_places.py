@@ -4,8 +4,8 @@ Laws that are in nobody's library, hidden in the cars of the independent simulat
 clean cars. Printed for each: what the model without the law leaves over the noise, the place that
 `wheelhop law` names, the simplest law that does as well as any, its held-out error over the noise,
 and how far its force is from the true one along the true motion of the held-out runs, r.m.s.: over
-the whole force of the strut or tyre, and, less what any spring and damper are, over that of the
-missing law. With --screen only the places, as regression ranks them, and its time.
+the whole force of the strut, tyre or seat, and, less what any spring and damper are, over that of
+the missing law. With --screen only the places, as regression ranks them, and its time.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from tests.truth import PRESETS, Truth, integrate, read_truth, write_campaign
 from tests.truth import outside_effects as outside
 from tests.truth import outside_laws as special
 from tests.truth.effect import Effect
-from tests.truth.model import STEP_S
-from tests.truth.vehicle import axle
+from tests.truth.model import STEP_S, Motion
+from tests.truth.vehicle import axle, corner_positions
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.confirm import least_gain
@@ -73,28 +73,44 @@ def _hidden(car: Car) -> dict[str, tuple[str, Callable[[], Effect]]]:
 def true_force(truth: Truth, where: Where, before_s: float) -> tuple[Moved, Array, Array]:
     """The motion of a place's first part in the held-out runs, its force, and that of its spring
     and damper, every millisecond."""
-    corner, every = where.corners[0], round(1e-3 / STEP_S)
-    ways, forces, lines = [], [], []
+    of_place = _seat if where.kind == "mount" else _strut_or_tyre
+    every = round(1e-3 / STEP_S)
+    parts = []
     for name, run in truth.runs.items():
-        if truth.roles[name] != "validate":
-            continue
-        motion = integrate(truth.vehicle, run, truth.effects, step_s=STEP_S)
-        body, wheel = motion.position[:, corner], motion.position[:, 4 + corner]
-        strut = where.kind == "strut"
-        x = body - wheel if strut else wheel - motion.road[:, corner]
-        # Forces are those of the middle of each step.
-        v = (np.diff(x) / STEP_S)[motion.time[1:] > 0.0][::every]
-        middle = (0.5 * (x[1:] + x[:-1]))[motion.time[1:] > 0.0][::every]
-        pushed = motion.suspension_force if strut else motion.tyre_force
-        forces.append(-pushed[motion.time[1:] > 0.0, corner][::every])
-        part, end = ("suspension", "") if strut else ("wheel", "tyre_")
-        key = f"{part}.{axle(corner)}.{end}"
-        spring, damper = (truth.vehicle[f"{key}{n}"] for n in ("stiffness_N_m", "damping_N_s_m"))
-        lines.append(spring * middle + damper * v)
-        ways.append((middle, v))
-    x, v = (np.concatenate(part) for part in zip(*ways, strict=True))
-    moved = Moved(x, v, tuple(len(way) for way, _ in ways), before_s=before_s)
-    return moved, np.concatenate(forces), np.concatenate(lines)
+        if truth.roles[name] == "validate":
+            motion = integrate(truth.vehicle, run, truth.effects, step_s=STEP_S)
+            # Forces are those of the middle of each step.
+            begun = motion.time[1:] > 0.0
+            parts.append([way[begun][::every] for way in of_place(truth, where, motion)])
+    x, v, force, line = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Moved(x, v, tuple(len(part[0]) for part in parts), before_s=before_s), force, line
+
+
+def _strut_or_tyre(truth: Truth, where: Where, motion: Motion) -> tuple[Array, ...]:
+    """Extension, rate, force and that of spring and damper at the middle of every step."""
+    corner, strut = where.corners[0], where.kind == "strut"
+    body, wheel = motion.position[:, corner], motion.position[:, 4 + corner]
+    x = body - wheel if strut else wheel - motion.road[:, corner]
+    middle, v = 0.5 * (x[1:] + x[:-1]), np.diff(x) / STEP_S
+    force = motion.suspension_force if strut else motion.tyre_force
+    part, end = ("suspension", "") if strut else ("wheel", "tyre_")
+    key = f"{part}.{axle(corner)}.{end}"
+    spring, damper = (truth.vehicle[f"{key}{n}"] for n in ("stiffness_N_m", "damping_N_s_m"))
+    return middle, v, -force[:, corner], spring * middle + damper * v
+
+
+def _seat(truth: Truth, where: Where, motion: Motion) -> tuple[Array, ...]:
+    """The same of the driver's seat, whose force is what moves the driver."""
+    (seat,) = truth.effects
+    assert isinstance(seat, special.StickSlipSeat)
+    corners = np.array([(1.0, x, y) for x, y in corner_positions(truth.vehicle)])
+    at_seat = np.array([1.0, seat.x_m, seat.y_m]) @ np.linalg.pinv(corners)
+    x, rate = motion.joints["seat"]
+    driver = motion.velocity[:, :4] @ at_seat + rate
+    middle, v = 0.5 * (x[1:] + x[:-1]), np.diff(x) / STEP_S
+    omega = 2.0 * np.pi * seat.freq_hz
+    line = seat.mass_kg * (omega**2 * middle + 2.0 * seat.zeta * omega * v)
+    return middle, v, -seat.mass_kg * np.diff(driver) / STEP_S, line
 
 
 def law_errors(found: Found, truth: Truth) -> tuple[float, float]:
@@ -131,7 +147,7 @@ def look_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> boo
         line = f"{name:18} {place:18} {said:18} {found.base.error / floor:8.2f}"
         if found.preferred is not None:
             rung, own, law = found.preferred.rung, "", ""
-            if found.where is not None and found.where.corners and said == place:
+            if said == place:
                 truth = read_truth_of(folder, effects)
                 own, law = (f"{100 * e:.1f} %" for e in law_errors(found, truth))
             line += f" {rung.error / floor:8.2f} {own:>8} {law:>8}  {found.preferred.name:18}"

@@ -32,7 +32,7 @@ def test_a_sum_of_terms_screens_as_if_it_were_simulated(tmp_path):
     sums = Sums(signatures, alone)
     chosen = [1, 2, 5]
     total = Formula(where, [terms[i] for i in chosen])
-    added = sums.screen(total, [alone[i] for i in chosen])
+    added = sums.screen(total, [[(alone[i], f"{terms[i].name}_N")] for i in chosen])
     (simulated,) = screen(workshop, fitted, [total])
     assert added.gain == pytest.approx(simulated.gain, rel=1e-6)
     assert added.error == pytest.approx(simulated.error, rel=1e-6)

@@ -34,7 +34,7 @@ def answered(where, term, force_N):
             for row, kernel, numbers, _ in laws_of(formula, strong.theta(formula), ATV)
         ]
         force = follow_all(laws, forced.extension, forced.rate, forced.step_s)
-        found.append(forced.answers([port for port, *_ in laws], force).sum(axis=1))
+        found.append(forced.answers([port for port, *_ in laws], force, [0] * len(laws))[:, 0])
     bench = workshop.benches["over"]
     differs = bench.coefficients(told["over"] - records["over"])
     return [relative(one, differs) for one in found]

@@ -217,6 +217,7 @@ class Motion:
     road: Array  # (m + 1, 4) height of the wheel envelope under each wheel, m
     suspension_force: Array  # (m, 4) N, at mid-step
     tyre_force: Array  # (m, 4) N, at mid-step
+    joints: dict[str, tuple[Array, Array]]  # of effects: displacement and rate (m + 1,)
 
 
 def integrate(
@@ -336,6 +337,10 @@ def _march(
         road=road,
         suspension_force=force[:, :4],
         tyre_force=force[:, 4:],
+        joints={
+            model.joint(i).name: (position[:, at], velocity[:, at])
+            for i, at in enumerate(model.jnt_dofadr)
+        },
     )
 
 

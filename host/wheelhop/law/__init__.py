@@ -5,7 +5,8 @@ from wheelhop.law.free import Form, FreeForce
 from wheelhop.law.look import look
 from wheelhop.law.moved import Moved
 from wheelhop.law.places import Where, places
-from wheelhop.law.search import Found, Rival, find_law
+from wheelhop.law.rival import Rival
+from wheelhop.law.search import Found, find_law
 
 __all__ = [
     "Form",

@@ -89,19 +89,20 @@ def follow_all(
     numbers = np.zeros((len(laws), max(len(p) for *_, p in laws) or 1))
     for row, (*_, p) in zip(numbers, laws, strict=True):
         row[: len(p)] = p
-    return np.asarray(_follow(padded(kinds), which, x, v, dt, numbers, before_s))
+    ways = np.ascontiguousarray(x.T), np.ascontiguousarray(v.T)
+    return np.asarray(_follow(padded(kinds), which, *ways, dt, numbers, before_s)).T
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _follow(laws, which, x, v, dt, numbers, before_s):  # type: ignore[no-untyped-def]
-    total = np.zeros((len(x), len(which)))
+    total = np.zeros((len(which), x.shape[1]))
     for j in range(len(which)):
         k, i = which[j]
-        still = x[0, i]
+        still = x[i, 0]
         _, memory = laws[k](still, 0.0, 0.0, before_s, 0.0, numbers[j])
-        for t in range(len(x)):
-            total[t, j], memory = laws[k](
-                x[t, i], v[t, i], x[t, i] - still, dt * min(t, 1), memory, numbers[j]
+        for t in range(x.shape[1]):
+            total[j, t], memory = laws[k](
+                x[i, t], v[i, t], x[i, t] - still, dt * min(t, 1), memory, numbers[j]
             )
-            still = x[t, i]
+            still = x[i, t]
     return total

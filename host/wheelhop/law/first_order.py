@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Rung
 from wheelhop.diagnose.screen import Screened
+from wheelhop.effects import Effect
 from wheelhop.law.free import Form, FreeForce
 from wheelhop.law.motion import Moves
 from wheelhop.law.places import Where, of_axle, parts_of, places
-from wheelhop.law.regression import Signatures, Sums
+from wheelhop.law.regression import Columned, Signatures, Sums, gives_force_at_once
 from wheelhop.law.terms import drift, knots, positioned, slipping, slipping_loaded, slips
 
 COUNTS = (5, 9, 17, 33)
@@ -42,14 +42,10 @@ def screen_places(signatures: Signatures, base: Rung, moves: Moves) -> list[Prom
         leading = [promise.where for promise in _ranked(best.values())[:most]] or every
         for promise in _screened(signatures, base, moves, leading, count):
             before = best.get(promise.where)
-            if before is None or promise.screened.score > before.screened.score:
+            least = -np.inf if before is None else before.screened.score + signatures.as_well
+            if promise.screened.score > least:
                 best[promise.where] = promise
     return _ranked(best.values())
-
-
-def gives_force_at_once(campaign: Campaign) -> bool:
-    """Whether the motion is imposed, so that a law is simulated by looking it up along it."""
-    return isinstance(campaign, ComponentCampaign) and campaign.drive == "displacement"
 
 
 def _ranked(promises: Iterable[Promise]) -> list[Promise]:
@@ -63,39 +59,60 @@ def _screened(
     among: Sequence[Where],
     count: int,
 ) -> list[Promise]:
-    """These places, each with its best form of so many knots.
+    """These places, each with its best form of so many knots: families join while they leave
+    noticeably less.
 
-    Terms are known for each strut of an axle by itself, and at both added up.
+    Terms are known for each strut of an axle by itself, or for each axle of a place across both,
+    and at all of them added up.
     """
     families = {where: _families(moves, where, base, count) for where in among}
     terms = {
-        (part, form): FreeForce(part, {form.name: form})
+        (part, form): signatures.free(part, form)
         for where, forms in families.items()
         for part in parts_of(where)
         for form in forms
     }
     signatures.of(list(terms.values()))
-    found = []
-    for where, forms in families.items():
-        parts = {f: [terms[part, f] for part in parts_of(where)] for f in forms}
-        sums = Sums(signatures, [term for family in forms for term in parts[family]])
+    grown = (_grown(signatures, where, forms, terms) for where, forms in families.items() if forms)
+    return [promise for promise in grown if np.isfinite(promise.screened.gain)]
 
-        best, chosen = 0.0, list[Form]()
-        while len(chosen) < len(forms):
-            trials = [[*chosen, form] for form in forms if form not in chosen]
-            worth, trial = max(
-                ((sums.worth([parts[f] for f in trial]), trial) for trial in trials),
-                key=lambda found: found[0],
-            )
-            if chosen and not worth > best:
-                break
-            best, chosen = worth, trial
-        if chosen and np.isfinite(best):
-            form = _sum(chosen)
-            total = FreeForce(where, {form.name: form})
-            terms_of_it = [term for family in chosen for term in parts[family]]
-            found.append(Promise(where, form, sums.screen(total, terms_of_it)))
-    return found
+
+def _grown(
+    signatures: Signatures,
+    where: Where,
+    forms: Sequence[Form],
+    terms: Mapping[tuple[Where, Form], FreeForce],
+) -> Promise:
+    """The best form of a place; without splines each axle has forces of its own if that leaves
+    noticeably less."""
+    workshop, at = signatures.workshop, dict[str, list[tuple[Effect, str]]]()
+    for form in forms:
+        for i, part in enumerate(parts_of(where)):
+            term = terms[part, form]
+            for p in workshop.parameters_of(term):
+                at.setdefault(p.name, []).append((term, p.name))
+                if len(where.ends()) > 1:
+                    at[where.ends()[i][0] + p.name] = [(term, p.name)]
+    sums = Sums(signatures, list(dict.fromkeys(term for own in at.values() for term, _ in own)))
+
+    def columns(form: Form) -> Columned:
+        total = FreeForce(where, {form.name: form})
+        return [at[p.name] for p in workshop.parameters_of(total)]
+
+    best, chosen = -np.inf, list[Form]()
+    while len(chosen) < len(forms):
+        trials = [[*chosen, form] for form in forms if form not in chosen]
+        worths = [sums.worth(columns(_sum(trial))) for trial in trials]
+        if chosen and not max(worths) > best + signatures.as_well:
+            break
+        best, chosen = max(worths), trials[int(np.argmax(worths))]
+    form = _sum(chosen)
+    if len(where.ends()) > 1 and not (form.extension_m or form.rate_m_s):
+        # A spline's knot that one axle alone reaches would be known from nothing at the other.
+        apart = replace(form, name=f"{form.name}, each axle by itself", apart=True)
+        if sums.worth(columns(apart)) > best + signatures.as_well:
+            form = apart
+    return Promise(where, form, sums.screen(FreeForce(where, {form.name: form}), columns(form)))
 
 
 def _families(moves: Moves, where: Where, base: Rung, count: int) -> tuple[Form, ...]:
@@ -107,13 +124,14 @@ def _families(moves: Moves, where: Where, base: Rung, count: int) -> tuple[Form,
     if moved is None or not np.ptp(moved.extension) > 0.0:
         return ()
     x, v = (float(np.abs(way).max()) for way in (moved.extension, moved.rate))
-    ways = slips(moved.extension)[::3]
-    loaded = tuple(slipping_loaded(way, x) for way in ways)
+    ways = slips(moved.extension)
+    few = ways[:: 3 if count == COUNTS[0] else 1]
+    loaded = tuple(slipping_loaded(way, x) for way in ways[::3])
     rate = knots(moved.rate, count)
     return (
         Form(f"{count} knots of extension", knots(moved.extension, count)),
         Form(f"{count} knots of rate", rate_m_s=rate),
-        Form("sliders", terms=tuple(slipping(way) for way in ways)),
+        Form("sliders", terms=tuple(slipping(way) for way in few)),
         Form("damping by place", terms=tuple(positioned(x, v))),
         Form("friction by load", terms=loaded),
         Form("damping by time", terms=(drift(v),)),

@@ -11,11 +11,13 @@ that is known where its motion is recorded.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import uniform_filter1d
 
 from wheelhop.fit import Bench
 from wheelhop.law.along import LawAt, follow_all
@@ -33,10 +35,14 @@ TAPER_S = 0.1
 """Over this time at both its ends what the record tells of the motion takes hold."""
 
 
+NEIGHBOURS_HZ = 1.0
+"""Over so wide a part of the spectrum a record's power is told from the sensors' noise."""
+
+
 class ForcedRun:
     """One run on its track of a model whose force laws are left out; ports of its `system` are the
     places that are asked about. `laws` that the model may lack, at ports, say how far they move it
-    below the band, where no record tells.
+    below the band, where no record tells; `noise` is the standard deviation of a sample, m/s².
 
     Attributes
     ----------
@@ -47,12 +53,18 @@ class ForcedRun:
     """
 
     def __init__(
-        self, bench: Bench, model: Model, system: System, laws: Sequence[LawAt] = ()
+        self,
+        bench: Bench,
+        model: Model,
+        system: System,
+        noise: float,
+        laws: Sequence[LawAt] = (),
     ) -> None:
         simulator = bench.simulator
         assert isinstance(simulator, RunSimulator)
         moves, campaign, run = simulator.prescribed(model, system), simulator.campaign, bench.run
         self._bench, self._system, self._stride = bench, system, moves.stride
+        self._noise = noise
         self._output = np.nan_to_num(system.output)
         self.step_s = 1.0 / (campaign.sample_rate_hz * moves.stride)
         last = moves.first + (len(run.time_s) - 1) * moves.stride
@@ -85,15 +97,26 @@ class ForcedRun:
                 for part, given in ((motion, moves.height), (jw[..., 0] * motion, moves.rate))
             )
 
-    def answers(self, ports: Sequence[int], force: Array) -> Array:
-        """In-band coefficients (size, j) of what forces (T, j), N, add to the record, each at the
-        port of its number: they oppose its extension."""
-        to = -np.einsum("cn,fnm,pm->fcp", self._output, self._inverse, self._system.port)
-        spectrum = fft.rfft(force, self._long, axis=0)[: self._short // 2 + 1]
-        changes = self._sampled(to[: len(spectrum), :, list(ports)] * spectrum[:, None, :])
+    def answers(self, ports: Sequence[int], force: Array, columns: Sequence[int]) -> Array:
+        """In-band coefficients (size, k) of what forces (T, j), N, add to the record, each at the
+        port of its number: they oppose its extension. Forces of the same column of the k are added
+        up. Single precision is enough for what is kept in it."""
+        half, to = self._short // 2 + 1, self._to_record
+        spectrum = fft.rfft(force.T.astype(np.float32), self._long, axis=1)[:, :half]
+        moved = np.zeros((half, self._output.shape[0], max(columns) + 1), np.complex64)
+        for j, (port, column) in enumerate(zip(ports, columns, strict=True)):
+            moved[:, :, column] += to[port] * spectrum[j, :, None]
+        changes = self._sampled(moved)
         bench = self._bench
         found = bench.band.coefficients(changes[:, bench.predicted])
-        return np.asarray(found.reshape(-1, force.shape[1]))
+        return np.asarray(found.reshape(-1, moved.shape[2]))
+
+    @cached_property
+    def _to_record(self) -> NDArray[np.complex64]:
+        """Outputs (p, f, c) per force at each port, at the frequencies that samples show."""
+        inverse = self._inverse[: self._short // 2 + 1]
+        found = -np.einsum("cn,fnm,pm->pfc", self._output, inverse, self._system.port)
+        return np.asarray(found, np.complex64)
 
     def _spectrum(self, given: Array) -> ComplexArray:
         """Of histories (T, k), as columns (f, k, 1)."""
@@ -104,6 +127,7 @@ class ForcedRun:
         motion (f, …)."""
         half = self._short // 2 + 1
         weight = self._accelerated[:half].reshape(-1, *[1] * (motion.ndim - 1))
+        weight = weight.astype(motion.real.dtype)
         found = fft.irfft(motion[:half] * weight, self._short, axis=0) / self._stride
         first = self.samples.start // self._stride
         return np.asarray(found[first : first + len(self._bench.run.time_s)])
@@ -118,7 +142,7 @@ class ForcedRun:
         sensors = self._output[told][:, seen]
         if np.linalg.matrix_rank(sensors) < seen.sum():
             return added
-        beyond = (bench.run.record - modelled)[:, told]
+        beyond = self._above_noise((bench.run.record - modelled)[:, told])
         time_s = bench.run.time_s - bench.run.time_s[0]
         at: Array = self.step_s * np.arange((len(time_s) - 1) * self._stride + 1, dtype=float)
         acceleration = CubicSpline(time_s, beyond @ np.linalg.pinv(sensors).T)
@@ -130,3 +154,15 @@ class ForcedRun:
         pull = dynamic[:, ~seen][:, :, seen] @ added[:, seen, None]
         added[:, ~seen] = -np.linalg.solve(dynamic[:, ~seen][:, :, ~seen], pull)[..., 0]
         return added
+
+    def _above_noise(self, beyond: Array) -> Array:
+        """What of accelerations (T, c) is more than noise, in the band: N. Wiener's filter. Twice
+        integrated, noise at low frequency would move the vehicle by millimetres."""
+        spectrum = fft.rfft(beyond, axis=0)
+        spacing_hz = 1.0 / (len(beyond) * self._stride * self.step_s)
+        width = max(round(NEIGHBOURS_HZ / spacing_hz), 1)
+        power = uniform_filter1d(np.abs(spectrum) ** 2, width, axis=0)
+        noise = self._noise**2 * len(beyond)
+        share = np.clip(1.0 - noise / np.maximum(power, 1e-300), 0.0, 1.0)
+        share[spacing_hz * np.arange(len(share)) < self._bench.simulator.campaign.band_hz[0]] = 0.0
+        return np.asarray(fft.irfft(spectrum * share, len(beyond), axis=0))

@@ -5,13 +5,15 @@ from __future__ import annotations
 import inspect
 from collections.abc import Sequence
 
+import numpy as np
+
 from wheelhop.campaign import Channel
 from wheelhop.effects import Effect, Parameter
 from wheelhop.effects.base import Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.free import SCALE
 from wheelhop.law.places import SEAT, Where
-from wheelhop.law.terms import Term, has_sliders
+from wheelhop.law.terms import SHAPED, Term, has_sliders, rounded, shaped
 from wheelhop.vehicle import Assembly
 
 
@@ -25,30 +27,86 @@ class Formula(Effect):
     equation = r"f = \sum_i F_i\,g_i(x, \dot x)"
     source = "forward selection by evidence among the terms of wheelhop.law.terms"
 
-    def __init__(self, where: Where, terms: Sequence[Term]) -> None:
-        self.where, self.terms = where, tuple(terms)
+    def __init__(
+        self,
+        where: Where,
+        terms: Sequence[Term],
+        apart: bool = False,
+        free_shapes: bool = False,
+    ) -> None:
+        self.where, self.terms, self.apart = where, tuple(terms), apart
+        self._free_shapes = free_shapes
         self.needs_road = where.kind == "tyre"  # type: ignore[misc]
         if has_sliders(terms):
             self.longest_step_s = LONGEST_STEP_S["elastic"]
 
+    def of(self, terms: Sequence[Term]) -> Formula:
+        """The formula with other terms."""
+        return Formula(self.where, terms, self.apart, self._free_shapes)
+
+    def with_free_shapes(self) -> Formula:
+        """The formula whose gaps and widths are numbers to be fitted, too."""
+        return Formula(self.where, self.terms, self.apart, True)
+
+    def ends(self) -> list[tuple[str, Where]]:
+        """What has forces of its own, each with the beginning of their names."""
+        return self.where.ends() if self.apart else [("", self.where)]
+
+    def forces_of(self, term: Term) -> list[str]:
+        """The full names of a term's forces, one at each of `ends`."""
+        return [f"{self.id}.{prefix}{term.name}_N" for prefix, _ in self.ends()]
+
+    def at(self, values: Values) -> list[tuple[Term, list[str]]]:
+        """Every term as it was fitted, and the full names of its forces among the values of a
+        model."""
+        found = []
+        for term in self.terms:
+            key = f"{self.id}.{_shape_name(term)}"
+            fitted = shaped(term, values[key]) if self._is_free(term) else term
+            found.append((fitted, self.forces_of(term)))
+        return found
+
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
-        """The force of each term."""
-        scale = SCALE * self.where.load_N(vehicle)
-        return [
+        """The force of each term at each of `ends`; gaps and widths if they are free."""
+        forces = [
             Parameter(
-                f"{t.name}_N",
+                f"{prefix}{t.name}_N",
                 "N",
                 f"force of the {t.words}",
-                scale / vehicle[f"rig.{t.by}"] if t.by else scale,
+                SCALE * end.load_N(vehicle) / (vehicle[f"rig.{t.by}"] if t.by else 1.0),
             )
+            for prefix, end in self.ends()
             for t in self.terms
         ]
+        return forces + [_shape_of(t) for t in self.terms if self._is_free(t)]
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add every term at every part of the place."""
-        for row in self.where.rows(vehicle):
-            for term in self.terms:
-                parts.add_law(row, term.kernel, (theta[f"{term.name}_N"], *term.shape), term.by)
+        for prefix, end in self.ends():
+            for t in self.terms:
+                shape = t.shape
+                if self._is_free(t):
+                    shape = (theta[_shape_name(t)], *shape[1:])
+                for row in end.rows(vehicle):
+                    parts.add_law(row, t.kernel, (theta[f"{prefix}{t.name}_N"], *shape), t.by)
+
+    def _is_free(self, term: Term) -> bool:
+        return self._free_shapes and term.kernel in SHAPED and term.shape[0] != 0.0
+
+
+def _shape_name(term: Term) -> str:
+    return f"{term.name}_{'m_s' if term.kernel is rounded else 'm'}"
+
+
+def _shape_of(term: Term) -> Parameter:
+    """The gap or width of a term as a number of its own: it keeps its sign."""
+    first = term.shape[0]
+    low, high = sorted((0.1 * first, np.inf * np.sign(first)))
+    unit = "m/s" if term.kernel is rounded else "m"
+    words = f"gap or width of the {term.words}"
+    return Parameter(
+        _shape_name(term), unit, words, 0.5 * abs(first), lower=low, upper=high, starts=(first,)
+    )
 
 
 HEADER = '''"""{title}: found by `wheelhop law` in "{campaign}"."""
@@ -80,30 +138,35 @@ class FoundLaw(Effect):
         )
 
     def modify(self, theta, vehicle, parts):
-        for row in {rows}:
 {laws}
 '''
 
 
 def source_of(formula: Formula, values: Values, campaign: str, law_id: str) -> str:
     """A Python file with the formula as an effect of its own, each term's source in it; the fitted
-    amplitudes among the `values` of the model with it become the scales of its parameters."""
-    where, terms = formula.where, formula.terms
+    amplitudes among the `values` of the model with it become the scales of its parameters, and
+    fitted gaps and widths are what they are."""
+    where, fitted = formula.where, formula.at(values)
+    terms = [term for term, _ in fitted]
     kernels = dict.fromkeys(term.kernel for term in terms)
     sources = "\n\n".join(_bare(kernel) for kernel in kernels)
     parameters = "\n".join(
-        f'            Parameter("{t.name.replace("-", "_")}_N", "N", "force of the {t.words}",'
-        f" scale={abs(values[f'{formula.id}.{t.name}_N']) or 1.0:.6g}),"
-        for t in terms
+        f'            Parameter("{prefix}{_number(t)}", "N", "force of the {t.words}",'
+        f" scale={abs(values[keys[i]]) or 1.0:.6g}),"
+        for i, (prefix, _) in enumerate(formula.ends())
+        for t, keys in fitted
     )
-    laws = "\n".join(
-        f"            parts.add_law(row, {_name(t)},"
-        f' (theta["{t.name.replace("-", "_")}_N"], {", ".join(f"{s:.9g}" for s in t.shape)})'
-        + (f', by="{t.by}")' if t.by else ")")
-        for t in terms
-    )
+    imports, rows = "", []
+    for prefix, end in formula.ends():
+        imports, of_end = _rows(end, values)
+        laws = "\n".join(
+            f"            parts.add_law(row, {_name(t)},"
+            f' (theta["{prefix}{_number(t)}"], {", ".join(f"{s:.9g}" for s in t.shape)})'
+            + (f', by="{t.by}")' if t.by else ")")
+            for t in terms
+        )
+        rows.append(f"        for row in {of_end}:\n{laws}")
     title = f"law of the {where.name}"
-    imports, rows = _rows(where, values)
     heading = title[0].upper() + title[1:]
     return HEADER.format(title=heading, campaign=campaign, imports=imports) + "\n" + sources + (
         CLASS.format(
@@ -116,8 +179,7 @@ def source_of(formula: Formula, values: Values, campaign: str, law_id: str) -> s
             title=title,
             equation=" + ".join(t.equation for t in terms),
             parameters=parameters,
-            rows=rows,
-            laws=laws,
+            laws="\n".join(rows),
         )
     )  # fmt: skip
 
@@ -133,6 +195,10 @@ def _rows(where: Where, values: Values) -> tuple[str, str]:
     if where.kind == "tyre":
         one, each = "tyre", "tyre(i)"
     return one, f"({each} for i in {where.corners})"
+
+
+def _number(term: Term) -> str:
+    return f"{term.name.replace('-', '_')}_N"
 
 
 def _name(term: Term) -> str:

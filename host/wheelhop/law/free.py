@@ -7,7 +7,7 @@ screening tells to first order what it explains, and a full fit judges it beside
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scipy.interpolate import CubicSpline
 
@@ -18,6 +18,7 @@ from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.places import Where
 from wheelhop.law.terms import Term, has_sliders
 from wheelhop.vehicle import Assembly
+from wheelhop.vehicle.assembly import Row
 
 SCALE = 0.1
 """A clearly visible force at a knot, as a share of the load that is usual at the place."""
@@ -58,13 +59,14 @@ def free_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> 
 class Form:
     """What a free law is made of: knots (a,) of extension, m, and (b,) of rate, m/s, 0 among both,
     terms beside the splines, and by name the recorded inputs that one more spline of rate, with a
-    slope at rest, is times."""
+    slope at rest, is times; where it is `apart`, each axle has forces of its own."""
 
     name: str
     extension_m: tuple[float, ...] = ()
     rate_m_s: tuple[float, ...] = ()
     terms: tuple[Term, ...] = ()
     inputs: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    apart: bool = False
 
 
 class FreeForce(Effect):
@@ -98,8 +100,19 @@ class FreeForce(Effect):
         return FreeForce(self.where, self.forms, choice)
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
-        """A force at each knot but the one at 0, where there is none, and one of each term."""
-        scale = SCALE * self.where.load_N(vehicle)
+        """A force at each knot but the one at 0, where there is none, and one of each term; where
+        axles stand apart, for each of them."""
+        return [
+            replace(one, name=f"{prefix}{one.name}")
+            for prefix, end in self._ends()
+            for one in self._of_end(end, vehicle)
+        ]
+
+    def _ends(self) -> list[tuple[str, Where]]:
+        return self.where.ends() if self.form.apart else [("", self.where)]
+
+    def _of_end(self, where: Where, vehicle: Values) -> list[Parameter]:
+        scale = SCALE * where.load_N(vehicle)
         named = (
             *((f"at_{1e3 * x:.4g}_mm_N", f"force at {1e3 * x:.4g} mm", x)
               for x in self.form.extension_m),
@@ -124,12 +137,17 @@ class FreeForce(Effect):
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the force at every part of the place."""
+        for prefix, end in self._ends():
+            own = {n.removeprefix(prefix): f for n, f in theta.items() if n.startswith(prefix)}
+            self._add(own, end.rows(vehicle), parts)
+
+    def _add(self, theta: Values, rows: Sequence[Row], parts: Assembly) -> None:
         form = self.form
         packed = [float(len(form.extension_m)), float(len(form.rate_m_s))]
         for knots, unit in ((form.extension_m, "mm"), (form.rate_m_s, "mm_s")):
             if knots:
                 packed += _spline(knots, theta, "at_", unit)
-        for row in self.where.rows(vehicle):
+        for row in rows:
             if len(packed) > 2:
                 parts.add_law(row, free_force, tuple(packed))
             for term in form.terms:

@@ -47,7 +47,7 @@ class Moves:
             found = laws_of(law.effects[-1], law.theta(law.effects[-1]), self._model.values)
             laws = [(self.rows.index(row), kernel, numbers) for row, kernel, numbers, _ in found]
         runs = self._workshop.each(
-            lambda bench: ForcedRun(bench, model, system, laws), self._benches
+            lambda bench: ForcedRun(bench, model, system, self._workshop.noise, laws), self._benches
         )
         return {bench.run.id: run for bench, run in zip(self._benches, runs, strict=True)}
 

@@ -53,6 +53,14 @@ class Where:
             return [tyre(i) for i in self.corners]
         return [strut_at(vehicle, i).row for i in self.corners]
 
+    def ends(self) -> list[tuple[str, Where]]:
+        """The axles of a place across both, each with the beginning of its numbers' names; else the
+        place alone."""
+        if len(self.corners) < len(CORNERS):
+            return [("", self)]
+        both = (("front", self.corners[:2]), ("rear", self.corners[2:]))
+        return [(f"{end}_", Where(f"{end} {self.kind}s", self.kind, own)) for end, own in both]
+
     def foot(self, vehicle: Mapping[str, float]) -> Body:
         """The body's point on which the mount stands."""
         at = place_of(vehicle, self.aboard)
@@ -109,10 +117,11 @@ def of_axle(where: Where, vehicle: Mapping[str, float]) -> Where:
 
 
 def parts_of(where: Where) -> list[Where]:
-    """Struts of an axle, each of which is a place of its own; else the place as it is."""
-    if where.kind != "strut" or len(where.corners) != 2:
-        return [where]
-    return [_alone(corner) for corner in where.corners]
+    """Axles of a place across both, struts of an axle, each of which is a place of its own; else
+    the place as it is."""
+    if where.kind == "strut" and len(where.corners) == 2:
+        return [_alone(corner) for corner in where.corners]
+    return [end for _, end in where.ends()]
 
 
 def is_there(vehicle: Mapping[str, float]) -> bool:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose.screen import Screened, solve
 from wheelhop.diagnose.screen_table import Columns, Known, Table, run_table
 from wheelhop.diagnose.signatures import Variant, prepare, signatures, variants
@@ -21,6 +21,7 @@ from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.law.along import follow_all, laws_of
 from wheelhop.law.formula import Formula
+from wheelhop.law.free import Form, FreeForce
 from wheelhop.law.motion import Moves
 from wheelhop.law.places import Where
 from wheelhop.law.terms import Term
@@ -29,31 +30,52 @@ from wheelhop.vehicle import is_component
 Array = NDArray[np.float64]
 
 
+AS_WELL = 1.05
+"""A law that leaves no more than this many times what another one leaves does as well."""
+
+Columned = Sequence[Sequence[tuple[Effect, str]]]
+"""For every number of a sum which numbers of which terms it is."""
+
+
 class Signatures:
     """Signatures (size, a) of terms, effects with amplitudes and nothing else, in the runs of a
-    fit; each is computed once."""
+    fit; each is computed once. Whether they `follow_records` or the motion of the model."""
 
     def __init__(self, workshop: Workshop, base: Fit, moves: Moves) -> None:
         self.workshop, self.base, self._moves = workshop, base, moves
         self.known = workshop.each(Known.of, base.runs)
         self._found: dict[Effect, list[Array]] = {}
+        self._free: dict[tuple[Where, Form], FreeForce] = {}
         self._alone: dict[tuple[Where, Term], Formula] = {}
         values = base.model.values
         laws = any(system.laws for system in workshop.systems(base.model).values())
-        self._along = moves.on_road and not laws and not is_component(values)
+        self.follow_records = moves.on_road and not laws and not is_component(values)
+
+    @property
+    def as_well(self) -> float:
+        """Logarithm of evidence by which a law that does as well as another may fall behind it:
+        none where the motion is imposed, and all that is left is noise."""
+        imposed = gives_force_at_once(self.workshop.campaign)
+        return 0.0 if imposed else self.base.size * log(AS_WELL)
 
     def of(self, terms: Sequence[Effect]) -> list[Array]:
         """Of all these terms side by side, run by run."""
         fresh = [term for term in dict.fromkeys(terms) if term not in self._found]
         if fresh:
-            of_runs = self._followed(fresh) if self._along else self._simulated(fresh)
+            of_runs = self._followed(fresh) if self.follow_records else self._simulated(fresh)
             for i, term in enumerate(fresh):
                 self._found[term] = [run[i] for run in of_runs]
         return [np.hstack(run) for run in zip(*(self._found[t] for t in terms), strict=True)]
 
-    def alone(self, where: Where, term: Term) -> Formula:
-        """A term at a place, always the same effect, so that its signature is known."""
-        return self._alone.setdefault((where, term), Formula(where, [term]))
+    def alone(self, where: Where, term: Term) -> list[Formula]:
+        """A term at every axle of a place, always the same effects, so that their signatures are
+        known."""
+        ends = [end for _, end in where.ends()]
+        return [self._alone.setdefault((end, term), Formula(end, [term])) for end in ends]
+
+    def free(self, where: Where, form: Form) -> FreeForce:
+        """A free law of this form at a place, always the same effect."""
+        return self._free.setdefault((where, form), FreeForce(where, {form.name: form}))
 
     def _simulated(self, terms: Sequence[Effect]) -> list[list[Array]]:
         base = self.base
@@ -79,16 +101,21 @@ class Signatures:
 
         runs = self._moves.forced
 
+        each = [item for one in laws for item in one]
+        columns = [i for i, one in enumerate(laws) for _ in one]
+
         def followed(run: RunFit) -> list[Array]:
             forced = runs[run.bench.run.id]
-            each = [item for one in laws for item in one]
             force = follow_all(each, forced.extension, forced.rate, forced.step_s)
-            answers = forced.answers([port for port, *_ in each], force)
-            ends = np.cumsum([0, *(len(one) for one in laws)])
-            sums = [answers[:, a:b].sum(axis=1) for a, b in pairwise(ends)]
-            return np.split(np.stack(sums, axis=1), counts, axis=1)
+            answers = forced.answers([port for port, *_ in each], force, columns)
+            return np.split(answers, counts, axis=1)
 
         return self.workshop.each(followed, self.base.runs)
+
+
+def gives_force_at_once(campaign: Campaign) -> bool:
+    """Whether the motion is imposed, so that a law is simulated by looking it up along it."""
+    return isinstance(campaign, ComponentCampaign) and campaign.drive == "displacement"
 
 
 class Sums:
@@ -115,49 +142,44 @@ class Sums:
         self._gradient = np.sum([t.gradient for t in self._tables], axis=0)
         self._power = sum(float(run.surprise @ run.surprise) for run in base.runs)
 
-    def worth(self, sums: Sequence[Sequence[Effect]], shapes: int = 0) -> float:
-        """Logarithm of evidence of sums of terms, the terms of each with numbers of the same names
-        and values: what is left counts as noise (profile likelihood and the price of BIC); so many
-        `shapes` were fitted, too. −∞ if a term runs away."""
-        chosen = np.array(
-            [
-                [float(term in parts and name == p) for term, name in self._names]
-                for parts in sums
-                for p in self._numbers(parts[0])
-            ]
-        ).T
+    def worth(self, columns: Columned, shapes: int = 0) -> float:
+        """Logarithm of evidence of a sum whose numbers are these `columns`: what is left counts as
+        noise (profile likelihood and the price of BIC); so many `shapes` were fitted, too. −∞ if a
+        term runs away."""
+        chosen = self._chosen(columns)
         if chosen[~self._fine].any():
             return -np.inf
         g, chosen = len(self._of.base.shared), chosen[self._fine]
         inner = self._matrix[:g, :g]
         across, gradient = self._matrix[:g, g:] @ chosen, self._gradient[g:] @ chosen
         whole = np.block([[inner, across], [across.T, chosen.T @ self._matrix[g:, g:] @ chosen]])
-        whole += np.diag(1e-9 * np.diag(whole))
+        # What an axle never does, as to reach a stop, has no signature there.
+        whole += np.diag(1e-9 * np.diag(whole) + 1e-30)
         pull = np.concatenate([self._gradient[:g], gradient])
         left = self._power - float(pull @ np.linalg.solve(whole, pull))
         size = self._of.base.size
         gain = size * log(self._power / left) if left > 0.0 else np.inf
         return float(0.5 * (gain - (chosen.shape[1] + shapes) * log(size)))
 
-    def _numbers(self, term: Effect) -> list[str]:
-        return [p.name for p in self._of.workshop.parameters_of(term)]
-
-    def screen(self, total: Effect, among: Sequence[Effect]) -> Screened:
-        """The sum of these terms: an amplitude of `total` is that of every term `among` them which
-        has one of this name. What it promises is −∞ if one of them runs away."""
+    def screen(self, total: Effect, columns: Columned) -> Screened:
+        """The effect `total`, whose amplitudes are these `columns`. What it promises is −∞ if one
+        of their terms runs away."""
         parameters = tuple(self._of.workshop.parameters_of(total))
-        chosen = np.array(
-            [
-                [float(p.name == name and term in among) for p in parameters]
-                for term, name in self._names
-            ]
-        )
+        chosen = self._chosen(columns)
         base, variant = self._of.base, Variant(total, "", {}, parameters)
         tables = [_summed(table, chosen[self._fine], len(base.shared)) for table in self._tables]
         found = solve(base, variant, tables)
         if chosen[~self._fine].any():
             return replace(found, gain=-np.inf)
         return found
+
+    def _chosen(self, columns: Columned) -> Array:
+        """Which numbers of the terms, as rows, each column moves."""
+        place = {name: i for i, name in enumerate(self._names)}
+        chosen = np.zeros((len(place), len(columns)))
+        for j, column in enumerate(columns):
+            chosen[[place[name] for name in column], j] = 1.0
+        return chosen
 
 
 def _summed(table: Table, chosen: Array, shared: int) -> Table:

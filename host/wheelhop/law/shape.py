@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from wheelhop.law.along import force_along
 from wheelhop.law.moved import Moved
-from wheelhop.law.search import Found, Rival
+from wheelhop.law.rival import Rival
+from wheelhop.law.search import Found
 from wheelhop.simulate import Model
 from wheelhop.vehicle import is_component
 

@@ -147,8 +147,13 @@ def neighbours(term: Term, step: float) -> list[Term]:
         ways = [first - step * rest[0], first + step * rest[0]]
     else:
         ways = [first * exp(-4.0 * step), first * exp(4.0 * step)]
-    found = [SHAPED[term.kernel](way, *rest) for way in ways]
-    return [times(one, term.by) for one in found] if term.by else found
+    return [shaped(term, way) for way in ways]
+
+
+def shaped(term: Term, first: float) -> Term:
+    """The same term with another gap or width."""
+    found = SHAPED[term.kernel](first, *term.shape[1:])
+    return times(found, term.by) if term.by else found
 
 
 def has_sliders(terms: Sequence[Term]) -> bool:
@@ -240,8 +245,8 @@ SHAPED: Mapping[Kernel, Callable[..., Term]] = {
 
 
 def slips(extension: Array) -> tuple[float, ...]:
-    """Ways after which sliders slip: from a hundredth of the travel to half of it."""
-    return tuple(float(w) for w in np.geomspace(0.01, 0.5, 7) * np.abs(extension).max())
+    """Ways after which sliders slip: from two thousandths of the travel to most of it."""
+    return tuple(float(w) for w in np.geomspace(0.002, 0.7, 10) * np.abs(extension).max())
 
 
 def knots(values: Array, count: int) -> tuple[float, ...]:

@@ -127,10 +127,11 @@ def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
     """The fitted forces of a formula with their standard deviations, N."""
     fit = rival.rung.fit
     formula = next(e for e in fit.model.effects if isinstance(e, Formula))
+    values = fit.model.values
     return {
-        term.words: (fit.model.values[key], fit.uncertainty(key))
-        for term in formula.terms
-        for key in (f"{formula.id}.{term.name}_N",)
+        f"{prefix.replace('_', ': ')}{term.words}": (values[key], fit.uncertainty(key))
+        for term, keys in formula.at(values)
+        for (prefix, _), key in zip(formula.ends(), keys, strict=True)
     }
 
 
