@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files import InputError
-from wheelhop.workbench.order import Order, obey_orders
+from wheelhop.workbench.order import GiveWay, Order, obey_orders
 from wheelhop.workbench.session import (
     Choice,
     Session,
@@ -232,7 +232,7 @@ class Desk:
     def _work(
         self, diagnose: bool = False, law: bool = False, axles: bool = False, write: str = ""
     ) -> None:
-        """Order the work; one that is going on is given up, unless it is the same data's fit."""
+        """Order the work; a long one that is going on is given up, a fit only gives way."""
         self.notice = ""
         data = (self.campaign.folder, self.choice, self.effects_file)
         order = Order(*data, diagnose, law, axles, write)
@@ -241,6 +241,8 @@ class Desk:
                 self._stop()
             else:
                 self._next = order
+                if self._orders is not None:
+                    self._orders.send(GiveWay(order))
                 self._changed()
                 return
         self._send(order)

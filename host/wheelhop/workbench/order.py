@@ -27,19 +27,28 @@ class Order:
     write: str = ""
 
 
+@dataclass(frozen=True)
+class GiveWay:
+    """What will be ordered next: of the models being fitted only those on the way to it are worth
+    finishing."""
+
+    following: Order
+
+
 def obey_orders(orders: Connection) -> None:
     """Obey until the page's process is gone. Only here what computes is loaded."""
     _give_way()
     from wheelhop.workbench.worker import Worker
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the page's to answer
-    worker = Worker(orders.send)
+    worker = Worker(orders.send, lambda: orders.recv() if orders.poll() else None)
     while True:
         try:
             order = orders.recv()
         except EOFError:
             return
-        worker.obey(order)
+        if isinstance(order, Order):  # who is told to give way may have finished
+            worker.obey(order)
 
 
 def _give_way() -> None:

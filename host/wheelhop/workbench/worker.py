@@ -1,7 +1,8 @@
 """The process that computes: it takes orders one by one and says what it finds as it finds it.
 
 It keeps the fits of the data it worked on last, so that adding one more effect fits one more model.
-To give up an order the process is killed; the next one begins anew.
+A model that is no longer wanted is left where it is, and those that are fitted stay. To give up
+all work the process is killed; the next one begins anew.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
 from wheelhop.workbench.export import write_figures, write_tables
-from wheelhop.workbench.order import Order
+from wheelhop.workbench.order import GiveWay, Order
 from wheelhop.workbench.shown import (
     Climbed,
     Concluded,
@@ -61,11 +62,19 @@ class Work:
         return [self.steps[name] for name in names if name in self.steps]
 
 
-class Worker:
-    """Works off orders; `say` takes every message on its way to the page."""
+class _NotWanted(Exception):
+    """The model being fitted is not on the way to the one wanted now."""
 
-    def __init__(self, say: Say) -> None:
-        self._say = say
+
+class Worker:
+    """Works off orders; `say` takes every message on its way to the page, and `newer` gives what
+    has been said since of the order to come, if anything."""
+
+    def __init__(self, say: Say, newer: Callable[[], GiveWay | None] = lambda: None) -> None:
+        self._say, self._newer = say, newer
+        self._fitting: tuple[str, ...] | None = None
+        self._data: tuple[object, ...] = ()
+        self._following: Order | None = None
         self._key: tuple[object, ...] = ()
         self._work: Work | None = None
 
@@ -83,12 +92,17 @@ class Worker:
             self._say(Done(self._written(work, order)))
         except InputError as error:
             self._say(Refused(str(error)))
+        except _NotWanted:
+            self._say(Done(""))
+        finally:
+            self._fitting = self._following = None
 
     def _prepared(self, order: Order) -> Work:
-        key = (order.folder, order.effects_file, order.choice.data())
-        if self._work is None or key != self._key:
+        self._data = _data_of(order)
+        self._fitting = None if order.axles or order.write else ()
+        if self._work is None or self._data != self._key:
             self._work = self._begun(order)
-            self._key = key
+            self._key = self._data
         return self._work
 
     def _begun(self, order: Order) -> Work:
@@ -115,10 +129,12 @@ class Worker:
             if here not in work.steps:
                 if name not in work.library:
                     raise InputError(f'there is no effect "{name}" here: take it out of the model')
+                self._fitting = None if self._fitting is None else here
                 effect, rung = work.library[name], work.steps[before].rung
                 rung = one_more(work.base.workshop, rung, effect, self._progress)
                 work.steps[here] = step_of(work.base.workshop, rung, work.steps[()])
                 self._show(work, here)
+        self._fitting = None
 
     def _diagnose(self, work: Work) -> None:
         base, traced = work.base, show.Traced()
@@ -187,6 +203,25 @@ class Worker:
 
     def _watch(self, iteration: int, error: float) -> None:
         self._say(Converging(iteration, error))
+        self._go_on()
 
     def _progress(self, text: str) -> None:
         self._say(Said(text))
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Raise `_NotWanted` where the model being fitted is not on the way to the one wanted."""
+        fitting = self._fitting
+        if fitting is None:
+            return
+        if (said := self._newer()) is not None:
+            self._following = said.following
+        if (following := self._following) is not None:
+            on_the_way = following.choice.added[: len(fitting)] == fitting
+            if not on_the_way or _data_of(following) != self._data:
+                raise _NotWanted
+
+
+def _data_of(order: Order) -> tuple[object, ...]:
+    """What the fits of an order rest on."""
+    return (order.folder, order.effects_file, order.choice.data())
