@@ -60,7 +60,7 @@ class ModelView:
             lines.append(Line("noise floor", count, level, FLOOR, dashed=True))
         panel = Panel("iteration", "error E, runs fitted, %", lines, log=True)
         options = chart([panel], (100,), (0,))
-        options["xAxis"][0]["type"] = "value"
+        options["xAxis"][0] |= {"type": "value", "minInterval": 1}
         self._chart.options.update(options)
         self._chart.update()
 
