@@ -90,7 +90,7 @@ def test_an_absent_effect_changes_nothing(effect):
     np.testing.assert_allclose(simulated(campaign, absent)["run"], expected, atol=atol)
 
 
-WITH_STRENGTH = [effect for effect in FORMS if effect.id != "tyre-lift-off"]
+WITH_STRENGTH = [effect for effect in FORMS if effect.values[0].id != "tyre-lift-off"]
 """A wheel leaves the ground or does not, and that is the road's doing."""
 
 
@@ -117,7 +117,7 @@ def test_a_visible_strength_is_visible(effect):
     assert np.linalg.norm(one - other) > 0.005 * np.linalg.norm(one)
 
 
-INVERTIBLE = [effect for effect in FORMS if effect.id != "sensor-clipping"]
+INVERTIBLE = [effect for effect in FORMS if effect.values[0].id != "sensor-clipping"]
 """What a sensor has cut off is lost."""
 
 
