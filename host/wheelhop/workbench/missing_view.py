@@ -41,6 +41,8 @@ UNKNOWN = (
     " missing be found in free form, as a curve and as a formula: that takes a minute or more.</p>"
     '<p><button class="primary" data-act="law">Find the missing force</button></p>'
 )
+NOT_DRAWN = "Its signature is drawn when you find out again."
+NOT_IN_RESIDUAL = "What is left of these runs holds nothing of its signature."
 
 
 class MissingView:
@@ -132,18 +134,21 @@ class MissingView:
         chosen = self._looking.effect or ("" if nothing else next(iter(rows), ""))
         row, card = rows.get(chosen), self._desk.cards.get(chosen)
         trace = ranking.traces.get(chosen) if ranking else None
-        drawn = (row, card, trace, self._desk.choice.added)
+        absent = NOT_DRAWN if ranking is None or not ranking.traces else NOT_IN_RESIDUAL
+        drawn = (row, card, trace, absent, self._desk.choice.added)
         if drawn == self._drawn:
             return
         self._drawn = drawn
         self._aside.set_visibility(row is not None or card is not None)
-        self._card.set_content(self._card_html(card, row, trace) if row or card else "")
+        self._card.set_content(self._card_html(card, row, trace, absent) if row or card else "")
         self._chart.set_visibility(trace is not None)
         if trace is not None:
             self._chart.options.update(_trace_chart(trace))
             self._chart.update()
 
-    def _card_html(self, card: Card | None, row: Row | None, trace: Trace | None) -> str:
+    def _card_html(
+        self, card: Card | None, row: Row | None, trace: Trace | None, absent: str
+    ) -> str:
         name = card.effect if card else row.effect if row else ""
         parts = [f"<h3>{escape(name)}</h3>"]
         if name in self._desk.choice.added:
@@ -171,7 +176,7 @@ class MissingView:
                 f" shows best: {escape(trace.channel)} in {escape(trace.run)}.</p>"
             )
         elif row and row.screened is not None:
-            parts.append("<p class='soft'>Its signature is drawn when you find out again.</p>")
+            parts.append(f"<p class='soft'>{absent}</p>")
         return "".join(parts)
 
     def _act(self, data: dict[str, str]) -> None:
