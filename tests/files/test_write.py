@@ -11,7 +11,7 @@ import pytest
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
 from wheelhop.cli.main import main
-from wheelhop.files import InputError, locked, replacing, write_text
+from wheelhop.files import InputError, locked, make_folder, replacing, write_text
 from wheelhop.formats import write
 from wheelhop.logger.recording import Channel, Recording
 
@@ -45,6 +45,16 @@ def test_a_file_is_as_before_until_all_is_written_and_keeps_its_mode(tmp_path):
     assert files(tmp_path) == {"x.txt": b"new\n"}
     if sys.platform != "win32":
         assert file.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_folder_that_cannot_be_made_gets_a_line_and_leaves_none(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(CampaignError, match=r"file.figures: cannot be made: "):
+        make_folder(tmp_path / "file" / "figures", CampaignError)
+    if sys.platform != "win32":
+        with pytest.raises(InputError, match="cannot be made"):
+            make_folder(tmp_path / "a" / "b" / ("n" * 300))
+        assert not (tmp_path / "a").exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="links take a privilege on Windows")

@@ -17,6 +17,7 @@ def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(small, tmp_
     folder = tmp_path / "campaign"
     shutil.copytree(small, folder, ignore=shutil.ignore_patterns("session.toml"))
     (folder / "session.toml").mkdir()  # as of a folder that may not be written to
+    (folder / "figures").symlink_to("gone")
     with workbench(folder) as (address, process):
         page = open_page(address)
         page.wait_for_selector(FITTED)
@@ -32,6 +33,11 @@ def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(small, tmp_
         stop.wait_for(state="hidden")  # until then what was fitted before is shown at once
         page.wait_for_selector(FITTED)
         assert page.evaluate("window.same")  # no reload was needed
+
+        page.get_by_role("tab", name="Take away").click()
+        page.get_by_role("button", name="Write the figures").click()
+        page.get_by_text("figures: cannot be made").wait_for()
+        page.get_by_role("tab", name="Overview").click()
 
         folder.rename(tmp_path / "elsewhere")
         page.get_by_role("button", name="take in").first.click()

@@ -150,17 +150,17 @@ def new_campaign(
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
     given[file] = "\n".join(lines) + "\n"
-    made = make_folder(folder)
+    made = make_folder(folder, CampaignError)
     try:
         with locked(folder, CampaignError):
             if file.exists():
                 raise CampaignError(
                     f"{file}: there is a campaign already; campaign add adds runs to it"
                 )
-            made += make_folder(folder / "runs")
+            made += make_folder(folder / "runs", CampaignError)
             for path, text in given.items():
                 if not path.exists():
-                    made += [*make_folder(path.parent), path]
+                    made += [*make_folder(path.parent, CampaignError), path]
                     write_text(path, text, CampaignError)
                 elif _text(path) != text:
                     raise CampaignError(f"{path}: is there already, and differs: delete one")
@@ -192,7 +192,7 @@ def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
         made = []
         try:
             if not file.exists():
-                made = [*make_folder(file.parent), file]
+                made = [*make_folder(file.parent, CampaignError), file]
             with replacing(file, CampaignError, within=folder) as draft:
                 _write_csv(draft, recording)
                 # A power cut may have ended an earlier attempt before campaign.toml was written.

@@ -96,16 +96,19 @@ def remove(made: Sequence[Path]) -> None:
             path.rmdir() if path.is_dir() else path.unlink(missing_ok=True)
 
 
-def make_folder(folder: Path) -> list[Path]:
-    """Make a folder and those above it; return those that were not there, parents first."""
+def make_folder(folder: Path, kind: type[InputError] = InputError) -> list[Path]:
+    """Make a folder and those above it; return those that were not there, parents first.
+
+    Raises an error of this `kind` for whatever the disk refuses; then none is left.
+    """
     made: list[Path] = []
     try:
         for missing in [f for f in (folder, *folder.parents) if not f.exists()][::-1]:
             missing.mkdir(exist_ok=True)
             made.append(missing)
-    except OSError:
+    except OSError as error:
         remove(made)
-        raise
+        raise kind(f"{folder}: cannot be made: {error.strerror or error}") from None
     return made
 
 
@@ -133,7 +136,7 @@ def new_folder(folder: Path, kind: type[InputError] = InputError) -> Iterator[Pa
             raise kind(f"{folder}: is there already, and is no folder: choose another name")
         if folder.is_dir() and any(folder.iterdir()):
             raise kind(f"{folder}: is there already, and not empty: choose another name")
-        made = make_folder(folder.parent)
+        made = make_folder(folder.parent, kind)
         draft = folder.with_name(f"{DRAFT}{secrets.token_hex(6)}")
         try:
             draft.mkdir()

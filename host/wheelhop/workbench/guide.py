@@ -102,6 +102,9 @@ class Guide:
         try:
             await run.io_bound(make_folder, target.parent)
             await event.file.save(target)
+        except InputError as error:
+            self._say(str(error))
+            return
         except OSError as error:
             self._say(f"{target}: cannot be written: {error.strerror}")
             return

@@ -39,10 +39,7 @@ def keep(draft: Draft) -> None:
         return
     draft.kept = text
     if text:
-        try:
-            make_folder(draft.folder)
-        except OSError as error:
-            raise InputError(f"{draft.folder}: cannot be made: {error.strerror}") from None
+        make_folder(draft.folder)
         write_text(draft.folder / FILE, text)
 
 
