@@ -10,6 +10,7 @@ from tests.report.small import ROWS
 from wheelhop.diagnose import NextRun
 from wheelhop.effects import load_effects
 from wheelhop.files.words import percent
+from wheelhop.report.page import bullets
 from wheelhop.report.reports import write_comparison_report, write_diagnosis_report
 from wheelhop.report.words import headline
 
@@ -154,6 +155,12 @@ def test_doubts_and_the_run_that_settles_them_are_on_the_page(friction, tmp_path
     assert "hard to tell from bump-stop (12°)" in page.text
     assert "Drive herringbone as in slow at 9 km/h" in page.text
     assert "47° apart on it, 12° on the runs at hand" in page.text
+
+
+def test_what_a_sentence_announces_stands_below_it():
+    below = "<ul><li>One.</li><li>Where:<ul><li>Here.</li><li>There.</li></ul></li></ul>"
+    assert bullets(["One.", "Where:", "Here.", "There."]) == below
+    assert bullets([]) == ""
 
 
 def test_titles_cannot_break_the_page(friction, tmp_path):

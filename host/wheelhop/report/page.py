@@ -49,9 +49,15 @@ def paragraph(text: str, kind: str = "") -> str:
 
 
 def bullets(sentences: Iterable[str]) -> str:
-    """A list of sentences."""
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
-    return f"<ul>{items}</ul>" if items else ""
+    """A list of sentences; those behind one that ends in a colon stand below it."""
+    items, below = "", ""
+    for sentence in sentences:
+        items += f"<li>{escape(sentence)}"
+        if sentence.endswith(":"):
+            items, below = f"{items}<ul>", f"</ul></li>{below}"
+        else:
+            items += "</li>"
+    return f"<ul>{items}{below}</ul>" if items else ""
 
 
 def figure(drawing: str, caption: str) -> str:

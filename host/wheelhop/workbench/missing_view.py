@@ -8,6 +8,7 @@ from html import escape
 from nicegui import ui
 
 from wheelhop.files.words import chance, percent, signed
+from wheelhop.report.page import bullets
 from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
@@ -91,7 +92,6 @@ class MissingView:
         if verdict is None:
             return ""
         missing = [e for e in verdict.effects if e not in ("none", "unknown")]
-        words = "".join(f"<li>{escape(line)}</li>" for line in verdict.explanation)
         left = [e for e in missing if e not in self._desk.choice.added]
         label = f"Add {escape(' and '.join(left))} to the model"
         add = f'<button class="primary" data-act="add all">{label}</button>'
@@ -99,7 +99,7 @@ class MissingView:
         extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], "")
         return (
             f'<section class="verdict"><h2>{escape(verdict.headline)}</h2>'
-            f"<p>Confidence {100 * verdict.confidence:.0f} %.</p><ul>{words}</ul>"
+            f"<p>Confidence {100 * verdict.confidence:.0f} %.</p>{bullets(verdict.explanation)}"
             f"{following}{add if left else ''}{extra}{_limits(verdict)}</section>"
         )
 
