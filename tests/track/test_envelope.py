@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from wheelhop.campaign import TrackSpec
 from wheelhop.track import Track, make_track, wheel_envelope
+from wheelhop.track.table import highest
 from wheelhop.track.track import Array
 
 RADIUS = 0.279
@@ -264,6 +265,20 @@ def test_any_shape_of_x_is_kept() -> None:
     envelope = wheel_envelope(washboard(0.015, 0.6), LEFT, RADIUS, 0.0, 10.0)
     assert envelope.height(np.zeros((3, 4, 2))).shape == (3, 4, 2)
     assert np.shape(envelope.slope(0.3)) == ()
+
+
+@given(
+    st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=80),
+    st.integers(1, 12),
+    st.floats(0.1, 10.0),
+)
+def test_halving_finds_what_a_search_of_every_place_finds(z, reach, bend):
+    disc = -bend * (np.arange(-reach, reach + 1) / reach) ** 2
+    z = np.array([*z, *np.zeros(2 * reach)])
+    count = len(z) - 2 * reach
+    sums = np.array([z[i : i + len(disc)] + disc for i in range(count)])
+    found = highest(z, disc, count)
+    assert sums[np.arange(count), found] == pytest.approx(sums.max(axis=1), abs=1e-12)
 
 
 def test_both_at_once_are_what_each_is_alone():

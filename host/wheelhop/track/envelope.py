@@ -19,16 +19,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
+from wheelhop.track.table import highest, located, value_and_area, value_and_slope
 from wheelhop.track.track import Array, Track
 
 _FINE_M, _COARSE_M = 0.0005, 0.001  # spacing of the table: up to a metre of track, and beyond
 _JUMP_STEPS = 2  # a contact that moves further than this while the wheel moves one has jumped
 _MISS = 0.02  # by how much of its fall one branch's lead may miss zero at a cell's end
 _TINY = 1e-12
-_BLOCK = 1 << 18  # sums tried at once, so that they stay in the processor's cache
 # Coefficients of a cubic p(t), lowest first, to those of p(t + 1) and of p(t - 1).
 _ONE_CELL_ON = np.array([[1, 1, 1, 1], [0, 1, 2, 3], [0, 0, 1, 3], [0, 0, 0, 1]])
 _ONE_CELL_BACK = np.array([[1, -1, 1, -1], [0, 1, -2, 3], [0, 0, 1, -3], [0, 0, 0, 1]])
@@ -68,25 +67,23 @@ class Envelope:
 
     def height_and_slope(self, x: ArrayLike) -> tuple[Array, Array]:
         """Both at once. Raises ValueError outside the tabulated range."""
-        row, t = self._locate(x)
-        c = self._height.take(row, axis=0)
-        c1, c2, c3 = c[..., 1], c[..., 2], c[..., 3]
-        height = ((c3 * t + c2) * t + c1) * t + c[..., 0]
-        return height, ((3.0 * c3 * t + 2.0 * c2) * t + c1) / self._step_m
+        x = np.asarray(x, dtype=np.float64)
+        height, slope = value_and_slope(self._height, *self._locate(self._place(x)))
+        return height.reshape(x.shape), slope.reshape(x.shape) / self._step_m
 
     def height_and_area(self, x: ArrayLike) -> tuple[Array, Array]:
         """h at x and ∫h dx up to there, m and m², from a point that is the same for every x."""
-        row, t = self._locate(x)
-        h = self._height.take(row, axis=0)
-        h0, h1, h2, h3 = h[..., 0], h[..., 1], h[..., 2], h[..., 3]
+        x = np.asarray(x, dtype=np.float64)
         starts, whole = self._area
-        inside = (((h3 / 4.0 * t + h2 / 3.0) * t + h1 / 2.0) * t + h0) * t
+        place = self._place(x)
+        row, t = self._locate(place)
+        height, inside = value_and_area(self._height, row, t)
         area = starts.take(row) + self._step_m * inside
-        height = ((h3 * t + h2) * t + h1) * t + h0
-        place = (np.asarray(x, dtype=np.float64) - self._origin_m) / self._step_m
         if self._periodic:
-            return height, area + np.floor(place / self._cells) * whole
-        return height, area + (place - np.clip(place, 0.0, self._cells)) * self._step_m * height
+            area += np.floor(place / self._cells) * whole
+        else:
+            area += (place - np.clip(place, 0.0, self._cells)) * self._step_m * height
+        return height.reshape(x.shape), area.reshape(x.shape)
 
     @cached_property
     def sharpest_kink(self) -> float:
@@ -114,27 +111,20 @@ class Envelope:
         start = np.concatenate([[0.0], np.cumsum(across)])
         return np.append(start[:-1], start[self._split_cell] + change), float(start[-1])
 
-    def _locate(self, x: ArrayLike) -> tuple[NDArray[np.intp], Array]:
-        """Row of the polynomial that holds at x, and the place in its cell, 0 to 1."""
-        x = np.asarray(x, dtype=np.float64)
-        cells = self._cells
-        place = (x - self._origin_m) / self._step_m
-        if self._periodic:
-            place -= np.floor(place / cells) * cells
-        else:
-            if x.size and not (x.min() >= self.x_min_m and x.max() <= self.x_max_m):
+    def _place(self, x: Array) -> Array:
+        """Cells from the table's origin to each x, (n,)."""
+        if not self._periodic and x.size:
+            low, high = x.min(), x.max()
+            if not (low >= self.x_min_m and high <= self.x_max_m):
                 raise ValueError(
-                    f"x from {x.min():g} to {x.max():g} m leaves the tabulated envelope, "
+                    f"x from {low:g} to {high:g} m leaves the tabulated envelope, "
                     f"{self.x_min_m:g} to {self.x_max_m:g} m"
                 )
-            place = np.clip(place, 0.0, cells)
-        cell = np.minimum(place.astype(np.intp), cells - 1)
-        t = place - cell
-        if len(self._split_cell) == 0:
-            return cell, t
-        nearest = np.searchsorted(self._split_cell, cell).clip(max=len(self._split_cell) - 1)
-        behind = (self._split_cell[nearest] == cell) & (t > self._split_at[nearest])
-        return np.where(behind, cells + nearest, cell), t
+        return np.asarray((x.ravel() - self._origin_m) / self._step_m)
+
+    def _locate(self, place: Array) -> tuple[NDArray[np.intp], Array]:
+        """Row of the polynomial that holds at each place, and where in its cell that is."""
+        return located(place, self._cells, self._periodic, self._split_cell, self._split_at)
 
 
 def _at(polynomials: Array, t: Array | float) -> Array:
@@ -231,11 +221,7 @@ def _disc(s: Array, radius: float) -> Array:
 
 def _highest(z: Array, disc: Array, n: int) -> tuple[NDArray[np.intp], Array, Array, Array]:
     """For each of n points the index of the largest z + disc, its value and its neighbours'."""
-    windows = sliding_window_view(z, len(disc))
-    rows = max(1, _BLOCK // len(disc))
-    index = np.empty(n, dtype=np.intp)
-    for first in range(0, n, rows):
-        index[first : first + rows] = (windows[first : first + rows] + disc).argmax(axis=1)
+    index = highest(z, disc, n)
     index = np.clip(index, 1, len(disc) - 2)
     at = np.arange(n) + index
     return index, z[at] + disc[index], z[at - 1] + disc[index - 1], z[at + 1] + disc[index + 1]
