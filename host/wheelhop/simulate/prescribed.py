@@ -136,9 +136,13 @@ def ways(model: Model, run: RunSetting, time_s: Array) -> tuple[Array, Array]:
     return x, rate
 
 
-def span(x: Array) -> tuple[float, float]:
-    """A stretch of track around x whose ends stay put when x moves a little."""
-    return math.floor(x.min() / 5.0 - 0.2) * 5.0, math.ceil(x.max() / 5.0 + 0.2) * 5.0
+def span(track: Track, x: Array) -> tuple[float, float]:
+    """A stretch of track around x whose ends stay put when x moves a little; if it holds more than
+    a period, all of the track, so that runs over it share their paths."""
+    low, high = math.floor(x.min() / 5.0 - 0.2) * 5.0, math.ceil(x.max() / 5.0 + 0.2) * 5.0
+    if track.period_m is not None and track.period_m < high - low:
+        return -math.inf, math.inf
+    return low, high
 
 
 def wheel_path(model: Model, corner: int, wheel: Wheel) -> WheelPath:

@@ -347,7 +347,7 @@ class RunSimulator:
         radius, width = model.values[f"{wheel}.radius_m"], model.values.get(f"{wheel}.width_m", 0.0)
         y = corner_position(model.values, corner)[1]
         track = track_of(model, self.run, self._track)
-        return Wheel(track, y, radius, *span(way_m), width)
+        return Wheel(track, y, radius, *span(track, way_m), width)
 
     def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         x, speed = ways(model, self.setting, time_s)

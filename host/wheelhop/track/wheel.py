@@ -200,4 +200,4 @@ class PathTables:
             return list(self._kept.values())
 
 
-_envelope = PathTables(1 << 29)  # the wheels of sixty runs of 50 m over random ground
+_envelope = PathTables(1 << 28)  # the wheels of thirty runs of 50 m over random ground
