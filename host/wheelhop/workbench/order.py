@@ -54,4 +54,4 @@ def obey_orders(orders: Connection) -> None:
 def _give_way() -> None:
     """Page and browser come first: whoever clicks shall not wait for what takes a minute anyway."""
     if sys.platform != "win32":
-        os.nice(10)
+        os.nice(5)
