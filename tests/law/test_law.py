@@ -17,7 +17,7 @@ from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates, slip
-from wheelhop.report.law import amplitudes, law_figure, law_lines
+from wheelhop.report.law import amplitudes, law_figure, law_lines, shapes
 from wheelhop.vehicle import read_nominal
 
 
@@ -50,6 +50,11 @@ def magic_bump_rubber(x, v):
 def orifice_and_cubic(x, v):
     """Two things at once, each with a name of its own."""
     return 20000.0 * x + 1500.0 * v + 3000.0 * v * abs(v) + 3e7 * x**3
+
+
+def block_in_compression(x, v):
+    """A stiff block that is met 8.3 mm below, between the gaps of any grid."""
+    return 20000.0 * x + 1500.0 * v + 60000.0 * min(x + 0.0083, 0.0)
 
 
 def campaign_of(folder, special=None, hidden="", numbers=None, noise=0.005):
@@ -202,6 +207,14 @@ def test_a_law_with_a_name_is_called_by_it(tmp_path):
     found = found_in(campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers))
     assert found.preferred.name == "dry-friction"
     assert "The nearest name is dry-friction" in " ".join(look(found))
+
+
+def test_a_gap_that_was_fitted_is_told_with_its_interval(tmp_path):
+    found = found_in(campaign_of(tmp_path, block_in_compression))
+    (words, (gap, deviation, unit)), *others = shapes(found.formula).items()
+    assert not others and "gap" in words and unit == "m"
+    assert abs(gap + 0.0083) < 3 * deviation < 0.0003
+    assert f"  {words}: {1e3 * gap:.4g} ± {1e3 * deviation:.2g} mm" in law_lines(found)
 
 
 def test_the_formula_that_is_kept_is_an_effect_that_diagnose_finds(tmp_path, capsys):

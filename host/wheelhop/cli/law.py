@@ -14,7 +14,7 @@ from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects, pick
 from wheelhop.files import write_text
 from wheelhop.law import Formula, Found, find_law, look, source_of
-from wheelhop.report.law import amplitudes, law_lines, rivals, write_law_figure
+from wheelhop.report.law import amplitudes, law_lines, rivals, shapes, write_law_figure
 from wheelhop.vehicle import read_nominal
 
 SAVED_ID = "found-law"
@@ -83,5 +83,11 @@ def to_json(found: Found) -> dict[str, Any]:
         else {
             words: {"force_N": value, "sd_N": spread}
             for words, (value, spread) in amplitudes(found.formula).items()
+        },
+        "shapes": {}
+        if found.formula is None
+        else {
+            words: {"value": value, "sd": spread, "unit": unit}
+            for words, (value, spread, unit) in shapes(found.formula).items()
         },
     }

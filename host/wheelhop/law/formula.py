@@ -56,6 +56,15 @@ class Formula(Effect):
         """The full names of a term's forces, one at each of `ends`."""
         return [f"{self.id}.{prefix}{term.name}_N" for prefix, _ in self.ends()]
 
+    def shapes_at(self, values: Values) -> list[tuple[Term, str]]:
+        """Every term whose gap or width was fitted, as it was, and the full name of that among the
+        values of a model."""
+        return [
+            (fitted, f"{self.id}.{_shape_name(term)}")
+            for term, (fitted, _) in zip(self.terms, self.at(values), strict=True)
+            if self._is_free(term)
+        ]
+
     def at(self, values: Values) -> list[tuple[Term, list[str]]]:
         """Every term as it was fitted, and the full names of its forces among the values of a
         model."""

@@ -111,6 +111,8 @@ def law_lines(found: Found) -> list[str]:
         lines.append("formula, force at the end of the motion recorded ± standard deviation:")
         for name, (value, deviation) in amplitudes(found.formula).items():
             lines.append(f"  {name:44} {value:10.4g} ± {deviation:.2g} N")
+        for name, (value, deviation, unit) in shapes(found.formula).items():
+            lines.append(f"  {name}: {1e3 * value:.4g} ± {1e3 * deviation:.2g} m{unit}")
     preferred = found.preferred
     assert preferred is not None
     lines.append(f"The simplest law that does as well as any: {preferred.name}.")
@@ -125,14 +127,32 @@ def rivals(found: Found) -> list[Rival]:
 
 def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
     """The fitted forces of a formula with their standard deviations, N."""
-    fit = rival.rung.fit
-    formula = next(e for e in fit.model.effects if isinstance(e, Formula))
+    fit, formula = rival.rung.fit, _formula(rival)
     values = fit.model.values
     return {
         f"{prefix.replace('_', ': ')}{term.words}": (values[key], fit.uncertainty(key))
         for term, keys in formula.at(values)
         for (prefix, _), key in zip(formula.ends(), keys, strict=True)
     }
+
+
+def shapes(rival: Rival) -> dict[str, tuple[float, float, str]]:
+    """The fitted gaps and widths of a formula with their standard deviations, and their unit."""
+    fit, formula = rival.rung.fit, _formula(rival)
+    values = fit.model.values
+    return {
+        f"gap or width of the {term.words}": (
+            values[key],
+            fit.uncertainty(key),
+            "m/s" if key.endswith("_m_s") else "m",
+        )
+        for term, key in formula.shapes_at(values)
+    }
+
+
+def _formula(rival: Rival) -> Formula:
+    effects = rival.rung.fit.model.effects
+    return next(e for e in effects if isinstance(e, Formula))
 
 
 def _line(name: str, fitted: float, held_out: float) -> str:
