@@ -13,7 +13,7 @@ from wheelhop.effects.base import Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.free import SCALE
 from wheelhop.law.places import SEAT, Where
-from wheelhop.law.terms import SHAPED, Term, has_sliders, rounded, shaped
+from wheelhop.law.terms import SHAPED, SPEEDS, Term, has_sliders, shaped
 from wheelhop.vehicle import Assembly
 
 
@@ -104,14 +104,14 @@ class Formula(Effect):
 
 
 def _shape_name(term: Term) -> str:
-    return f"{term.name}_{'m_s' if term.kernel is rounded else 'm'}"
+    return f"{term.name}_{'m_s' if term.kernel in SPEEDS else 'm'}"
 
 
 def _shape_of(term: Term) -> Parameter:
     """The gap or width of a term as a number of its own: it keeps its sign."""
     first = term.shape[0]
     low, high = sorted((0.1 * first, np.inf * np.sign(first)))
-    unit = "m/s" if term.kernel is rounded else "m"
+    unit = "m/s" if term.kernel in SPEEDS else "m"
     words = f"gap or width of the {term.words}"
     return Parameter(
         _shape_name(term), unit, words, 0.5 * abs(first), lower=low, upper=high, starts=(first,)

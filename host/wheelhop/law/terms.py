@@ -89,6 +89,16 @@ def drifting(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tu
     return p[0] * v / p[1] * (z + dt) / p[2], z + dt
 
 
+@law
+def valve(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
+    """p[0] (v - p[1] p[2]) / p[3] either way while a valve is open, z = 1: it opens at the speed
+    p[1], and shuts below p[1] p[2]."""
+    beyond = max(abs(v) - p[1] * p[2], 0.0)
+    is_open = abs(v) > p[1] or (z > 0.5 and beyond > 0.0)
+    force = p[0] * (beyond if v > 0.0 else -beyond) / p[3]
+    return (force, 1.0) if is_open else (0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class Term:
     """One term: its compiled law, the numbers after the amplitude, and how it reads."""
@@ -130,6 +140,7 @@ def candidates(
     found += [exponential(width) for width in (0.5 * x, -0.5 * x)]
     found += [slipping(way) for way in slips(extension)]
     found += [slipping_loaded(way, x) for way in slips(extension)[::3]]
+    found += [valved(share * v, shut, v) for share in VALVES for shut in SHUT]
     return found + [
         times(term, name)
         for name in inputs
@@ -147,13 +158,21 @@ def neighbours(term: Term, step: float) -> list[Term]:
         ways = [first - step * rest[0], first + step * rest[0]]
     else:
         ways = [first * exp(-4.0 * step), first * exp(4.0 * step)]
-    return [shaped(term, way) for way in ways]
+    found = [shaped(term, way) for way in ways]
+    if term.kernel is valve:
+        shuts = (rest[0] * exp(-4.0 * step), min(rest[0] * exp(4.0 * step), 1.0))
+        found += [_times_as(term, valved(first, shut, rest[1])) for shut in shuts]
+    return found
 
 
 def shaped(term: Term, first: float) -> Term:
     """The same term with another gap or width."""
-    found = SHAPED[term.kernel](first, *term.shape[1:])
-    return times(found, term.by) if term.by else found
+    return _times_as(term, SHAPED[term.kernel](first, *term.shape[1:]))
+
+
+def _times_as(term: Term, other: Term) -> Term:
+    """Another term times the recorded input that a term is times, if any."""
+    return times(other, term.by) if term.by else other
 
 
 def has_sliders(terms: Sequence[Term]) -> bool:
@@ -234,14 +253,35 @@ def slipping_loaded(way: float, x: float) -> Term:
                 rf"\ |z| \leq {1e3 * way:.3g}\,mm")  # fmt: skip
 
 
+def valved(opens: float, shut: float, v: float) -> Term:
+    """Damping beyond a valve that opens at a speed, and shuts at this share of it."""
+    way = f"opens at {1e3 * opens:.3g} and shuts at {1e3 * shut * opens:.3g} mm/s"
+    if shut == 1.0:
+        way = f"opens at {1e3 * opens:.3g} mm/s"
+    return Term(f"valve-{1e3 * opens:.3g}-mm-s-{shut:.3g}", valve, (opens, shut, v),
+                f"damping of a valve that {way}",
+                rf"F \langle|v| - {1e3 * shut * opens:.3g}\,mm/s\rangle\,"
+                rf"\operatorname{{sgn}} v/({v:.3g}\,m/s)")  # fmt: skip
+
+
+VALVES = (0.1, 0.2, 0.35, 0.5, 0.7)
+"""Shares of the largest speed at which a valve may open."""
+
+SHUT = (0.5, 0.75, 1.0)
+"""Shares of that at which it may shut."""
+
 SHAPED: Mapping[Kernel, Callable[..., Term]] = {
     rounded: creeping,
     stop: beyond,
     growing: exponential,
     slip: slipping,
     loaded_slip: slipping_loaded,
+    valve: valved,
 }
 """Terms whose first number is a gap or a width that data may ask for, and what makes them."""
+
+SPEEDS = (rounded, valve)
+"""Of those the terms for which it is a speed."""
 
 
 def slips(extension: Array) -> tuple[float, ...]:
