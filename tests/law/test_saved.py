@@ -8,10 +8,10 @@ from tests.simulate.setup import ATV
 from wheelhop.law.along import laws_of
 from wheelhop.law.formula import Formula, source_of
 from wheelhop.law.places import Where
-from wheelhop.law.terms import beyond, slipping
+from wheelhop.law.terms import beyond, slipping, valved
 
 SEAT = {"driver-seat.mass_kg": 70.0, "driver-seat.x_m": -0.1}
-TERMS = (beyond(0.012, 0.05), slipping(0.004))
+TERMS = (beyond(0.012, 0.05), slipping(0.004), valved(0.3, 0.6, 1.2))
 
 
 @pytest.mark.parametrize(
@@ -27,8 +27,9 @@ TERMS = (beyond(0.012, 0.05), slipping(0.004))
 def test_the_file_adds_the_same_forces(where, apart, tmp_path):
     formula = Formula(where, TERMS, apart).with_free_shapes()
     vehicle = {**ATV, **SEAT}
-    shapes = {p.name: 1.3 * p.starts[0] for p in formula.parameters_for(vehicle, ()) if p.starts}
-    assert len(shapes) == 2
+    gaps = [p for p in formula.parameters_for(vehicle, ()) if p.starts]
+    shapes = {p.name: (1.3 + 0.1 * i) * p.starts[0] for i, p in enumerate(gaps)}
+    assert len(shapes) == 3 * len(formula.ends())
     forces = [p.name for p in formula.parameters_for(vehicle, ()) if not p.starts]
     amplitudes = {name: 100.0 + i for i, name in enumerate(forces)}
     fitted = {f"formula.{name}": value for name, value in {**shapes, **amplitudes}.items()}

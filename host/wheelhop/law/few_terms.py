@@ -68,6 +68,7 @@ def find_formula(
         other, like = _like_the_free_law(workshop, base, free, where, moved, every)
         if other.error_judging < rung.error_judging:
             rung, best = other, like
+    rung, best = _with_shapes(workshop, rung, best)
     while len(best.terms) > 1:  # the first term chosen may be what only two others together explain
         unsure = _least_sure(rung, best)
         fewer = best.of([term for term in best.terms if term is not unsure])
@@ -75,8 +76,8 @@ def find_formula(
         if shorter.error_judging > AS_WELL * rung.error_judging:
             break
         rung, best = shorter, fewer
-    rung, best = _with_shapes(workshop, rung, best)
-    words = [term.words for term, _ in best.at(rung.model.values)]
+    parts = best.parts(rung.model.values)
+    words = dict.fromkeys(part.words if part.shape else part.term.words for part in parts)
     return Rival("formula", " + ".join(words), rung)
 
 
@@ -141,14 +142,20 @@ def _shaped(signatures: Signatures, formula: Formula, worth: float) -> tuple[flo
 
 
 def _with_shapes(workshop: Workshop, rung: Rung, formula: Formula) -> tuple[Rung, Formula]:
-    """Gaps and widths fitted with everything else; the formula as it was if that is no better."""
+    """Gaps and widths fitted with everything else, and each axle's own, if that is better; the
+    formula as it was if neither is."""
     if not any(term.kernel in SHAPED for term in formula.terms):
         return rung, formula
     shaped = formula.with_free_shapes()
     found = _in_place(workshop, rung, shaped)
-    if found.error_judging >= rung.error_judging:
+    if found.error_judging < rung.error_judging:
+        rung, formula = found, shaped
+    if at_noise(rung, workshop.noise) or formula.apart or len(formula.where.ends()) == 1:
         return rung, formula
-    return found, shaped
+    apart = shaped.with_each_axle()
+    found = _in_place(workshop, rung, apart)
+    better = found.error_judging * AS_WELL < rung.error_judging
+    return (found, apart) if better else (rung, formula)
 
 
 def _like_the_free_law(
@@ -210,7 +217,8 @@ def _in_place(workshop: Workshop, rung: Rung, formula: Formula) -> Rung:
     before = rung.model.values
     model = rung.model.without_effect(formula.id)
     model = model.with_effect(formula, workshop.parameters_of(formula))
-    model = model.with_values({name: before[name] for name in model.values if name in before})
+    names = {name: name if name in before else formula.common(name) for name in model.values}
+    model = model.with_values({n: before[known] for n, known in names.items() if known in before})
     own = effect_parameters(workshop.parameters_of(formula), model, formula)
     shared = [free for free in rung.fit.shared if not free.name.startswith(f"{formula.id}.")]
     found = fit(workshop, model, [*shared, *own], workshop.of_role("fit"), rung.fit)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +16,24 @@ from wheelhop.law.free import SCALE
 from wheelhop.law.places import SEAT, Where
 from wheelhop.law.terms import SHAPED, SPEEDS, Term, has_sliders, shaped
 from wheelhop.vehicle import Assembly
+
+
+@dataclass(frozen=True)
+class Part:
+    """A term at one of the ends a formula has forces for: the beginning of their names, its place,
+    the term as it was fitted, and the full names of its force and of its gap or width, empty where
+    that is not free."""
+
+    prefix: str
+    where: Where
+    term: Term
+    force: str
+    shape: str
+
+    @property
+    def words(self) -> str:
+        """How it reads: "front: " before what each axle has of its own."""
+        return f"{self.prefix.replace('_', ': ')}{self.term.words}"
 
 
 class Formula(Effect):
@@ -48,6 +67,16 @@ class Formula(Effect):
         """The formula whose gaps and widths are numbers to be fitted, too."""
         return Formula(self.where, self.terms, self.apart, True)
 
+    def with_each_axle(self) -> Formula:
+        """The formula with forces, and gaps that are free, of each axle's own."""
+        return Formula(self.where, self.terms, True, self._free_shapes)
+
+    def common(self, name: str) -> str:
+        """What a number of one axle is called where axles have no numbers of their own."""
+        for prefix, _ in self.where.ends():
+            name = name.replace(f"{self.id}.{prefix}", f"{self.id}.", 1)
+        return name
+
     def ends(self) -> list[tuple[str, Where]]:
         """What has forces of its own, each with the beginning of their names."""
         return self.where.ends() if self.apart else [("", self.where)]
@@ -56,27 +85,19 @@ class Formula(Effect):
         """The full names of a term's forces, one at each of `ends`."""
         return [f"{self.id}.{prefix}{term.name}_N" for prefix, _ in self.ends()]
 
-    def shapes_at(self, values: Values) -> list[tuple[Term, str]]:
-        """Every term whose gap or width was fitted, as it was, and the full name of that among the
-        values of a model."""
-        return [
-            (fitted, f"{self.id}.{_shape_name(term)}")
-            for term, (fitted, _) in zip(self.terms, self.at(values), strict=True)
-            if self._is_free(term)
-        ]
-
-    def at(self, values: Values) -> list[tuple[Term, list[str]]]:
-        """Every term as it was fitted, and the full names of its forces among the values of a
-        model."""
+    def parts(self, values: Values) -> list[Part]:
+        """Every term at each of `ends`, as it was fitted in a model with these `values`."""
         found = []
-        for term in self.terms:
-            key = f"{self.id}.{_shape_name(term)}"
-            fitted = shaped(term, values[key]) if self._is_free(term) else term
-            found.append((fitted, self.forces_of(term)))
+        for prefix, end in self.ends():
+            for term in self.terms:
+                own = f"{self.id}.{prefix}"
+                shape = f"{own}{_shape_name(term)}" if self._is_free(term) else ""
+                fitted = shaped(term, values[shape]) if shape else term
+                found.append(Part(prefix, end, fitted, f"{own}{term.name}_N", shape))
         return found
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
-        """The force of each term at each of `ends`; gaps and widths if they are free."""
+        """The force of each term at each of `ends`; its gap or width, if that is free."""
         forces = [
             Parameter(
                 f"{prefix}{t.name}_N",
@@ -87,7 +108,10 @@ class Formula(Effect):
             for prefix, end in self.ends()
             for t in self.terms
         ]
-        return forces + [_shape_of(t) for t in self.terms if self._is_free(t)]
+        free = [_shape_of(term) for term in self.terms if self._is_free(term)]
+        return forces + [
+            replace(one, name=f"{prefix}{one.name}") for prefix, _ in self.ends() for one in free
+        ]
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add every term at every part of the place."""
@@ -95,7 +119,7 @@ class Formula(Effect):
             for t in self.terms:
                 shape = t.shape
                 if self._is_free(t):
-                    shape = (theta[_shape_name(t)], *shape[1:])
+                    shape = (theta[f"{prefix}{_shape_name(t)}"], *shape[1:])
                 for row in end.rows(vehicle):
                     parts.add_law(row, t.kernel, (theta[f"{prefix}{t.name}_N"], *shape), t.by)
 
@@ -155,38 +179,38 @@ def source_of(formula: Formula, values: Values, campaign: str, law_id: str) -> s
     """A Python file with the formula as an effect of its own, each term's source in it; the fitted
     amplitudes among the `values` of the model with it become the scales of its parameters, and
     fitted gaps and widths are what they are."""
-    where, fitted = formula.where, formula.at(values)
-    terms = [term for term, _ in fitted]
-    kernels = dict.fromkeys(term.kernel for term in terms)
+    where, parts = formula.where, formula.parts(values)
+    kernels = dict.fromkeys(part.term.kernel for part in parts)
     sources = "\n\n".join(_bare(kernel) for kernel in kernels)
+    numbers = [part.force.removeprefix(f"{formula.id}.").replace("-", "_") for part in parts]
     parameters = "\n".join(
-        f'            Parameter("{prefix}{_number(t)}", "N", "force of the {t.words}",'
-        f" scale={abs(values[keys[i]]) or 1.0:.6g}),"
-        for i, (prefix, _) in enumerate(formula.ends())
-        for t, keys in fitted
+        f'            Parameter("{number}", "N", "force of the {part.term.words}",'
+        f" scale={abs(values[part.force]) or 1.0:.6g}),"
+        for part, number in zip(parts, numbers, strict=True)
     )
     imports, rows = "", []
     for prefix, end in formula.ends():
         imports, of_end = _rows(end, values)
         laws = "\n".join(
-            f"            parts.add_law(row, {_name(t)},"
-            f' (theta["{prefix}{_number(t)}"], {", ".join(f"{s:.9g}" for s in t.shape)})'
-            + (f', by="{t.by}")' if t.by else ")")
-            for t in terms
+            f"            parts.add_law(row, {_name(part.term)},"
+            f' (theta["{number}"], {", ".join(f"{s:.9g}" for s in part.term.shape)})'
+            + (f', by="{part.term.by}")' if part.term.by else ")")
+            for part, number in zip(parts, numbers, strict=True)
+            if part.prefix == prefix
         )
         rows.append(f"        for row in {of_end}:\n{laws}")
     title = f"law of the {where.name}"
     heading = title[0].upper() + title[1:]
     return HEADER.format(title=heading, campaign=campaign, imports=imports) + "\n" + sources + (
         CLASS.format(
-            words=" + ".join(t.words for t in terms).capitalize(),
+            words=" + ".join(dict.fromkeys(part.words for part in parts)).capitalize(),
             id=law_id,
             place="tyre" if where.kind == "tyre" else "suspension",
             on_rig=formula.on_rig and where.name == "component",
             needs_road=where.kind == "tyre",
             step=formula.longest_step_s,
             title=title,
-            equation=" + ".join(t.equation for t in terms),
+            equation=" + ".join(dict.fromkeys(part.term.equation for part in parts)),
             parameters=parameters,
             laws="\n".join(rows),
         )
@@ -204,10 +228,6 @@ def _rows(where: Where, values: Values) -> tuple[str, str]:
     if where.kind == "tyre":
         one, each = "tyre", "tyre(i)"
     return one, f"({each} for i in {where.corners})"
-
-
-def _number(term: Term) -> str:
-    return f"{term.name.replace('-', '_')}_N"
 
 
 def _name(term: Term) -> str:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wheelhop.diagnose.judge import at_noise
 from wheelhop.files import write_picture
 from wheelhop.law import Formula, Found, Rival, look
+from wheelhop.law.formula import Part
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
 from wheelhop.report.law_surface import draw_surface
@@ -127,32 +128,29 @@ def rivals(found: Found) -> list[Rival]:
 
 def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
     """The fitted forces of a formula with their standard deviations, N."""
-    fit, formula = rival.rung.fit, _formula(rival)
+    fit, parts = rival.rung.fit, _parts(rival)
     values = fit.model.values
-    return {
-        f"{prefix.replace('_', ': ')}{term.words}": (values[key], fit.uncertainty(key))
-        for term, keys in formula.at(values)
-        for (prefix, _), key in zip(formula.ends(), keys, strict=True)
-    }
+    return {part.words: (values[part.force], fit.uncertainty(part.force)) for part in parts}
 
 
 def shapes(rival: Rival) -> dict[str, tuple[float, float, str]]:
     """The fitted gaps and widths of a formula with their standard deviations, and their unit."""
-    fit, formula = rival.rung.fit, _formula(rival)
-    values = fit.model.values
+    fit, parts = rival.rung.fit, _parts(rival)
     return {
-        f"gap or width of the {term.words}": (
-            values[key],
-            fit.uncertainty(key),
-            "m/s" if key.endswith("_m_s") else "m",
+        f"gap or width of the {part.words}": (
+            fit.model.values[part.shape],
+            fit.uncertainty(part.shape),
+            "m/s" if part.shape.endswith("_m_s") else "m",
         )
-        for term, key in formula.shapes_at(values)
+        for part in parts
+        if part.shape
     }
 
 
-def _formula(rival: Rival) -> Formula:
-    effects = rival.rung.fit.model.effects
-    return next(e for e in effects if isinstance(e, Formula))
+def _parts(rival: Rival) -> list[Part]:
+    model = rival.rung.fit.model
+    formula = next(e for e in model.effects if isinstance(e, Formula))
+    return formula.parts(model.values)
 
 
 def _line(name: str, fitted: float, held_out: float) -> str:
