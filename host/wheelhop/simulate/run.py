@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -248,7 +248,7 @@ class RunSimulator:
         """The job that a model asks for, or one of those `known` that does."""
         # A sensor's faults act before its signal is sampled: on every step of the integration.
         per_sample = stride if any(e.place == "sensor" for e in model.effects) else 1
-        key = (stride, per_sample, without_sensors(model, self.run.id))
+        key = (stride, per_sample, without_sensors(model, self.run.id, self.campaign.channels))
         same = next((job for job in known if job.key == key), None)
         if same is not None and self.drive == "road":
             return same
@@ -317,17 +317,8 @@ class RunSimulator:
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
         """Prescribed motions and rates (T, wheels), m and m/s; the last few are kept."""
         upstream = [e for e in model.effects if e.place in MOVING_PLACES]
-        own = model.runs.get(self.run.id, {})
-        placed = own if self.drive == "road" else calibrations(model)
-        key = tuple(
-            [
-                float(stride),
-                *(model.values.get(k, 0.0) for k in PATH_KEYS),
-                *(item for item in placed.items() if self.drive == "axles" or "." not in item[0]),
-                *((e, *model.theta(e, self.run.id).items()) for e in upstream),
-                heights_of(model, self.run.id),
-            ]
-        )
+        theta = ((e, *model.theta(e, self.run.id).items()) for e in upstream)
+        key = (stride, *self._mover(model), *theta)
         motion = self._motions.pop(key, None)
         if motion is None:
             make = self._road if self.drive == "road" else self._axles
@@ -336,6 +327,15 @@ class RunSimulator:
                 del self._motions[next(iter(self._motions))]
         self._motions[key] = motion  # the last to go
         return motion
+
+    def _mover(self, model: Model) -> Iterable[object]:
+        """What of a model, its effects aside, the prescribed motion follows from."""
+        if self.drive == "axles":  # these move as they were measured, whatever the vehicle
+            return calibrations(model, [c for c in self.campaign.channels if c.is_axle]).items()
+        own = model.runs.get(self.run.id, {})
+        path = [model.values.get(key, 0.0) for key in PATH_KEYS]
+        placed = [item for item in own.items() if "." not in item[0]]
+        return [*path, *placed, heights_of(model, self.run.id)]
 
     def way(self, model: Model) -> Array:
         """Distance (n, 4), m, each wheel has come along the track at the run's samples."""
