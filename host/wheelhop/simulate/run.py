@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import next_fast_len
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
@@ -56,7 +57,7 @@ PATH_KEYS = (
 
 LEAST_RUN_UP_S, AFTER_S = 1.2, 0.2
 """Sensors, which may remember or read late, know the whole run-up, of at least this length, and so
-much after the record."""
+much after the record, or a little more."""
 
 REMEMBERED_S, REMEMBERED_M = 0.7, 3.0
 """Unknown heights begin this long before the record, and this far behind the front wheels: what
@@ -110,7 +111,9 @@ class RunSimulator:
         self._lead, self._before, self._after = self._margin, 0, 0
         if self.drive == "road":
             self._before = math.ceil(max(run_up_s, LEAST_RUN_UP_S) / period)
-            self._after = math.ceil(AFTER_S / period)
+            known = self._before + len(run.time_s)
+            # Readings go to frequencies and back: 1191 of them take six times as long as 1200.
+            self._after = next_fast_len(known + math.ceil(AFTER_S / period), real=True) - known
             self._lead = self._margin + self._before
         self.setting = RunSetting(
             run.id,
@@ -170,11 +173,6 @@ class RunSimulator:
     def period_m(self) -> float | None:
         """Length after which the run's track repeats; None if it does not, or is not known."""
         return None if self._track is None else self._track.period_m
-
-    @property
-    def _sensed(self) -> int:
-        """Sample periods known to the sensors."""
-        return self._before + len(self.run.time_s) - 1 + self._after
 
     def acts(self, effect: Effect) -> bool:
         """Whether the effect can act in this run."""
@@ -278,7 +276,7 @@ class RunSimulator:
                 first=(self._lead - self._before) * stride,
                 stride=stride // per_sample,
                 averaging=self.campaign.averaging,
-                n_samples=self._sensed * per_sample + 1,
+                n_samples=(self._before + len(self.run.time_s) + self._after) * per_sample,
             )
             for job, acceleration in zip(jobs, found, strict=True):
                 job.acceleration = acceleration
