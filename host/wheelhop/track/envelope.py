@@ -18,8 +18,8 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
+import numba
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
 from wheelhop.track.track import Array, Track
@@ -28,7 +28,6 @@ _FINE_M, _COARSE_M = 0.0005, 0.001  # spacing of the table: up to a metre of tra
 _JUMP_STEPS = 2  # a contact that moves further than this while the wheel moves one has jumped
 _MISS = 0.02  # by how much of its fall one branch's lead may miss zero at a cell's end
 _TINY = 1e-12
-_BLOCK = 1 << 18  # sums tried at once, so that they stay in the processor's cache
 # Coefficients of a cubic p(t), lowest first, to those of p(t + 1) and of p(t - 1).
 _ONE_CELL_ON = np.array([[1, 1, 1, 1], [0, 1, 2, 3], [0, 0, 1, 3], [0, 0, 0, 1]])
 _ONE_CELL_BACK = np.array([[1, -1, 1, -1], [0, 1, -2, 3], [0, 0, 1, -3], [0, 0, 0, 1]])
@@ -231,14 +230,26 @@ def _disc(s: Array, radius: float) -> Array:
 
 def _highest(z: Array, disc: Array, n: int) -> tuple[NDArray[np.intp], Array, Array, Array]:
     """For each of n points the index of the largest z + disc, its value and its neighbours'."""
-    windows = sliding_window_view(z, len(disc))
-    rows = max(1, _BLOCK // len(disc))
-    index = np.empty(n, dtype=np.intp)
-    for first in range(0, n, rows):
-        index[first : first + rows] = (windows[first : first + rows] + disc).argmax(axis=1)
+    index = _contacts(z, disc, n)
     index = np.clip(index, 1, len(disc) - 2)
     at = np.arange(n) + index
     return index, z[at] + disc[index], z[at - 1] + disc[index - 1], z[at + 1] + disc[index + 1]
+
+
+@numba.njit(cache=True, nogil=True)
+def _contacts(z, disc, n):  # type: ignore[no-untyped-def]
+    """Index of the largest z + disc for each of n points. As the disc is convex the contact never
+    moves back: what the last point's lies ahead of need not be looked at again."""
+    index, contact = np.empty(n, dtype=np.intp), 0
+    for i in range(n):
+        best = max(contact - i, 0)
+        highest = z[i + best] + disc[best]
+        for j in range(best + 1, len(disc)):
+            height = z[i + j] + disc[j]
+            if height > highest:
+                best, highest = j, height
+        index[i], contact = best, i + best
+    return index
 
 
 def _interpolate(contact: _Contact, step: float) -> tuple[Array, NDArray[np.intp], Array]:
