@@ -178,9 +178,11 @@ def multisine(
     return rms * np.sqrt(2 / 24) * waves * np.minimum(time_s, 1.0)
 
 
-def displacement_runs(component: Component, seed: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def displacement_runs(
+    component: Component, seed: int, seconds: float
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Displacement and force at the samples, by run id: sines and noise of three sizes."""
-    time_s = fine_time(5.0)
+    time_s = fine_time(seconds)
     fade = np.minimum(time_s, 1.0) ** 2
     imposed = {
         f"sine-{frequency:g}hz-{amplitude:g}mm": 1e-3
@@ -196,9 +198,11 @@ def displacement_runs(component: Component, seed: int) -> dict[str, tuple[np.nda
     return {name: (x[::FINE], forces(component, x)) for name, x in imposed.items()}
 
 
-def force_runs(component: Component, seed: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def force_runs(
+    component: Component, seed: int, seconds: float
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """The same for an imposed force: noise of several sizes, and two free decays."""
-    time_s = fine_time(5.0)
+    time_s = fine_time(seconds)
     found = {}
     for i, rms in enumerate((30, 80, 150, 150, 250)):
         force = multisine(time_s, rms, (0.5, 25.0), seed + i)
@@ -221,10 +225,11 @@ def make_campaign(
     noise: float,
     nominal: str = "",
     only: str = "",
+    seconds: float = 5.0,
 ) -> Path:
-    """Write a campaign; `noise` is that of the measured output, over its rms in all runs; `only`
-    those whose id holds a word."""
-    runs = {"displacement": displacement_runs, "force": force_runs}[drive](component, seed)
+    """Write a campaign of runs of so many seconds; `noise` is that of the measured output, over its
+    rms in all runs; `only` those whose id holds a word."""
+    runs = {"displacement": displacement_runs, "force": force_runs}[drive](component, seed, seconds)
     runs = {name: pair for name, pair in runs.items() if only in name}
     output = 1 if drive == "displacement" else 0
     rng = np.random.default_rng(seed + 1000)

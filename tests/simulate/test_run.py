@@ -1,5 +1,7 @@
 """One run: time domain against the frequency domain, and measured axles that drive the body."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -153,3 +155,20 @@ def test_measured_axles_move_the_body_as_the_road_did(track, reached):
     if track is WASHBOARD:
         assert left > 0.3
         assert np.sqrt(np.mean(bench.undoubted(run_fit.residual) ** 2)) > 5.0 * workshop.noise
+
+
+def test_measured_axles_move_as_they_did_whatever_the_vehicle():
+    """The motion that drives the body follows from the axles' records and scales alone, and is made
+    once for all vehicles that are tried."""
+    run = truth.Run(WASHBOARD, 3.9, 33.0, TIME)
+    record = np.random.default_rng(5).normal(size=(len(TIME), len(CHANNELS)))
+    campaign = campaign_of({"run": run}, {"run": record})
+    unknown = replace(campaign.runs[0], track=TrackSpec("unknown", {}))
+    simulator = RunSimulator(campaign, unknown, 4.0)
+    model = model_of(ATV, {})
+    system = model.system(CHANNELS, "axles")
+    motion = simulator.prescribed(model, system)
+    other = {"geometry.wheelbase_m": 1.1, "wheel.front.radius_m": 0.2, "channel.B1.gain": 0.03}
+    assert simulator.prescribed(model.with_values(other), system).height is motion.height
+    larger = simulator.prescribed(model.with_values({"channel.A2.gain": 0.25}), system)
+    np.testing.assert_allclose(larger.height, motion.height / [1.0, 1.25, 1.0, 1.0], atol=1e-12)

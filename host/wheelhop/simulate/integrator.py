@@ -323,7 +323,7 @@ def _taps(averaging: Averaging, step_s: float) -> tuple[NDArray[np.int64], Array
 def _arguments(tasks: Sequence[Task]) -> list[object]:
     """What the loop takes, the sampling left out."""
     laws = tasks[0].system.laws
-    motion, extension, output = zip(*(_matrices(task.system) for task in tasks), strict=True)
+    motion, extension, output = zip(*(task.system.explicit for task in tasks), strict=True)
     return [
         *(_sparse(motion), _sparse(extension), _sparse(output)),
         groups_of(tasks[0].system.port_law),
@@ -348,20 +348,6 @@ def _room(task: Task) -> tuple[Array, ...]:
     rows = (2 * n + 2 * m + k + ports, 6 * ports, 2 * n, n, n, n, n + c)
     z, port, *others = (aligned((count, LANES)) for count in rows)
     return (z, port.reshape(6, ports, LANES), *others)
-
-
-def _matrices(s: System) -> tuple[Array, Array, Array]:
-    """What the loop multiplies its vector z by; see there."""
-    inverse, ports, k = np.linalg.inv(s.mass), len(s.port), s.force.shape[1]
-    motion = [-s.stiffness, -s.damping, s.input_stiffness, s.input_damping, s.force, -s.port.T]
-    none, unmoved = np.zeros_like(s.port), np.zeros_like(s.port_input)
-    beyond = np.zeros((ports, k + ports))
-    extension = [
-        [s.port, none, s.port_input, unmoved, beyond],
-        [none, s.port, unmoved, s.port_input, beyond],
-    ]
-    shown: Array = np.nan_to_num(s.output)
-    return np.asarray(inverse @ np.hstack(motion)), np.block(extension), shown
 
 
 def _sparse(matrices: Sequence[Array]) -> Sparse:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign import Channel
 from wheelhop.simulate.frequency import ForceResponse
 from wheelhop.simulate.model import Model
 from wheelhop.vehicle import System
@@ -42,22 +44,20 @@ class Job:
         return id(self.system), id(self.height), self.per_sample
 
 
-def without_sensors(model: Model, run_id: str) -> object:
+def without_sensors(model: Model, run_id: str, channels: Iterable[Channel]) -> object:
     """All of the model that moves the vehicle in a run."""
     sensors = tuple(f"{e.id}." for e in model.effects if e.place == "sensor")
-    still = calibrations(model)
+    still = calibrations(model, channels)
     values = {k: v for k, v in model.values.items() if not k.startswith(sensors) and k not in still}
     own = {k: v for k, v in model.runs.get(run_id, {}).items() if not k.startswith(sensors)}
     effects = [e for e in model.effects if e.place != "sensor"]
     return values, own, effects, heights_of(model, run_id)
 
 
-def calibrations(model: Model) -> dict[str, float]:
+def calibrations(model: Model, channels: Iterable[Channel]) -> dict[str, float]:
     """By how much gains and corners of sensors are not what they are believed to be."""
-    ending = (".gain", ".corner")
-    return {
-        k: v for k, v in model.values.items() if k.startswith("channel.") and k.endswith(ending)
-    }
+    names = [f"channel.{c.name}.{what}" for c in channels for what in ("gain", "corner")]
+    return {name: model.values[name] for name in names if name in model.values}
 
 
 def heights_of(model: Model, run_id: str) -> bytes:

@@ -101,7 +101,9 @@ def aligned(shape: tuple[int, ...]) -> Array:
 def side_by_side(given: Sequence[Array]) -> Array:
     """Arrays put side by side along a last axis; the first one fills empty lanes."""
     together = aligned((*given[0].shape, LANES))
-    np.stack([given[i if i < len(given) else 0] for i in range(LANES)], axis=-1, out=together)
+    together[...] = given[0][..., None]
+    for lane, one in enumerate(given[1:], start=1):
+        together[..., lane] = one
     return together
 
 

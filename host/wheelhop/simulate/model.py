@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,12 +45,20 @@ class Model:
 
     def theta(self, effect: Effect, run_id: str | None = None) -> dict[str, float]:
         """An effect's own parameters by their short names, those of one run included."""
-        prefix = f"{effect.id}."
-        own = {k[len(prefix) :]: v for k, v in self.values.items() if k.startswith(prefix)}
+        own = dict(self._theta(effect.id))
         if run_id is not None:
-            run = self.runs.get(run_id, {})
-            own |= {k[len(prefix) :]: v for k, v in run.items() if k.startswith(prefix)}
+            own |= _after(f"{effect.id}.", self.runs.get(run_id, {}))
         return own
+
+    def _theta(self, effect_id: str) -> Values:
+        """An effect's shared parameters; every run asks for them, several times."""
+        if effect_id not in self._thetas:
+            self._thetas[effect_id] = _after(f"{effect_id}.", self.values)
+        return self._thetas[effect_id]
+
+    @cached_property
+    def _thetas(self) -> dict[str, Values]:
+        return {}
 
     def with_values(self, changes: Values) -> Model:
         """The same model with some numbers changed."""
@@ -92,3 +101,8 @@ class Model:
             if drive != "axles" or not effect.needs_road:
                 effect.modify(self.theta(effect), self.values, parts)
         return parts.system(() if on_rig else body_inertia(self.values))
+
+
+def _after(prefix: str, values: Values) -> dict[str, float]:
+    """The numbers whose names begin with a prefix, by what comes behind it."""
+    return {k[len(prefix) :]: v for k, v in values.items() if k.startswith(prefix)}

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import next_fast_len
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
@@ -56,7 +57,7 @@ PATH_KEYS = (
 
 LEAST_RUN_UP_S, AFTER_S = 1.2, 0.2
 """Sensors, which may remember or read late, know the whole run-up, of at least this length, and so
-much after the record."""
+much after the record, or a little more."""
 
 REMEMBERED_S, REMEMBERED_M = 0.7, 3.0
 """Unknown heights begin this long before the record, and this far behind the front wheels: what
@@ -110,7 +111,9 @@ class RunSimulator:
         self._lead, self._before, self._after = self._margin, 0, 0
         if self.drive == "road":
             self._before = math.ceil(max(run_up_s, LEAST_RUN_UP_S) / period)
-            self._after = math.ceil(AFTER_S / period)
+            known = self._before + len(run.time_s)
+            # Readings go to frequencies and back: 1191 of them take six times as long as 1200.
+            self._after = next_fast_len(known + math.ceil(AFTER_S / period), real=True) - known
             self._lead = self._margin + self._before
         self.setting = RunSetting(
             run.id,
@@ -170,11 +173,6 @@ class RunSimulator:
     def period_m(self) -> float | None:
         """Length after which the run's track repeats; None if it does not, or is not known."""
         return None if self._track is None else self._track.period_m
-
-    @property
-    def _sensed(self) -> int:
-        """Sample periods known to the sensors."""
-        return self._before + len(self.run.time_s) - 1 + self._after
 
     def acts(self, effect: Effect) -> bool:
         """Whether the effect can act in this run."""
@@ -248,7 +246,7 @@ class RunSimulator:
         """The job that a model asks for, or one of those `known` that does."""
         # A sensor's faults act before its signal is sampled: on every step of the integration.
         per_sample = stride if any(e.place == "sensor" for e in model.effects) else 1
-        key = (stride, per_sample, without_sensors(model, self.run.id))
+        key = (stride, per_sample, without_sensors(model, self.run.id, self.campaign.channels))
         same = next((job for job in known if job.key == key), None)
         if same is not None and self.drive == "road":
             return same
@@ -278,7 +276,7 @@ class RunSimulator:
                 first=(self._lead - self._before) * stride,
                 stride=stride // per_sample,
                 averaging=self.campaign.averaging,
-                n_samples=self._sensed * per_sample + 1,
+                n_samples=(self._before + len(self.run.time_s) + self._after) * per_sample,
             )
             for job, acceleration in zip(jobs, found, strict=True):
                 job.acceleration = acceleration
@@ -317,17 +315,8 @@ class RunSimulator:
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
         """Prescribed motions and rates (T, wheels), m and m/s; the last few are kept."""
         upstream = [e for e in model.effects if e.place in MOVING_PLACES]
-        own = model.runs.get(self.run.id, {})
-        placed = own if self.drive == "road" else calibrations(model)
-        key = tuple(
-            [
-                float(stride),
-                *(model.values.get(k, 0.0) for k in PATH_KEYS),
-                *(item for item in placed.items() if self.drive == "axles" or "." not in item[0]),
-                *((e, *model.theta(e, self.run.id).items()) for e in upstream),
-                heights_of(model, self.run.id),
-            ]
-        )
+        theta = ((e, *model.theta(e, self.run.id).items()) for e in upstream)
+        key = (stride, *self._mover(model), *theta)
         motion = self._motions.pop(key, None)
         if motion is None:
             make = self._road if self.drive == "road" else self._axles
@@ -336,6 +325,15 @@ class RunSimulator:
                 del self._motions[next(iter(self._motions))]
         self._motions[key] = motion  # the last to go
         return motion
+
+    def _mover(self, model: Model) -> Iterable[object]:
+        """What of a model, its effects aside, the prescribed motion follows from."""
+        if self.drive == "axles":  # these move as they were measured, whatever the vehicle
+            return calibrations(model, [c for c in self.campaign.channels if c.is_axle]).items()
+        own = model.runs.get(self.run.id, {})
+        path = [model.values.get(key, 0.0) for key in PATH_KEYS]
+        placed = [item for item in own.items() if "." not in item[0]]
+        return [*path, *placed, heights_of(model, self.run.id)]
 
     def way(self, model: Model) -> Array:
         """Distance (n, 4), m, each wheel has come along the track at the run's samples."""

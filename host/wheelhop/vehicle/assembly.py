@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,23 @@ class System:
     output: Array  #: (c, n) output displacement = output @ q; NaN row: not predicted
     coordinates: tuple[str, ...] = ()  #: (n,) names of the free coordinates
     port_by: tuple[str, ...] = ()  #: (p,) input that each port's force is times, "" for none
+
+    @cached_property
+    def explicit(self) -> tuple[Array, Array, Array]:
+        """What multiplies z = (x, ẋ, u, u̇, w, f) of motion, prescribed motion, applied and laws'
+        forces: accelerations ẍ, extensions and rates of the ports; and ẍ, the outputs. One system
+        drives through all runs."""
+        inverse, ports, k = np.linalg.inv(self.mass), len(self.port), self.force.shape[1]
+        inner, driven = [-self.stiffness, -self.damping], [self.input_stiffness, self.input_damping]
+        motion = [*inner, *driven, self.force, -self.port.T]
+        none, unmoved = np.zeros_like(self.port), np.zeros_like(self.port_input)
+        beyond = np.zeros((ports, k + ports))
+        extension = [
+            [self.port, none, self.port_input, unmoved, beyond],
+            [none, self.port, unmoved, self.port_input, beyond],
+        ]
+        shown: Array = np.nan_to_num(self.output)
+        return np.asarray(inverse @ np.hstack(motion)), np.block(extension), shown
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues (2n,) of the linear part, rad/s."""
