@@ -96,6 +96,13 @@ def test_the_verdict_is_both_names_where_another_comes_as_far(fitted, held_out, 
     assert list(_rivals(ranking, [], 0.0067, 0.00468)) == []
 
 
+def test_all_that_come_as_far_are_in_one_sentence():
+    ranking = [ranked(name, 0.0076, 0.0053) for name in ("mr-damper", "dry-friction", "backlash")]
+    (finding,) = _rivals(ranking, ["mr-damper"], 0.0067, 0.0046)
+    assert finding.about == "mr-damper and dry-friction and backlash"
+    assert "dry-friction (0.530 %) and backlash (0.530 %)" in finding.text
+
+
 def test_a_law_that_leaves_noise_alone_has_no_rivals():
     ranking = [ranked("dry-friction", 0.0067, 0.00468), ranked("backlash", 0.0068, 0.00475)]
     assert list(_rivals(ranking, ["dry-friction"], 0.0067, 0.00468)) == []

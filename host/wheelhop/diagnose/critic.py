@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.effects import Effect
+from wheelhop.files.words import listed, percent
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
 from wheelhop.vehicle import Vehicle
@@ -109,22 +110,26 @@ def _rivals(
     own = next((r for r in ranking if [r.effect] == list(accepted)), None)
     if own is None or own.confirmed_error is None or own.validated_error is None:
         return
-    for other in ranking:
-        if other is own or other.confirmed_error is None or other.validated_error is None:
-            continue
-        if _as_far(other.confirmed_error, own.confirmed_error, floor_fit) and _as_far(
-            other.validated_error, own.validated_error, floor_held_out
-        ):
-            yield Finding(
-                "after",
-                "either",
-                f"{own.effect} and {other.effect}",
-                f"{other.effect} comes as far as {own.effect}: held out,"
-                f" {100 * other.validated_error:.3g} % against {100 * own.validated_error:.3g} %;"
-                f" to the floor, {100 * floor_held_out:.3g} %, it is further.",
-                f"Read the verdict as {own.effect} or {other.effect}, and record slower and faster"
-                " runs.",
-            )
+    errors = {
+        other.effect: other.validated_error
+        for other in ranking
+        if other is not own
+        and other.confirmed_error is not None
+        and other.validated_error is not None
+        and _as_far(other.confirmed_error, own.confirmed_error, floor_fit)
+        and _as_far(other.validated_error, own.validated_error, floor_held_out)
+    }
+    if errors:
+        names = [own.effect, *errors]
+        yield Finding(
+            "after",
+            "either",
+            " and ".join(names),
+            f"Held out, {own.effect} leaves {percent(own.validated_error)}, hardly less than"
+            f" {listed([f'{name} ({percent(e)})' for name, e in errors.items()])}: it is further to"
+            f" the floor, {percent(floor_held_out)}.",
+            f"Read the verdict as {' or '.join(names)}, and record slower and faster runs.",
+        )
 
 
 def _as_far(other: float, own: float, floor: float) -> bool:
