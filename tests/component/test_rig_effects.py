@@ -10,7 +10,7 @@ from tests.component.cases import DAMPER, LIBRARY, RIG_ONLY, diagnosed
 from wheelhop.effects.hysteresis import bouc_wen, bristles, slip_behind_play, yielding
 from wheelhop.effects.payne_effect import WAYS, stiffnesses
 from wheelhop.law import Moved, Where
-from wheelhop.law.along import follow, force_along
+from wheelhop.law.along import follow_all, force_along
 from wheelhop.simulate import Model
 
 TURNS = np.sin(np.linspace(0.0, 6 * np.pi, 24001))
@@ -24,12 +24,17 @@ VALUES = {
 }
 
 
+def follow(law, x, v, dt, numbers):
+    """Force of one law along a motion."""
+    return follow_all([(0, law, tuple(numbers))], x[:, None], v[:, None], dt)[:, 0]
+
+
 def loop(law, amplitude, period_s, *numbers):
     """Extension, rate and force of the last of three cycles."""
     dt = 3 * period_s / (len(TURNS) - 1)
     x = amplitude * TURNS
     v = np.gradient(x, dt)
-    force = follow(law, x, v, dt, np.array(numbers, dtype=float))
+    force = follow(law, x, v, dt, numbers)
     last = slice(16000, None)
     return x[last], v[last], force[last]
 

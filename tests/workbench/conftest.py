@@ -95,12 +95,12 @@ def pictures(tmp_path_factory) -> Path:
     return folder
 
 
-def a_few_runs(folder, kept, hidden, seed):
-    """A campaign of some runs of the short one, half as long, quickly made."""
+def a_few_runs(folder, kept, hidden, seed, **more):
+    """A campaign of some runs of the short one, quickly made."""
     planned = planned_runs(PRESETS["atv"], short=True, lateral_offset_mm=0.0)
     others = [run.id for run in planned if run.id not in kept]
     physics = make_effects(hidden)
-    settings = {"seed": seed, "short": True, "draft": True, "without": others, "seconds": 5.0}
+    settings = {"seed": seed, "short": True, "draft": True, "without": others, **more}
     return write_campaign(folder, PRESETS["atv"], physics, **settings)
 
 
@@ -110,7 +110,7 @@ def friction(tmp_path_factory):
     fitted = ("washboard-low-slow", "washboard-high-fast", "herringbone-low-fast")
     held_out = ("washboard-high-slow", "herringbone-high-fast")
     kept = (*fitted, *held_out)
-    return a_few_runs(tmp_path_factory.mktemp("friction"), kept, hidden, seed=101)
+    return a_few_runs(tmp_path_factory.mktemp("friction"), kept, hidden, seed=101, seconds=5.0)
 
 
 @pytest.fixture(scope="session")
