@@ -16,7 +16,7 @@ from wheelhop.law import find_law
 from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
 from wheelhop.law.shape import forces
-from wheelhop.law.terms import candidates, slip
+from wheelhop.law.terms import candidates, slip, valved
 from wheelhop.report.law import amplitudes, law_figure, law_lines, shapes
 from wheelhop.vehicle import read_nominal
 
@@ -90,6 +90,16 @@ def test_a_slider_turns_a_closed_loop_of_known_area():
         force[t], stretch = slip(x[t], 0.0, dx, 0.0, stretch, p)
     area = np.trapezoid(force[20000:], x[20000:])
     assert area == pytest.approx(4 * 300.0 * (0.02 - 0.005), rel=1e-3)
+
+
+def test_a_valve_opens_at_one_speed_and_shuts_at_another():
+    """Either way: nothing before it opens, then the slope from where it shuts, until it does."""
+    term, z, forces = valved(0.3, 0.5, 1.0), 0.0, []
+    for v in (0.2, 0.29, 0.4, 0.2, 0.16, 0.14, 0.2, -0.31, -0.2):
+        force, z = term.kernel(0.0, v, 0.0, 1e-3, z, np.array([100.0, *term.shape]))
+        forces.append(force)
+    expected = [0.0, 0.0, 25.0, 5.0, 1.0, 0.0, 0.0, -16.0, -5.0]
+    assert forces == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_law_is_told_by_what_it_follows():

@@ -48,3 +48,11 @@ def test_the_file_adds_the_same_forces(where, apart, tmp_path):
     assert len(found) == len(expected)
     for row, law, numbers, _ in found:
         assert (row, law.__name__, numbers) in told(expected)
+
+
+def test_each_axle_s_numbers_begin_as_those_of_both():
+    both = Formula(Where("all tyres", "tyre", (0, 1, 2, 3)), TERMS).with_free_shapes()
+    apart = both.with_each_axle()
+    known = {f"formula.{p.name}" for p in both.parameters_for(ATV, ())}
+    own = [f"formula.{p.name}" for p in apart.parameters_for(ATV, ())]
+    assert len(own) == 2 * len(known) and {apart.common(name) for name in own} == known

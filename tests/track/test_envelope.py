@@ -281,6 +281,13 @@ def test_halving_finds_what_a_search_of_every_place_finds(z, reach, bend):
     assert sums[np.arange(count), found] == pytest.approx(sums.max(axis=1), abs=1e-12)
 
 
+def test_a_place_that_is_no_number_has_no_height():
+    """A fit that runs away asks for it."""
+    envelope = wheel_envelope(washboard(0.015, 0.4), LEFT, RADIUS, 0.0, 50.0)
+    height, slope = envelope.height_and_slope([np.nan, 1.0])
+    assert np.isnan([height[0], slope[0]]).all() and np.isfinite([height[1], slope[1]]).all()
+
+
 def test_both_at_once_are_what_each_is_alone():
     """On the washboard with a kink in every trough."""
     track = make_track(TrackSpec("washboard", {"amplitude_m": 0.015, "pitch_m": 0.4}))

@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wheelhop.track.table import highest, located, value_and_area, value_and_slope
+from wheelhop.track.table import highest, located, looked_up
 from wheelhop.track.track import Array, Track
 
 _FINE_M, _COARSE_M = 0.0005, 0.001  # spacing of the table: up to a metre of track, and beyond
@@ -68,7 +68,7 @@ class Envelope:
     def height_and_slope(self, x: ArrayLike) -> tuple[Array, Array]:
         """Both at once. Raises ValueError outside the tabulated range."""
         x = np.asarray(x, dtype=np.float64)
-        height, slope = value_and_slope(self._height, *self._locate(self._place(x)))
+        height, slope, _ = looked_up(self._height, *self._locate(self._place(x)))
         return height.reshape(x.shape), slope.reshape(x.shape) / self._step_m
 
     def height_and_area(self, x: ArrayLike) -> tuple[Array, Array]:
@@ -77,7 +77,7 @@ class Envelope:
         starts, whole = self._area
         place = self._place(x)
         row, t = self._locate(place)
-        height, inside = value_and_area(self._height, row, t)
+        height, _, inside = looked_up(self._height, row, t)
         area = starts.take(row) + self._step_m * inside
         if self._periodic:
             area += np.floor(place / self._cells) * whole

@@ -72,22 +72,13 @@ def located(
 
 
 @_compiled
-def value_and_slope(cubic: Array, row: NDArray[np.intp], t: Array) -> tuple[Array, Array]:
-    """Values of cubics (rows, 4), the constant first, and their derivatives, at t of a row each."""
-    value, slope = np.empty(len(t)), np.empty(len(t))
+def looked_up(cubic: Array, row: NDArray[np.intp], t: Array) -> tuple[Array, Array, Array]:
+    """Values of cubics (rows, 4), the constant first, at t of a row each; their derivatives there,
+    and their integrals from 0 to t."""
+    value, slope, area = np.empty(len(t)), np.empty(len(t)), np.empty(len(t))
     for i in range(len(t)):
         c0, c1, c2, c3 = cubic[row[i]]
         value[i] = ((c3 * t[i] + c2) * t[i] + c1) * t[i] + c0
         slope[i] = (3.0 * c3 * t[i] + 2.0 * c2) * t[i] + c1
-    return value, slope
-
-
-@_compiled
-def value_and_area(cubic: Array, row: NDArray[np.intp], t: Array) -> tuple[Array, Array]:
-    """Values of cubics (rows, 4), and their integrals from 0 to t."""
-    value, area = np.empty(len(t)), np.empty(len(t))
-    for i in range(len(t)):
-        c0, c1, c2, c3 = cubic[row[i]]
-        value[i] = ((c3 * t[i] + c2) * t[i] + c1) * t[i] + c0
         area[i] = (((c3 / 4.0 * t[i] + c2 / 3.0) * t[i] + c1 / 2.0) * t[i] + c0) * t[i]
-    return value, area
+    return value, slope, area

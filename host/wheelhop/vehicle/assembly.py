@@ -74,9 +74,9 @@ class System:
 
     @cached_property
     def explicit(self) -> tuple[Array, Array, Array]:
-        """What multiplies z = (x, ẋ, u, u̇, w, f) of motion, prescribed motion, applied and laws'
-        forces: accelerations ẍ, extensions and rates of the ports; and ẍ, the outputs. One system
-        drives through all runs."""
+        """Three matrices, made once for all runs. Times z = (x, ẋ, u, u̇, w, f) the first gives the
+        accelerations ẍ, the second the ports' extensions and rates; w are applied forces, f those
+        of the laws. Times ẍ the third gives the outputs, zero where none is predicted."""
         inverse, ports, k = np.linalg.inv(self.mass), len(self.port), self.force.shape[1]
         inner, driven = [-self.stiffness, -self.damping], [self.input_stiffness, self.input_damping]
         motion = [*inner, *driven, self.force, -self.port.T]
