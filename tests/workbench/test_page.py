@@ -197,7 +197,7 @@ def test_work_is_given_up_at_once(small_open, open_page):
     page.get_by_text("diagnosing:").wait_for()
     time.sleep(2.0)
     began = time.monotonic()
-    page.get_by_role("button", name="Stop").click()
+    page.get_by_role("button", name="Stop", exact=True).click()
     page.get_by_text("given up").wait_for()
     assert time.monotonic() - began < 1.0
     page.get_by_role("button", name="Find out what is missing").wait_for()

@@ -29,7 +29,7 @@ def record(page, session, seconds):
         }""",
         arg=[session, seconds],
     )
-    page.get_by_role("button", name="Stop").click()
+    page.get_by_role("button", name="Stop", exact=True).click()
     page.get_by_role("button", name="Start recording").wait_for()
 
 

@@ -28,7 +28,7 @@ def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(small, tmp_
         page.get_by_role("button", name="leave out").first.click()
         page.wait_for_selector("tr.out")
         page.get_by_text("the session is not kept").wait_for()
-        stop = page.get_by_role("button", name="Stop")
+        stop = page.get_by_role("button", name="Stop", exact=True)
         stop.wait_for()
         stop.wait_for(state="hidden")  # until then what was fitted before is shown at once
         page.wait_for_selector(FITTED)
