@@ -109,11 +109,10 @@ def _follow(laws, which, x, v, dt, numbers, before_s):  # type: ignore[no-untype
     total = np.zeros((len(which), x.shape[1]))
     for j in range(len(which)):
         k, i = which[j]
-        still = x[i, 0]
-        _, memory = laws[k](still, 0.0, 0.0, before_s, 0.0, numbers[j])
-        for t in range(x.shape[1]):
-            total[j, t], memory = laws[k](
-                x[i, t], v[i, t], x[i, t] - still, dt * min(t, 1), memory, numbers[j]
-            )
-            still = x[i, t]
+        law, x_j, v_j, p, f = laws[k], x[i], v[i], numbers[j], total[j]
+        still = x_j[0]
+        _, memory = law(still, 0.0, 0.0, before_s, 0.0, p)
+        for t in range(len(x_j)):
+            f[t], memory = law(x_j[t], v_j[t], x_j[t] - still, dt * min(t, 1), memory, p)
+            still = x_j[t]
     return total

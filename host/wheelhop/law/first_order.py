@@ -72,7 +72,7 @@ def _screened(
         for part in parts_of(where)
         for form in forms
     }
-    signatures.of(list(terms.values()))
+    signatures.know(list(terms.values()))
     grown = (_grown(signatures, where, forms, terms) for where, forms in families.items() if forms)
     return [promise for promise in grown if np.isfinite(promise.screened.gain)]
 

@@ -103,19 +103,20 @@ class ForcedRun:
         up. Single precision is enough for what is kept in it."""
         half, to = self._short // 2 + 1, self._to_record
         spectrum = fft.rfft(force.T.astype(np.float32), self._long, axis=1)[:, :half]
-        moved = np.zeros((half, self._output.shape[0], max(columns) + 1), np.complex64)
+        # Frequency last: what stands side by side is read together.
+        moved = np.zeros((max(columns) + 1, to.shape[1], half), np.complex64)
         for j, (port, column) in enumerate(zip(ports, columns, strict=True)):
-            moved[:, :, column] += to[port] * spectrum[j, :, None]
-        changes = self._sampled(moved)
+            moved[column] += to[port] * spectrum[j]
+        changes = self._sampled(moved.T)
         bench = self._bench
         found = bench.band.coefficients(changes[:, bench.predicted])
-        return np.asarray(found.reshape(-1, moved.shape[2]))
+        return np.asarray(found.reshape(-1, len(moved)))
 
     @cached_property
     def _to_record(self) -> NDArray[np.complex64]:
-        """Outputs (p, f, c) per force at each port, at the frequencies that samples show."""
+        """Outputs (p, c, f) per force at each port, at the frequencies that samples show."""
         inverse = self._inverse[: self._short // 2 + 1]
-        found = -np.einsum("cn,fnm,pm->pfc", self._output, inverse, self._system.port)
+        found = -np.einsum("cn,fnm,pm->pcf", self._output, inverse, self._system.port)
         return np.asarray(found, np.complex64)
 
     def _spectrum(self, given: Array) -> ComplexArray:
