@@ -1,5 +1,6 @@
 """The law a model is missing: in the records of rigs that share no code, with laws of nobody's."""
 
+import re
 import runpy
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,8 +14,10 @@ from wheelhop.campaign import read_campaign
 from wheelhop.cli.main import main
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
+from wheelhop.law.formula import Formula, source_of
 from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
+from wheelhop.law.places import Where
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates, slip, valved
 from wheelhop.report.law import amplitudes, law_figure, law_lines, shapes
@@ -229,11 +232,18 @@ def test_a_gap_that_was_fitted_is_told_with_its_interval(tmp_path):
 
 def test_the_formula_that_is_kept_is_an_effect_that_diagnose_finds(tmp_path, capsys):
     folder = campaign_of(tmp_path / "c", orifice_and_cubic)
-    kept, picture = tmp_path / "my_law.py", tmp_path / "law.png"
-    assert main(["law", str(folder), "--save", str(kept), "--figure", str(picture)]) == 0
+    kept, picture, page = (tmp_path / name for name in ("my_law.py", "law.png", "law.html"))
+    asked = ["--save", str(kept), "--figure", str(picture), "--report", str(page)]
+    assert main(["law", str(folder), *asked]) == 0
     said = capsys.readouterr().out
     assert "damping that grows with speed squared" in said and "cubic spring" in said
     assert picture.read_bytes().startswith(b"\x89PNG")
+    html = page.read_text(encoding="utf-8")
+    assert "A force is missing at the component." in html
+    assert html.count("<svg") == 3  # the picture, and the equation of each term
+    for words in ("damping that grows with speed squared", "cubic spring"):
+        row = rf"<td>{words}</td><td>.*?</td><td class=\"r\">[^<]* ± [^<]* N"
+        assert re.search(row, html, re.DOTALL)
     result = tmp_path / "result.json"
     arguments = ["diagnose", str(folder), "--effects", str(kept), "--json", str(result)]
     assert main([*arguments, "--jobs", "1"]) == 0
@@ -242,9 +252,6 @@ def test_the_formula_that_is_kept_is_an_effect_that_diagnose_finds(tmp_path, cap
 
 def test_every_term_survives_the_file(tmp_path):
     """Each kept kernel computes what the term it came from computes."""
-    from wheelhop.law.formula import Formula, source_of
-    from wheelhop.law.places import Where
-
     rng = np.random.default_rng(1)
     terms = candidates(rng.uniform(-0.02, 0.03, 500), rng.uniform(-0.4, 0.3, 500))
     formula = Formula(Where("component", "strut", (0,)), terms)
@@ -256,6 +263,17 @@ def test_every_term_survives_the_file(tmp_path):
         p = np.array([100.0, *term.shape])
         state = (-0.013, 0.21, 2e-4, 0.0, 1e-4, p)
         assert kept[term.kernel.__name__](*state) == term.kernel(*state)
+
+
+def test_nothing_found_makes_a_page_too(tmp_path, capsys):
+    page = tmp_path / "law.html"
+    assert main(["law", str(campaign_of(tmp_path / "c")), "--report", str(page)]) == 0
+    assert "Nothing to find: the model explains these runs" in page.read_text(encoding="utf-8")
+
+
+def test_a_place_reads_as_a_sentence_has_it():
+    assert Where("all struts", "strut", (0, 1, 2, 3)).in_words == "all struts"
+    assert Where("rear tyres", "tyre", (2, 3)).in_words == "the rear tyres"
 
 
 def test_a_name_that_is_no_python_file_is_refused_before_the_work(tmp_path, capsys):

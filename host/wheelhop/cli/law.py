@@ -15,13 +15,14 @@ from wheelhop.effects import load_effects, pick
 from wheelhop.files import write_text
 from wheelhop.law import Formula, Found, find_law, look, source_of
 from wheelhop.report.law import amplitudes, law_lines, rivals, shapes, write_law_figure
+from wheelhop.report.law_page import write_law_report
 from wheelhop.vehicle import read_nominal
 
 SAVED_ID = "found-law"
 
 
 def run(arguments: Namespace) -> int:
-    """Find, print, write JSON, figure and effect file; raises CampaignError."""
+    """Find, print, write JSON, report, figure and effect file; raises CampaignError."""
     library = load_effects(arguments.effects)
     accepted = pick(arguments.accepted, library)
     if arguments.save and arguments.save.suffix != ".py":
@@ -34,6 +35,9 @@ def run(arguments: Namespace) -> int:
     print_law(found, console)
     if arguments.json:
         write_json(arguments.json, to_json(found))
+    if arguments.report:
+        write_law_report(arguments.report, campaign, found)
+        console.print(f"report: {arguments.report}", markup=False)
     if found.free is not None and arguments.figure:
         if found.moved is None:
             console.print("no figure: nothing recorded tells how that place moved", markup=False)

@@ -139,6 +139,7 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     )
     law.add_argument("--save", metavar="FILE.py", type=Path, help="keep the formula as an effect")
     law.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+    law.add_argument("--report", metavar="FILE.html", type=Path, help="write a page to read")
     law.add_argument("--figure", metavar="FILE.png", type=Path, help="draw the law")
     _library(law)
 

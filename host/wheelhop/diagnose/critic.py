@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.effects import Effect
-from wheelhop.files.words import listed, percent
+from wheelhop.files.words import listed, percent, significant
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
 from wheelhop.vehicle import Vehicle
@@ -339,8 +339,9 @@ def _floor(step: Step) -> Iterator[Finding]:
             "after",
             "floor",
             floor.noise_key,
-            f"The estimated floor, {floor.pooled_rms:.2g} {floor.unit}, is misfit rather than"
-            f" noise: from one sample to the next, where it is quietest, there is {second:.2g}.",
+            f"The estimated floor, {significant(floor.pooled_rms, 2)} {floor.unit}, is misfit"
+            " rather than noise: from one sample to the next, where it is quietest, there is"
+            f" {significant(second, 2)}.",
             f"Record a run at rest and state {floor.noise_key}; the error over the floor is larger"
             " than it looks.",
         )

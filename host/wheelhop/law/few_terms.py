@@ -42,7 +42,7 @@ def find_formula(
     do as well, and gaps and widths fitted with everything else."""
     workshop = signatures.workshop
     every = candidates(moved.extension, moved.rate, moved.inputs)
-    progress(f"terms of a formula for the {where.name}")
+    progress(f"terms of a formula for {where.in_words}")
     best: Formula | None = None
     screened: Screened | None = None
     worth, axles = 0.0, [False, True] if len(where.ends()) > 1 else [False]
@@ -59,7 +59,7 @@ def find_formula(
         screened = sums.screen(best, _columns(signatures, best))
     if best is None or screened is None or not np.isfinite(screened.gain):
         return None
-    progress(f"fitting the formula for the {where.name}")
+    progress(f"fitting the formula for {where.in_words}")
     rung = fitted(workshop, base, screened)
     told = signatures.follow_records or gives_force_at_once(workshop.campaign)
     if not told and rung.error_judging > AS_WELL * free.error_judging:

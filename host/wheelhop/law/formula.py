@@ -199,7 +199,7 @@ def source_of(formula: Formula, values: Values, campaign: str, law_id: str) -> s
             if part.prefix == prefix
         )
         rows.append(f"        for row in {of_end}:\n{laws}")
-    title = f"law of the {where.name}"
+    title = f"law of {where.in_words}"
     heading = title[0].upper() + title[1:]
     return HEADER.format(title=heading, campaign=campaign, imports=imports) + "\n" + sources + (
         CLASS.format(

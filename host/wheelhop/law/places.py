@@ -26,6 +26,7 @@ from wheelhop.vehicle.assembly import Row
 CORNER_NAMES = ("front left", "front right", "rear left", "rear right")
 
 Kind = Literal["strut", "tyre", "mount"]
+EVERY = "all"
 
 SEAT = "driver-seat"
 """The effect that puts the driver on a mount where the vehicle's file has none."""
@@ -42,6 +43,11 @@ class Where:
     kind: Kind
     corners: tuple[int, ...] = ()
     aboard: str = ""
+
+    @property
+    def in_words(self) -> str:
+        """The name as a sentence has it."""
+        return self.name if self.name.startswith(EVERY) else f"the {self.name}"
 
     def rows(self, vehicle: Mapping[str, float]) -> list[Row]:
         """The extensions along which the force acts."""
@@ -95,7 +101,7 @@ def places(vehicle: Mapping[str, float]) -> list[Where]:
     if is_component(vehicle):
         return [Where("component", "strut", (0,))]
     every = wheels(vehicle)
-    groups = {"all": every}
+    groups = {EVERY: every}
     if len(every) == len(CORNERS):
         groups |= {"front": every[:2], "rear": every[2:]}
     both: tuple[Kind, ...] = ("strut", "tyre")

@@ -88,7 +88,7 @@ def find_law(
     if best.screened.score <= 0 or best.screened.gain < least_gain(workshop, base):
         return nothing
     where = best.where
-    progress(f"fitting a free law at the {where.name}")
+    progress(f"fitting a free law at {where.in_words}")
     rung = fitted(workshop, base, best.screened)
     moved = moves.of(where)
     formula = None

@@ -84,28 +84,38 @@ def _draw(row: NDArray[np.object_], found: Found, rival: Rival) -> None:
     panels[0].set_title(f"{rival.name}: held-out error {100 * rival.rung.error:.1f} %", loc="left")
 
 
-def law_lines(found: Found) -> list[str]:
-    """Where a force is missing, what it is, and how well each law does, the lowest held-out error
-    first; a table in a fixed pitch."""
-    free, where = found.free, found.where
-    lines = [
+def verdict(found: Found) -> list[str]:
+    """Whether a force is missing and where, the last sentence; what joined the model before."""
+    sentences = [
         f"No force alone is missing but a part: {name} explains more than a law at any place, and"
         f" belongs to the model from here on (--with {name})."
         for name in found.joined
     ]
-    if free is None or where is None:
-        if at_noise(found.base, found.workshop.noise):
-            then = "Nothing more to find" if lines else "Nothing to find"
-            return [*lines, f"{then}: the model explains these runs down to the noise."]
-        return [
-            *lines,
-            "Nothing found: more than noise is left, but no force at any place explains it.",
-            ELSEWHERE["rig" if is_component(found.base.model.values) else "vehicle"],
-        ]
-    lines.append(f"A force is missing at the {where.name}.")
+    if found.where is not None:
+        return [*sentences, f"A force is missing at {found.where.in_words}."]
+    if at_noise(found.base, found.workshop.noise):
+        then = "Nothing more to find" if sentences else "Nothing to find"
+        return [*sentences, f"{then}: the model explains these runs down to the noise."]
+    missing = "Nothing found: more than noise is left, but no force at any place explains it."
+    return [*sentences, missing]
+
+
+def suspects(found: Found) -> list[str]:
+    """What is left to suspect where more than noise is left and no place has the missing force."""
+    if found.where is not None or at_noise(found.base, found.workshop.noise):
+        return []
+    return [ELSEWHERE["rig" if is_component(found.base.model.values) else "vehicle"]]
+
+
+def law_lines(found: Found) -> list[str]:
+    """Where a force is missing, what it is, and how well each law does, the lowest held-out error
+    first; a table in a fixed pitch."""
+    free, lines = found.free, [*verdict(found), *suspects(found)]
+    if free is None:
+        return lines
     lines.append(f"{'law':22} {'fitted':>8} {'held out':>9}")
     lines.append(_line("without it", found.base.error_fit, found.base.error))
-    for rival in sorted(rivals(found), key=lambda r: r.rung.error):
+    for rival in by_error(found):
         lines.append(_line(rival.name, rival.rung.error_fit, rival.rung.error))
     lines.append(f"free: {free.words}")
     if found.formula is not None:
@@ -114,11 +124,14 @@ def law_lines(found: Found) -> list[str]:
             lines.append(f"  {name:44} {value:10.4g} ± {deviation:.2g} N")
         for name, (value, deviation, unit) in shapes(found.formula).items():
             lines.append(f"  {name}: {1e3 * value:.4g} ± {1e3 * deviation:.2g} m{unit}")
+    return [*lines, simplest(found), *look(found)]
+
+
+def simplest(found: Found) -> str:
+    """Which law to take, in a sentence."""
     preferred = found.preferred
     assert preferred is not None
-    lines.append(f"The simplest law that does as well as any: {preferred.name}.")
-    lines += look(found)
-    return lines
+    return f"The simplest law that does as well as any: {preferred.name}."
 
 
 def rivals(found: Found) -> list[Rival]:
@@ -126,28 +139,34 @@ def rivals(found: Found) -> list[Rival]:
     return [r for r in (found.free, found.formula, *found.named) if r is not None]
 
 
+def by_error(found: Found) -> list[Rival]:
+    """Every law that was fitted, the lowest held-out error first."""
+    return sorted(rivals(found), key=lambda rival: rival.rung.error)
+
+
 def amplitudes(rival: Rival) -> dict[str, tuple[float, float]]:
     """The fitted forces of a formula with their standard deviations, N."""
-    fit, parts = rival.rung.fit, _parts(rival)
+    fit = rival.rung.fit
     values = fit.model.values
-    return {part.words: (values[part.force], fit.uncertainty(part.force)) for part in parts}
+    return {part.words: (values[part.force], fit.uncertainty(part.force)) for part in parts(rival)}
 
 
 def shapes(rival: Rival) -> dict[str, tuple[float, float, str]]:
     """The fitted gaps and widths of a formula with their standard deviations, and their unit."""
-    fit, parts = rival.rung.fit, _parts(rival)
+    fit = rival.rung.fit
     return {
         f"gap or width of the {part.words}": (
             fit.model.values[part.shape],
             fit.uncertainty(part.shape),
             "m/s" if part.shape.endswith("_m_s") else "m",
         )
-        for part in parts
+        for part in parts(rival)
         if part.shape
     }
 
 
-def _parts(rival: Rival) -> list[Part]:
+def parts(rival: Rival) -> list[Part]:
+    """The terms of a formula as they were fitted."""
     model = rival.rung.fit.model
     formula = next(e for e in model.effects if isinstance(e, Formula))
     return formula.parts(model.values)
