@@ -2,10 +2,11 @@
 
 import pytest
 
-from tests.diagnose.cases import diagnosed, oracle_of
+from tests.diagnose.cases import LIBRARY, diagnosed, oracle_of
 from tests.diagnose.machines import FURTHER, MACHINES, rivals
 from tests.truth import PRESETS, make_effect
 from tests.truth.campaign import write_campaign
+from tests.truth.outside_effects import FrameBending
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -25,3 +26,11 @@ def test_what_comes_first_is_its_name(name, tmp_path):
     hidden = make_effect(name, FURTHER[name])
     write_campaign(tmp_path, PRESETS["atv"], [hidden], seed=101, short=True)
     assert diagnosed(tmp_path, rivals(name)).verdict[0] == name
+
+
+def test_a_frame_that_bends_is_no_driver(tmp_path):
+    """Its middle moves all four points exactly as a mass on a spring would that no person is."""
+    bending = FrameBending(freq_hz=23.0, zeta=0.05, modal_mass_kg=140.0)
+    write_campaign(tmp_path, PRESETS["formula-student"], [bending], seed=101, short=True)
+    found = diagnosed(tmp_path, {"driver-seat": LIBRARY["driver-seat"]})
+    assert "unknown" in found.verdict

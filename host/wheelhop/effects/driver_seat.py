@@ -9,6 +9,15 @@ from wheelhop.campaign import Channel
 from wheelhop.effects.base import Becomes, Effect, Parameter, Values
 from wheelhop.vehicle import Assembly, Body, between, motions, on_mounts
 
+HEAVIER = 1.4
+"""By so much a driver with helmet, cushion and all he carries may exceed what is stated of him."""
+
+HEAVIEST_KG = 150.0
+"""Where nothing is stated."""
+
+LEAST_DAMPING = 0.08
+"""Persons are well damped. What is heavier, or rings for longer, is another mass."""
+
 
 class DriverSeat(Effect):
     """Part of the sprung mass sits on a spring and damper (vertical)."""
@@ -39,14 +48,16 @@ class DriverSeat(Effect):
             0.05,
             starts=(vehicle.get("driver.x_m", 0.0),),
         )
+        stated = vehicle.get("driver.mass_kg", 75.0)
+        heaviest = HEAVIER * stated if "driver.mass_kg" in vehicle else HEAVIEST_KG
         return (
             Parameter(
                 "mass_kg",
                 "kg",
                 "mass that moves on the seat, part of body.mass_kg",
-                vehicle.get("driver.mass_kg", 75.0),
+                stated,
                 lower=0.0,
-                upper=0.8 * vehicle["body.mass_kg"],
+                upper=min(0.8 * vehicle["body.mass_kg"], heaviest),
             ),
             Parameter(
                 "freq_hz",
@@ -57,7 +68,15 @@ class DriverSeat(Effect):
                 upper=15.0,
                 starts=(2.0, 3.5, 6.0, 10.0),
             ),
-            Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
+            Parameter(
+                "zeta",
+                "1",
+                "its damping ratio",
+                0.15,
+                lower=LEAST_DAMPING,
+                upper=1.5,
+                starts=(0.3,),
+            ),
             *((place,) if "pitch" in motions(vehicle) else ()),
         )
 

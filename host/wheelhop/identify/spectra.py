@@ -85,7 +85,7 @@ def measure(campaign: Campaign) -> Measured:
     if not axles or not bodies:
         lacking = "axle (A1..A4)" if not axles else "body (B1..B4)"
         raise CampaignError(
-            f"{where}: [channels] has no point on an {lacking}: a transfer matrix from axles to"
+            f"{where}: [channels] has no point on the {lacking}: a transfer matrix from axles to"
             " body needs both"
         )
     if not campaign.fit_runs:
