@@ -83,9 +83,9 @@ def measure(campaign: Campaign) -> Measured:
     axles = _columns(campaign.channels, AXLE_POINTS)
     bodies = _columns(campaign.channels, BODY_POINTS)
     if not axles or not bodies:
-        lacking = "axle (A1..A4)" if not axles else "body (B1..B4)"
+        lacking = "an axle (A1..A4)" if not axles else "the body (B1..B4)"
         raise CampaignError(
-            f"{where}: [channels] has no point on the {lacking}: a transfer matrix from axles to"
+            f"{where}: [channels] has no point on {lacking}: a transfer matrix from axles to"
             " body needs both"
         )
     if not campaign.fit_runs:
