@@ -12,7 +12,7 @@ from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
 from wheelhop.campaign.thin import thinned
 from wheelhop.diagnose import Progress, Step, axle_driven, fit_baseline
-from wheelhop.diagnose.ladder import diagnose_from, fit_with, steps_with
+from wheelhop.diagnose.ladder import diagnose_gated, fit_with, steps_with
 from wheelhop.diagnose.look import steps_of
 from wheelhop.effects import Effect, beliefs, load_effects, pick
 from wheelhop.gate import gate
@@ -167,11 +167,10 @@ def diagnose(
     vehicle = vehicle or read_nominal(campaign)
     with threadpool_limits(ONE_EACH):
         gated = gate(campaign, vehicle)
-        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
-        found = diagnose_from(
-            gated, vehicle, base, library, max_effects=max_effects, progress=progress
+        gated, found = diagnose_gated(
+            gated, vehicle, library, max_effects=max_effects, jobs=jobs, progress=progress
         )
-    # Its figures are of the channels that were fitted: the gate may have left some out.
+    # Its figures are of the channels and runs that were fitted: some may have been left out.
     return DiagnosisResult(gated.campaign, vehicle, found.ladder, found.findings, found, library)
 
 

@@ -13,6 +13,7 @@ from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_base
 from wheelhop.diagnose.confirm import confirm, refit, without, worth_simulating
 from wheelhop.diagnose.critic import criticism, refuted
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
+from wheelhop.diagnose.forgets import FORGETS, never_forgotten, without_runs
 from wheelhop.diagnose.judge import (
     Rung,
     at_noise,
@@ -78,8 +79,32 @@ def diagnose(
         The campaign does not hold what a comparison needs.
     """
     gated = gate(campaign, vehicle)
+    return diagnose_gated(
+        gated, vehicle, effects, max_effects=max_effects, jobs=jobs, progress=progress
+    )[1]
+
+
+def diagnose_gated(
+    gated: Gated,
+    vehicle: Vehicle,
+    effects: Mapping[str, Effect],
+    *,
+    max_effects: int = 4,
+    jobs: int | None = None,
+    progress: Progress = lambda text: None,
+) -> tuple[Gated, Diagnosis]:
+    """The same of what the gate let through, and what of that was diagnosed: runs that do not
+    forget how they began are left out as soon as a model says so, and all begins anew."""
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
-    return diagnose_from(gated, vehicle, base, effects, max_effects=max_effects, progress=progress)
+    found = diagnose_from(gated, vehicle, base, effects, max_effects=max_effects, progress=progress)
+    bounced = [f for f in found.findings if f.kind == FORGETS and f not in gated.findings]
+    fewer = without_runs(gated, bounced) if bounced else None
+    if fewer is None:
+        return gated, found
+    progress(f"once more without {', '.join(f.about for f in bounced)}")
+    return diagnose_gated(
+        fewer, vehicle, effects, max_effects=max_effects, jobs=jobs, progress=progress
+    )
 
 
 def diagnose_from(
@@ -99,7 +124,8 @@ def diagnose_from(
     """
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
     diagnosis = climb(base, effects, max_effects=max_effects, progress=progress, watch=watch)
-    findings = *gated.findings, *criticism(diagnosis)
+    bounced = never_forgotten(base.workshop, diagnosis.ladder[-1].rung)
+    findings = *gated.findings, *bounced, *criticism(diagnosis)
     diagnosis = replace(diagnosis, findings=findings, beliefs=tuple(refuted(diagnosis)))
     last = diagnosis.ladder[-1]
     between = any(e.place in BETWEEN for e in last.rung.model.effects) or last.above_floor
@@ -155,6 +181,9 @@ def climb(
         step = step_of(workshop, rung, steps[0])
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
+        if never_forgotten(workshop, rung):
+            look = Look(rung, (), (), None)
+            break
         look = _look(workshop, step, effects, progress, watch)
         looks.append(look)
     return conclude(

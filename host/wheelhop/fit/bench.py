@@ -195,9 +195,10 @@ class Workshop:
             if b.drive == "axles" and self.campaign.noise_rms is not None
         }
 
-    def bench(self, run: Run) -> Bench:
-        """A run of this campaign, or one that could be driven, on its bench."""
-        simulator = make_simulator(self.campaign, run, self._run_up_s)
+    def bench(self, run: Run, earlier: float = 1.0) -> Bench:
+        """A run of this campaign, or one that could be driven, on its bench; begun `earlier` times
+        as long before its record."""
+        simulator = make_simulator(self.campaign, run, earlier * self._run_up_s)
         band = InBand(len(run.time_s), self.campaign.sample_rate_hz, self.campaign.band_hz)
         predicted = np.array(
             [simulator.drive != "axles" or not c.is_axle for c in self.campaign.channels]

@@ -1,0 +1,57 @@
+"""Runs that do not forget how they began: wheels that bounce from wave to wave."""
+
+import pytest
+
+from benchmarks.blind.vehicles import rougher
+from tests.diagnose.cases import LIBRARY, diagnosed
+from tests.report.small import write_small_campaign
+from tests.truth import PRESETS
+from tests.truth.campaign import write_campaign
+from tests.truth.effects import make_effects
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.forgets import begun_otherwise, never_forgotten, without_runs
+from wheelhop.gate import Finding, Gated
+from wheelhop.vehicle import read_nominal
+
+
+def test_a_run_in_which_wheels_bounce_is_left_out_and_the_rest_is_diagnosed(tmp_path):
+    """A light, hard car on tracks three times as rough: what it does on one of them hangs on how
+    the run began, and would veil a sensor's gain on all the others."""
+    hidden = {"tyre-lift-off": {}, "sensor-gain": {"channel": "A1", "gain_error": 0.08}}
+    rough = rougher(PRESETS["formula-student"], 3.0)
+    write_campaign(tmp_path, rough, make_effects(hidden), seed=101, short=True)
+    library = {name: LIBRARY[name] for name in (*hidden, "dry-friction")}
+    found = diagnosed(tmp_path, library)
+    assert set(found.verdict) == set(hidden)
+    (finding,) = (f for f in found.findings if f.kind == "forgets")
+    assert finding.about == "herringbone-high-fast" and "It is left out" in finding.remedy
+    campaign = read_campaign(tmp_path)
+    judged = found.ladder[-1].comparison.roles
+    assert {run.id for run in campaign.runs} - set(judged) == {finding.about}
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    campaign = read_campaign(write_small_campaign(tmp_path_factory.mktemp("small") / "c"))
+    return campaign, fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
+
+
+def test_a_linear_vehicle_forgets_within_its_run_up(small):
+    _, base = small
+    for run in base.rung.fit.runs:
+        assert begun_otherwise(base.workshop, base.rung, run) < 2e-3
+    assert never_forgotten(base.workshop, base.rung) == []
+
+
+def test_nothing_is_left_out_where_no_run_to_fit_would_stay(small):
+    campaign, _ = small
+    every = [
+        Finding("after", "forgets", run.id, "", "", "certain")
+        for run in campaign.runs
+        if run.role == "fit"
+    ]
+    assert without_runs(Gated((), campaign), every) is None
+    fewer = without_runs(Gated((), campaign), every[1:])
+    assert fewer is not None and len(fewer.findings) == len(every) - 1
+    assert [run.id for run in fewer.campaign.fit_runs] == [every[0].about]
