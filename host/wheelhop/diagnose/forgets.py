@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wheelhop.diagnose.judge import LAW, Rung
+from wheelhop.diagnose.judge import LAW, Rung, noticeable
 from wheelhop.files.words import percent
 from wheelhop.fit import RunFit, Workshop
 from wheelhop.gate import Finding, Gated
@@ -44,6 +44,18 @@ def never_forgotten(workshop: Workshop, rung: Rung) -> list[Finding]:
     shares = workshop.each(lambda run: begun_otherwise(workshop, rung, run), poor)
     told = zip(poor, shares, strict=True)
     return [_finding(run.bench.run.id, share) for run, share in told if share > LAW]
+
+
+def beginning_allowed_for(workshop: Workshop, rung: Rung) -> Rung:
+    """The rung, as inexact as the open beginning of the runs that judge makes it; as it is where
+    nothing noticeable is left."""
+    if not noticeable(rung, workshop.noise):
+        return rung
+    judging = rung.judging
+    shares = workshop.each(lambda run: begun_otherwise(workshop, rung, run), judging.runs)
+    told = zip(judging.runs, shares, strict=True)
+    power = sum(share**2 * run.bench.energy for run, share in told)
+    return replace(rung, inexact=rung.inexact + power / (judging.size * workshop.noise**2))
 
 
 def without_runs(gated: Gated, bounced: Collection[Finding]) -> Gated | None:

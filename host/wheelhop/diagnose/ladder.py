@@ -13,7 +13,12 @@ from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_base
 from wheelhop.diagnose.confirm import confirm, refit, without, worth_simulating
 from wheelhop.diagnose.critic import criticism, refuted
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
-from wheelhop.diagnose.forgets import FORGETS, never_forgotten, without_runs
+from wheelhop.diagnose.forgets import (
+    FORGETS,
+    beginning_allowed_for,
+    never_forgotten,
+    without_runs,
+)
 from wheelhop.diagnose.judge import (
     Rung,
     at_noise,
@@ -178,6 +183,7 @@ def climb(
         if first.chosen is None or [e.id for e in rung.model.effects] != [first.chosen.id]:
             first = origin
         origin = first
+        rung = beginning_allowed_for(workshop, rung)
         step = step_of(workshop, rung, steps[0])
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
