@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wheelhop.diagnose.judge import LAW, Rung, noticeable
+from wheelhop.diagnose.judge import LAW, Rung, unforeseen
 from wheelhop.files.words import percent
 from wheelhop.fit import RunFit, Workshop
 from wheelhop.gate import Finding, Gated
@@ -47,9 +47,9 @@ def never_forgotten(workshop: Workshop, rung: Rung) -> list[Finding]:
 
 
 def beginning_allowed_for(workshop: Workshop, rung: Rung) -> Rung:
-    """The rung, as inexact as the open beginning of the runs that judge makes it; as it is where
-    nothing noticeable is left."""
-    if not noticeable(rung, workshop.noise):
+    """The rung, as inexact as the open beginning of the runs that judge makes it, if it explains
+    the runs fitted and those that judge less well: what is still wrong forgets otherwise."""
+    if not unforeseen(rung, workshop.noise):
         return rung
     judging = rung.judging
     shares = workshop.each(lambda run: begun_otherwise(workshop, rung, run), judging.runs)
