@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from wheelhop.campaign import Campaign, Run
 from wheelhop.diagnose.judge import LAW, Rung, unforeseen
 from wheelhop.files.words import percent
 from wheelhop.fit import RunFit, Workshop
@@ -58,14 +59,17 @@ def beginning_allowed_for(workshop: Workshop, rung: Rung) -> Rung:
     return replace(rung, inexact=rung.inexact + power / (judging.size * workshop.noise**2))
 
 
-def without_runs(gated: Gated, bounced: Collection[Finding]) -> Gated | None:
-    """What the gate let through without these runs; None if no fitted run would be left."""
+def remaining(campaign: Campaign, bounced: Collection[Finding]) -> tuple[Run, ...]:
+    """The other runs, if one of them can be fitted; else none."""
     names = {finding.about for finding in bounced}
-    runs = tuple(run for run in gated.campaign.runs if run.id not in names)
-    if not any(run.role == "fit" for run in runs):
-        return None
+    runs = tuple(run for run in campaign.runs if run.id not in names)
+    return runs if any(run.role == "fit" for run in runs) else ()
+
+
+def without_runs(gated: Gated, bounced: Collection[Finding]) -> Gated:
+    """What the gate let through without these runs, and that they were left out."""
     left_out = (replace(finding, remedy=f"It is left out. {SLOWER}") for finding in bounced)
-    campaign = replace(gated.campaign, runs=runs)
+    campaign = replace(gated.campaign, runs=remaining(gated.campaign, bounced))
     return replace(gated, campaign=campaign, findings=(*gated.findings, *left_out))
 
 

@@ -17,6 +17,7 @@ from wheelhop.diagnose.forgets import (
     FORGETS,
     beginning_allowed_for,
     never_forgotten,
+    remaining,
     without_runs,
 )
 from wheelhop.diagnose.judge import (
@@ -103,12 +104,16 @@ def diagnose_gated(
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
     found = diagnose_from(gated, vehicle, base, effects, max_effects=max_effects, progress=progress)
     bounced = [f for f in found.findings if f.kind == FORGETS and f not in gated.findings]
-    fewer = without_runs(gated, bounced) if bounced else None
-    if fewer is None:
+    if not bounced or not remaining(gated.campaign, bounced):
         return gated, found
     progress(f"once more without {', '.join(f.about for f in bounced)}")
     return diagnose_gated(
-        fewer, vehicle, effects, max_effects=max_effects, jobs=jobs, progress=progress
+        without_runs(gated, bounced),
+        vehicle,
+        effects,
+        max_effects=max_effects,
+        jobs=jobs,
+        progress=progress,
     )
 
 
@@ -187,7 +192,8 @@ def climb(
         step = step_of(workshop, rung, steps[0])
         # The same effects in a better fit are no new rung.
         steps = [*(s for s in steps if s.added != step.added), step]
-        if never_forgotten(workshop, rung):
+        bounced = never_forgotten(workshop, rung)
+        if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
             look = Look(rung, (), (), None)
             break
         look = _look(workshop, step, effects, progress, watch)

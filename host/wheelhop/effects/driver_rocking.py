@@ -7,7 +7,6 @@ from math import pi
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Becomes, Effect, Parameter, Values
-from wheelhop.effects.driver_seat import LEAST_DAMPING
 from wheelhop.vehicle import Assembly, between
 from wheelhop.vehicle.assembly import Coordinate
 
@@ -57,15 +56,7 @@ class DriverRocking(Effect):
                 upper=15.0,
                 starts=(1.2, 2.2, 3.8, 6.5),
             ),
-            Parameter(
-                "zeta",
-                "1",
-                "its damping ratio",
-                0.15,
-                lower=LEAST_DAMPING,
-                upper=1.5,
-                starts=(0.3,),
-            ),
+            Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
         )
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
+from math import inf, pi
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Becomes, Effect, Parameter, Values
 from wheelhop.vehicle import Assembly, Body, between, motions, on_mounts
 
 HEAVIER = 1.4
-"""By so much a driver with helmet, cushion and all he carries may exceed what is stated of him."""
-
-HEAVIEST_KG = 150.0
-"""Where nothing is stated."""
-
-LEAST_DAMPING = 0.08
-"""Persons are well damped. What is heavier, or rings for longer, is another mass."""
+"""So many times what is stated of him a driver weighs at most, with helmet, cushion and luggage."""
 
 
 class DriverSeat(Effect):
@@ -49,7 +43,7 @@ class DriverSeat(Effect):
             starts=(vehicle.get("driver.x_m", 0.0),),
         )
         stated = vehicle.get("driver.mass_kg", 75.0)
-        heaviest = HEAVIER * stated if "driver.mass_kg" in vehicle else HEAVIEST_KG
+        heaviest = HEAVIER * stated if "driver.mass_kg" in vehicle else inf
         return (
             Parameter(
                 "mass_kg",
@@ -68,15 +62,7 @@ class DriverSeat(Effect):
                 upper=15.0,
                 starts=(2.0, 3.5, 6.0, 10.0),
             ),
-            Parameter(
-                "zeta",
-                "1",
-                "its damping ratio",
-                0.15,
-                lower=LEAST_DAMPING,
-                upper=1.5,
-                starts=(0.3,),
-            ),
+            Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
             *((place,) if "pitch" in motions(vehicle) else ()),
         )
 
