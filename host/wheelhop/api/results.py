@@ -19,6 +19,7 @@ from wheelhop.files.words import significant
 from wheelhop.fit import Workshop
 from wheelhop.gate import Finding
 from wheelhop.gate import to_json as findings_to_json
+from wheelhop.gate.sensors import Seen
 from wheelhop.report.model_file import write_model
 from wheelhop.report.words import comparison_headline, headline, over_floor
 from wheelhop.simulate import Model
@@ -117,11 +118,12 @@ class ComparisonResult(_Result):
     """How a fitted model compares with the records, from the baseline to the last effect added.
 
     `axles` is the last model with the measured motion of the axles driving it, if that was asked
-    for and is possible.
+    for and is possible; `symptoms` what the sensors' examination found, if there was one.
     """
 
     workshop: Workshop
     axles: Step | None = None
+    symptoms: tuple[Seen, ...] | None = None
 
     def with_values(self, changes: Mapping[str, float]) -> Comparison:
         """The last model with some of its numbers changed, not fitted again, against the records:

@@ -11,7 +11,7 @@ from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
 from wheelhop.campaign.thin import thinned
-from wheelhop.diagnose import Progress, Step, axle_driven, fit_baseline
+from wheelhop.diagnose import Baseline, Progress, Step, axle_driven, fit_baseline
 from wheelhop.diagnose.ladder import diagnose_gated, fit_with, steps_with
 from wheelhop.diagnose.look import steps_of
 from wheelhop.effects import Effect, beliefs, load_effects, pick
@@ -135,8 +135,12 @@ def compare(
         gated = gate(campaign, vehicle)
         base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
         steps = tuple(steps_of(base.workshop, fit_with(base, chosen, progress)))
-        axles = _driven_by_axles(gated.campaign, vehicle, chosen, progress) if by_axles else None
-    return ComparisonResult(gated.campaign, vehicle, steps, gated.findings, base.workshop, axles)
+        axles = (
+            _driven_by_axles(base, gated.campaign, vehicle, chosen, progress) if by_axles else None
+        )
+    return ComparisonResult(
+        gated.campaign, vehicle, steps, gated.findings, base.workshop, axles, gated.symptoms
+    )
 
 
 def diagnose(
@@ -214,12 +218,19 @@ def _library(given: Library) -> Mapping[str, Effect]:
 
 
 def _driven_by_axles(
-    campaign: Campaign, vehicle: Vehicle, effects: Sequence[Effect], progress: Progress
+    base: Baseline,
+    campaign: Campaign,
+    vehicle: Vehicle,
+    effects: Sequence[Effect],
+    progress: Progress,
 ) -> Step | None:
-    """The same model with the measured axle motion driving the body; None where that is not
-    possible, or is what was compared already."""
+    """The same model with the measured axle motion driving the body, its fit begun at the baseline
+    on the road; None where that is not possible, or is what was compared already."""
     driven = axle_driven(campaign, vehicle)
     if driven is None or all(run.track.kind == "unknown" for run in campaign.runs):
         return None
     acting = [effect for effect in effects if not effect.needs_road]
-    return steps_with(driven, vehicle, acting, lambda text: progress(f"measured axles: {text}"))[-1]
+    values = base.rung.model.values
+    return steps_with(
+        driven, vehicle, acting, lambda text: progress(f"measured axles: {text}"), values
+    )[-1]

@@ -38,8 +38,9 @@ def run(arguments: Namespace) -> int:
     console.print(Text(f"channels  {', '.join(map(_place, campaign.channels))}"))
     console.print(Text(f"samples   {_samples(campaign)}"))
     console.print(Text(f"noise     {_noise(campaign)}"))
-    print_sensors(campaign, console)
-    findings = gate(campaign, nominal).findings
+    gated = gate(campaign, nominal)
+    findings = gated.findings
+    print_sensors(gated.symptoms, console)
     print_findings(findings, console)
     _print_marked(campaign, console, any(finding.kind == "template" for finding in findings))
     if isinstance(campaign, ComponentCampaign):

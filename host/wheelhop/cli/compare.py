@@ -26,7 +26,7 @@ def run(arguments: Namespace) -> int:
     console = open_console()
     print_findings(result.findings, console)
     print_comparison(result.comparison, console)
-    print_sensors(result.campaign, console)
+    print_sensors(result.symptoms, console)
     if arguments.add:
         console.print()
         print_ladder(result.steps, console)

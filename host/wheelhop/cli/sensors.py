@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Console
 from rich.text import Text
 
-from wheelhop.campaign import Campaign, ComponentCampaign
-from wheelhop.gate.sensors import OF_THE_VEHICLE, examined
+from wheelhop.gate.sensors import OF_THE_VEHICLE, Seen
 
 
-def print_sensors(campaign: Campaign, console: Console) -> None:
+def print_sensors(symptoms: Sequence[Seen] | None, console: Console) -> None:
     """Print what an examination of all recordings finds possible and the gate leaves unsaid;
-    nothing for a component on a rig."""
-    if isinstance(campaign, ComponentCampaign):
+    nothing where none was made (None)."""
+    if symptoms is None:
         return
-    found = list(examined(campaign))
-    if not found:
+    if not symptoms:
         console.print("sensors   nothing found wrong with them", markup=False)
-    for run, symptom in found:
+    for run, symptom in symptoms:
         if symptom.kind in OF_THE_VEHICLE:
             who = ", ".join(symptom.channels) or "all channels"
             where = f" in {run.id}" if run else ""

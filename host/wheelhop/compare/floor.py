@@ -8,10 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, signal
+from scipy import fft
 
 from wheelhop.campaign import Campaign
 from wheelhop.compare.records import Record
+from wheelhop.compare.windows import blackman_harris
 
 Array = NDArray[np.float64]
 
@@ -150,7 +151,7 @@ def _quiet_level(parts: Sequence[Array], records: Sequence[Record]) -> Array:
 def _levels(coefficients: Array, record: Record) -> Iterator[Array]:
     """Level of white noise in band, as mean square, that each part of the band suggests."""
     band = record.band
-    window = signal.get_window("blackmanharris", band.n)
+    window = blackman_harris(band.n)
     spectrum = fft.rfft(band.from_coefficients(coefficients) * window[:, None], axis=0)
     # E|spectrum|² = Σ window² times one sample's variance; the in-band share of it is count / n.
     power = np.abs(spectrum) ** 2 / np.sum(window**2) * band.count / band.n

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, linalg, ndimage, optimize, signal, stats
+from scipy import fft, linalg, ndimage, optimize, special
 
 from wheelhop.campaign import RigRun
 from wheelhop.compare.records import Record
 from wheelhop.compare.thirds import third_octave_of
+from wheelhop.compare.windows import hann
 
 Array = NDArray[np.float64]
 Bases = list[tuple[NDArray[np.int_], Array]]  # (channels, orthonormal columns (count, q))
@@ -201,7 +202,7 @@ def _strongest_line(
     # In noise a periodogram is exponentially distributed, with median ln 2, and two bins are
     # looked at. That `needed` runs exceed a level at one of the frequencies is a binomial tail.
     one_run = 1.0 - (1.0 - np.exp(-typical * np.log(2.0))) ** 2
-    by_chance = len(frequency) * stats.binom.sf(needed - 1, runs, one_run)
+    by_chance = len(frequency) * special.bdtrc(needed - 1, runs, one_run)
     for known in known_hz:
         by_chance[np.abs(frequency - known) < SKIRT_HZ] = 1.0
     for k in np.argsort(-typical):
@@ -218,7 +219,7 @@ def _strongest_line(
 def _prominence(record: Record, rest: Array, frequency_hz: Array) -> Array:
     """Power spectrum over its local median, all channels together, at the given frequencies."""
     n, rate = record.band.n, record.band.rate_hz
-    window = signal.windows.hann(n, sym=False)[:, None]
+    window = hann(n)[:, None]
     time_signal = record.band.from_coefficients(rest) * window
     power = np.sum(np.abs(fft.rfft(time_signal, axis=0)) ** 2, axis=1)
     step = rate / n

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, signal
+from scipy import fft
 
 from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record
 from wheelhop.compare.thirds import third_octave_of, third_octaves
+from wheelhop.compare.windows import hann
 
 Array = NDArray[np.float64]
 
@@ -98,7 +99,7 @@ def spectral_peak(x: Array, rate_hz: float) -> Peak:
     Frequency and height come from the parabola through the logarithms of the three values
     around the maximum of the zero-padded spectrum, the half-power points from straight lines.
     """
-    window = signal.windows.hann(len(x), sym=False)
+    window = hann(len(x))
     size = fft.next_fast_len(ZERO_PADDING * len(x), real=True)
     amplitude = np.abs(fft.rfft(x * window, size)) * 2.0 / window.sum()
     top = int(np.argmax(amplitude))
@@ -136,12 +137,14 @@ def psd_ratio(record: Record, channel: int) -> dict[str, float]:
 
 def _coherence(measured: Array, model: Array, record: Record) -> Array:
     """Power-weighted mean coherence of each column (n_channels,)."""
+    from scipy.signal import csd, welch  # takes long to import
+
     segment = max(8, 2 * record.band.n // 9)  # eight segments that overlap by half
     low, high = record.band.frequency_hz[[0, -1]]
     settings = {"fs": record.band.rate_hz, "nperseg": segment, "axis": 0}
-    frequency, power = signal.welch(measured, **settings)
-    other = signal.welch(model, **settings)[1]
-    cross = np.abs(signal.csd(measured, model, **settings)[1]) ** 2
+    frequency, power = welch(measured, **settings)
+    other = welch(model, **settings)[1]
+    cross = np.abs(csd(measured, model, **settings)[1]) ** 2
     inside = (frequency >= low) & (frequency <= high)
     with np.errstate(divide="ignore", invalid="ignore"):
         linear = np.nan_to_num(cross / other)  # γ² times the measured power

@@ -48,9 +48,11 @@ def fit_baseline(
     jobs: int | None = None,
     progress: Progress,
     watch: Watch = lambda iteration, error: None,
+    known: Mapping[str, float] = MappingProxyType({}),
 ) -> Baseline:
     """Find every run's start, fit the nominal vehicle, validate it, and settle the noise floor;
-    `watch` sees this fit and all later ones in the same workshop converge.
+    `watch` sees this fit and all later ones in the same workshop converge. The fit begins at what
+    another of the same vehicle came to, as far as that is `known`.
 
     Raises
     ------
@@ -62,6 +64,7 @@ def fit_baseline(
     workshop = Workshop(campaign, model, jobs=jobs)
     progress("finding each run's start and speed")
     free = tuple(vehicle_parameters(campaign, vehicle))
+    model = model.with_values({f.name: known[f.name] for f in free if f.name in known})
     model = _started(workshop, model, free)
 
     def told(iteration: int, error: float) -> None:

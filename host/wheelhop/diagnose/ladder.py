@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
@@ -370,14 +371,19 @@ def one_more(workshop: Workshop, rung: Rung, effect: Effect, progress: Progress)
 
 
 def steps_with(
-    campaign: Campaign, vehicle: Vehicle, effects: Sequence[Effect], progress: Progress
+    campaign: Campaign,
+    vehicle: Vehicle,
+    effects: Sequence[Effect],
+    progress: Progress,
+    known: Mapping[str, float] = MappingProxyType({}),
 ) -> list[Step]:
-    """The same from the campaign on, each rung compared with the records.
+    """The same from the campaign on, each rung compared with the records; the baseline's fit begins
+    at what is `known`.
 
     Raises
     ------
     CampaignError
         The campaign does not hold what a comparison needs, or an effect does not apply to it.
     """
-    base = fit_baseline(campaign, vehicle, progress=progress)
+    base = fit_baseline(campaign, vehicle, progress=progress, known=known)
     return steps_of(base.workshop, fit_with(base, effects, progress))

@@ -18,7 +18,7 @@ from wheelhop.gate.records import (
     same_signal_findings,
 )
 from wheelhop.gate.runs import run_findings
-from wheelhop.gate.sensors import sensor_findings
+from wheelhop.gate.sensors import Seen, examined, sensor_findings
 from wheelhop.gate.spectra import Spectra, spectra_of
 from wheelhop.gate.units import gravity_findings, unit_findings
 from wheelhop.vehicle import Vehicle
@@ -27,10 +27,12 @@ from wheelhop.vehicle import Vehicle
 @dataclass(frozen=True, eq=False)
 class Gated:
     """What was found, and the campaign without what gives no signal, and no faster than its band
-    needs."""
+    needs. `symptoms` is all that the sensors' examination found, what is left unsaid here, too;
+    None for a component on a rig, where nothing is examined."""
 
     findings: tuple[Finding, ...]
     campaign: Campaign
+    symptoms: tuple[Seen, ...] | None = None
 
 
 def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
@@ -42,7 +44,8 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     """
     if isinstance(campaign, ComponentCampaign):
         return Gated(tuple(copy_findings(find_copies(campaign))), campaign)
-    findings, sound = sensor_findings(campaign)
+    symptoms = tuple(examined(campaign))
+    findings, sound = sensor_findings(campaign, symptoms)
     findings += gravity_findings(sound)
     copies = list(find_copies(campaign))
     findings += copy_findings(copies)
@@ -59,7 +62,7 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     light = thinned(sound)
     if light is not sound:
         findings.append(_thinned(sound, light))
-    return Gated(tuple(_once(findings)), light)
+    return Gated(tuple(_once(findings)), light, symptoms)
 
 
 def _thinned(full: Campaign, light: Campaign) -> Finding:

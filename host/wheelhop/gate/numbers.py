@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from math import pi, sqrt
 
-from scipy import stats
+from scipy.special import bdtrc
 
 from wheelhop.campaign.write import VEHICLE
 from wheelhop.gate.finding import FALSE_ALARM, Finding
@@ -110,7 +110,7 @@ def _left_over(vehicle: Vehicle) -> Iterator[Finding]:
         if vehicle[key] == sample[key]
         and abs(vehicle.uncertainty[key] - relative * abs(vehicle[key])) < 1e-9 * abs(vehicle[key])
     ]
-    if stats.binom.sf(len(alike) - 1, len(keys), CHANCE_ALIKE) < FALSE_ALARM:
+    if bdtrc(len(alike) - 1, len(keys), CHANCE_ALIKE) < FALSE_ALARM:
         names = "" if len(alike) == len(keys) else f": {', '.join(alike)}"
         yield Finding(
             "before",

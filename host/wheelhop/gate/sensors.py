@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -19,8 +19,12 @@ OF_THE_VEHICLE = ("mount", "hum", "drift")
 """What a vehicle or a track may do as well: `wheelhop health` and `check` say it, the gate not."""
 
 
-def examined(campaign: Campaign) -> Iterator[tuple[Run | None, Symptom]]:
-    """What is wrong with the sensors: by run, or in all of them together (None)."""
+Seen = tuple[Run | None, Symptom]
+"""What is wrong with sensors in a run, or in all runs together (None)."""
+
+
+def examined(campaign: Campaign) -> Iterator[Seen]:
+    """What the sensors' own examination finds wrong."""
     recordings = [_recording(campaign, run) for run in campaign.runs]
     for symptom in examine_relations(recordings)[0]:
         yield None, symptom
@@ -29,10 +33,11 @@ def examined(campaign: Campaign) -> Iterator[tuple[Run | None, Symptom]]:
             yield run, symptom
 
 
-def sensor_findings(campaign: Campaign) -> tuple[list[Finding], Campaign]:
-    """What is wrong with the sensors, and the campaign without what gives no signal."""
-    told: dict[tuple[str, tuple[str, ...]], list[tuple[Run | None, Symptom]]] = defaultdict(list)
-    for run, symptom in examined(campaign):
+def sensor_findings(campaign: Campaign, symptoms: Iterable[Seen]) -> tuple[list[Finding], Campaign]:
+    """What is wrong with the sensors, from what their examination found, and the campaign without
+    what gives no signal."""
+    told: dict[tuple[str, tuple[str, ...]], list[Seen]] = defaultdict(list)
+    for run, symptom in symptoms:
         if symptom.kind not in OF_THE_VEHICLE:
             told[symptom.kind, symptom.channels].append((run, symptom))
     for key in [k for k in told if k[0] == "dead"]:

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import chdtri
 
 from wheelhop.identify.gram import projected, transient_basis
 from wheelhop.identify.matrix import TransferMatrix
@@ -56,8 +56,8 @@ def beyond_chance(
         powers.append(np.einsum("rki,kij,rkj->rk", left.conj(), white, left, optimize=True).real)
     freedom = 2 * len(output_weight)
     every = np.concatenate([p.ravel() for p in powers])
-    level = max(float(np.median(every)), 1e-300) / stats.chi2.median(freedom)
-    most = level * stats.chi2.isf(RARE / len(every), freedom)
+    level = max(float(np.median(every)), 1e-300) / chdtri(freedom, 0.5)
+    most = level * chdtri(freedom, RARE / len(every))
     return [np.maximum(1.0, power / most) for power in powers]
 
 

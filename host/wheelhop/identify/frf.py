@@ -14,7 +14,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal
 
 from wheelhop.campaign import CampaignError
 from wheelhop.identify.spectra import Spectra
@@ -53,6 +52,8 @@ def frf(runs: Sequence[Spectra], kind: Kind = "H1", *, lines: int = 9) -> Frf:
     CampaignError : runs of different length, fewer samples at a line than inputs, an even width, or
         H2 of a matrix that is not square.
     """
+    from scipy.signal.windows import cosine  # takes long to import
+
     if len({part.samples for part in runs}) != 1:
         raise CampaignError("runs of different length have no lines in common: cut them alike")
     if lines % 2 == 0 or lines < 1:
@@ -60,7 +61,7 @@ def frf(runs: Sequence[Spectra], kind: Kind = "H1", *, lines: int = 9) -> Frf:
     y = np.concatenate([part.inputs for part in runs])
     x = np.concatenate([part.outputs for part in runs])
     m, n = y.shape[2], x.shape[2]
-    weight = signal.windows.cosine(lines + 2)[1:-1] if lines > 1 else np.ones(1)
+    weight = cosine(lines + 2)[1:-1] if lines > 1 else np.ones(1)
     weight = weight / weight.sum()
     averages = len(y) / float(np.sum(weight**2))
     if averages <= m:

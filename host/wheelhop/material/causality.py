@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import factorial, pi
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from wheelhop.material.data import ModulusData
 from wheelhop.material.model import Array, ComplexArray
@@ -116,7 +116,7 @@ def consistency(data: ModulusData) -> Consistency:
     lost = float(((target - tied) ** 2).sum() - ((target - free) ** 2).sum())
     expansion = loss_by_expansion(data, degree)
     return Consistency(
-        float(stats.f.sf(max(lost, 0.0) / degree / noise, degree, spare)),
+        float(special.fdtrc(degree, spare, max(lost, 0.0) / degree / noise)),
         float(np.sqrt(((tied - free) ** 2).mean())),
         expansion,
         float(np.sqrt(((expansion / data.modulus.imag - 1) ** 2).mean())),

@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from wheelhop.material.data import ModulusData
 from wheelhop.material.error import MaterialError
@@ -80,13 +80,13 @@ class ModulusFit:
         """Half of each parameter's interval (n,) at this level, as if the model were linear near
         its optimum and the residuals independent."""
         spare = max(2 * len(self.data.omega) - self.count, 1)
-        quantile = stats.t.ppf(0.5 + level / 2, spare)
+        quantile = special.stdtrit(spare, 0.5 + level / 2)
         return np.asarray(quantile * np.sqrt(np.diag(self.covariance)))
 
     def band(self, omega: Array, level: float = LEVEL) -> tuple[Array, Array]:
         """Half-widths (f,) of the intervals of M_d and M_l, N/m."""
         spare = max(2 * len(self.data.omega) - self.count, 1)
-        quantile = stats.t.ppf(0.5 + level / 2, spare)
+        quantile = special.stdtrit(spare, 0.5 + level / 2)
         slope = self.model.derivatives(omega, self.parameters)
         parts = []
         for part in (slope.real, slope.imag):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import welch
 
 from wheelhop.track.track import Array
 
@@ -46,6 +45,8 @@ class Roughness:
 def density(height: Array, step_m: float) -> tuple[Array, Array]:
     """Wave numbers Ω (f,), rad/m, and the one-sided power spectral density S (f,), m³ per rad, of
     heights (n, k), m: the mean over k paths, by Welch's method with Hann windows."""
+    from scipy.signal import welch  # takes long to import
+
     size = max(2 * len(height) // (SEGMENTS + 1), 16)
     cycles_m, power = welch(
         height, 1.0 / step_m, nperseg=size, detrend="linear", axis=0, return_onesided=True

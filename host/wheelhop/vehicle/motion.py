@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import interpolate, signal
+from scipy import interpolate
 
 from wheelhop.campaign import ComponentCampaign, RigRun
 
@@ -36,8 +36,10 @@ def _smooth(x: Array, rate_hz: float, band_end_hz: float) -> Array:
     A local polynomial (A. Savitzky, M. Golay, Anal. Chem. 36 (1964) 1627) of half-power frequency
     2 × the band's upper end (R. Schafer, IEEE Signal Process. Mag. 28 (2011) 111, eq. 12).
     """
+    from scipy.signal import savgol_filter  # takes long to import
+
     order, cutoff = 4, 2 * band_end_hz / (rate_hz / 2)
     length = 2 * round(((order + 1) / cutoff + 4.6) / 3.2 / 2) + 1
     if not order + 1 < length <= len(x):
         return x
-    return np.asarray(signal.savgol_filter(x, length, order, mode="interp"))
+    return np.asarray(savgol_filter(x, length, order, mode="interp"))

@@ -79,6 +79,14 @@ def _hum(
                 )  # fmt: skip
 
 
+def _power(values: Array, size: int) -> Array:
+    """Relative power spectra (size // 2 + 1, channels): means over segments that overlap by half,
+    windowed after Hann (P. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70)."""
+    pieces = np.lib.stride_tricks.sliding_window_view(values, size, axis=0)[:: size // 2]
+    pieces = (pieces - pieces.mean(axis=-1, keepdims=True)) * np.hanning(size + 1)[:-1]
+    return np.asarray((np.abs(np.fft.rfft(pieces)) ** 2).mean(axis=0).T)
+
+
 def _harmonic(line_hz: float, driven_hz: float, step_hz: float, rate_hz: float) -> bool:
     """Is a line a multiple of the strongest one, which is known to half a `step_hz`?
 
@@ -95,11 +103,9 @@ def _harmonic(line_hz: float, driven_hz: float, step_hz: float, rate_hz: float) 
 def _mounts(
     recording: Recording, values: Array, good: list[int], span: tuple[float, float]
 ) -> Iterator[Finding]:
-    from scipy import signal
-
     points = [channel.point or channel.name for channel in recording.channels]
     size = round(SEGMENT_S * recording.rate_hz)
-    grid, power = signal.welch(values, recording.rate_hz, nperseg=size, axis=0, detrend="constant")
+    grid, power = np.fft.rfftfreq(size, 1.0 / recording.rate_hz), _power(values, size)
     high = (grid >= MOUNT_HZ) & (grid <= 0.45 * recording.rate_hz)
     for kind in "AB":
         group = [
