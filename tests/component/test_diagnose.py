@@ -47,7 +47,7 @@ def test_every_law_is_named(name, drive, tmp_path):
         assert reached == pytest.approx(value, rel=0.05, abs=5e-5), key
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", ["displacement", pytest.param("force", marks=pytest.mark.slow)])
 def test_a_law_of_no_library_is_not_called_by_another_name(drive, tmp_path):
     """Damping that grows with the square of the travel, as ports shut."""
     # What a force moves is integrated for every model tried, which takes long.

@@ -29,7 +29,7 @@ def figure(page, name):
 
 def turn(page, name):
     page.get_by_role("tab", name=name).click()
-    page.wait_for_timeout(600)  # the picture, for those who look at it
+    page.wait_for_timeout(300)  # the picture, for those who look at it
 
 
 def wait_until(holds, limit_s=20.0):
@@ -97,6 +97,7 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         second = open_page(address)  # another tab: the same state
         turn(second, "What is missing")
         assert "dry-friction" in second.locator(".verdict h2").inner_text()
+        page.bring_to_front()  # a browser paints a tab in the background once a second
 
         page.locator(".verdict").get_by_role("button", name="Add dry-friction to the model").click()
         page.locator("dl.key", has_text="baseline + dry-friction").wait_for()
@@ -126,6 +127,7 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
         with page.context.expect_page() as opened:
             link.click()
         assert "dry-friction" in opened.value.locator("h1").inner_text()
+        page.bring_to_front()
         page.get_by_role("button", name="Write the report as PDF").click()
         page.get_by_text(f"written: {friction / 'report.pdf'}").wait_for()
         assert (friction / "report.pdf").read_bytes().startswith(b"%PDF")
