@@ -1,6 +1,7 @@
 """How long wheelhop takes, each figure in a process of its own: python -m benchmarks.timing
 
-The compiled code is cached except for the last figure, which starts with an empty cache.
+Commands are timed from their start to their end, as a user waits for them, the median of three. The
+compiled code is cached except for the last figure, which starts with an empty cache.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from statistics import median
 
 ROOT = Path(__file__).parents[1]
 CAMPAIGNS = ("clean", "open-dry-friction", "open-driver-seat", "open-speed-fluctuation")
@@ -73,6 +75,15 @@ def show(label: str, before: str, timed: str, cache: str | None = None) -> None:
     print(f"{label:54s} {wall:8.2f} {processor:12.2f} {memory:9.0f}", flush=True)
 
 
+def wait(*command: str) -> float:
+    """Seconds from a command's start to its end."""
+    begin = time.perf_counter()
+    subprocess.run(
+        [sys.executable, "-m", "wheelhop.cli.main", *command], cwd=ROOT, stdout=subprocess.DEVNULL
+    )
+    return time.perf_counter() - begin
+
+
 def main() -> None:
     """All figures."""
     folder = {name: str(ROOT / "examples" / name) for name in CAMPAIGNS}
@@ -82,6 +93,9 @@ def main() -> None:
     measure(before, fitting + "\n" + SCREEN)  # fills the cache of compiled code
     print(f"{os.cpu_count()} processors, {time.strftime('%Y-%m-%d %H:%M')}")
     print(f"{'':54s} {'wall, s':>8s} {'processor, s':>12s} {'peak, MB':>9s}")
+    for command in (["--help"], ["check", folder["clean"]], ["compare", folder["clean"]]):
+        words = " ".join([command[0], *(Path(word).name for word in command[1:])])
+        print(f"{f'wheelhop {words}':54s} {median(wait(*command) for _ in range(3)):8.2f}")
     show("import", "", IMPORT)
     show("baseline fit (clean)", before, fitting)
     show("screening of all effects (clean)", baseline, SCREEN)
