@@ -32,6 +32,7 @@ grounds = st.builds(
     baseline_over_floor=over,
     by_chance=st.floats(0.0, 1.0),
     unseen=st.floats(0.0, 1.0),
+    cramped=st.booleans(),
 )
 CLEAR = Grounds(
     log_odds=1e4,
@@ -47,6 +48,12 @@ CLEAR = Grounds(
 @given(verdict=st.sampled_from(VERDICTS), grounds=grounds)
 def test_no_verdict_is_impossible_or_certain(verdict, grounds):
     assert 0.0 <= confidence(verdict, grounds) <= CEILING < 1.0
+
+
+@given(grounds=grounds)
+def test_an_effect_that_would_have_to_be_more_than_it_can_be_is_as_likely_another(grounds):
+    free = confidence(("backlash", "unknown"), replace(grounds, cramped=False))
+    assert confidence(("backlash", "unknown"), replace(grounds, cramped=True)) <= 0.5 * free <= 0.5
 
 
 @given(grounds=grounds)

@@ -9,7 +9,9 @@ from tests.truth.campaign import write_campaign
 from tests.truth.outside_effects import FrameBending
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.critic import cramped
 from wheelhop.diagnose.ladder import fit_with
+from wheelhop.diagnose.look import step_of
 from wheelhop.vehicle import read_nominal
 
 
@@ -40,3 +42,4 @@ def test_a_frame_that_bends_is_no_driver(tmp_path):
     base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
     rung = fit_with(base, [LIBRARY["driver-seat"]], progress=lambda text: None)[-1]
     assert rung.error > 1.3 * oracle_of(tmp_path / "truth.toml")
+    assert cramped(step_of(base.workshop, rung)) == ["driver-seat.mass_kg"]

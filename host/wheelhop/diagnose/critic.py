@@ -167,22 +167,35 @@ def _laws(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Find
             )
 
 
+def cramped(step: Step) -> list[str]:
+    """Numbers of a model's effects that sit on their bounds: what the runs show is more than such
+    an effect can be, and a law that the library lacks may be what they show."""
+    effects = step.rung.model.effects
+    at_bound = _at_bound(numbers_of(step)[0], effects)
+    return [n.name for n in at_bound if any(_of(n, e) for e in effects)]
+
+
 def _bounds(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
+    for n in _at_bound(numbers, effects):
+        yield Finding(
+            "after",
+            "at-bound",
+            n.name,
+            f"{n.name} = {n.value:.4g} sits on its bound: the fit wanted to go further.",
+            "Do not use this number, nor its interval; something else is missing, or these runs"
+            " cannot show it.",
+        )
+
+
+def _at_bound(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Number]:
+    """Numbers on a bound, but for strengths of nothing, and laws that become another there."""
     said = {f"{e.id}.{limit.parameter}" for e in effects for limit in e.becomes}
     for n in numbers:
-        for bound in (n.lower, n.upper):
-            absent = not n.is_shape and bound == n.mean and any(_of(n, e) for e in effects)
-            if n.name in said or absent or not isfinite(bound):
-                continue
-            if abs(n.value - bound) <= AT_BOUND * n.scale:
-                yield Finding(
-                    "after",
-                    "at-bound",
-                    n.name,
-                    f"{n.name} = {n.value:.4g} sits on its bound: the fit wanted to go further.",
-                    "Do not use this number, nor its interval; something else is missing, or these"
-                    " runs cannot show it.",
-                )
+        bounds = [bound for bound in (n.lower, n.upper) if isfinite(bound)]
+        if not n.is_shape and any(_of(n, e) for e in effects):
+            bounds = [bound for bound in bounds if bound != n.mean]
+        if n.name not in said and any(abs(n.value - b) <= AT_BOUND * n.scale for b in bounds):
+            yield n
 
 
 def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:

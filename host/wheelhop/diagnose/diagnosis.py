@@ -129,7 +129,8 @@ class Grounds:
     leaves more; ``stability``, the share of what speaks for it against that rival that is left when
     the run that speaks loudest is left out; ``p_value`` on held-out runs; errors of the last rung
     and of the baseline over the floor; ``by_chance``, the chance that noise alone leaves as much as
-    the last rung; ``unseen``, the chance that something is there which these runs could not show.
+    the last rung; ``unseen``, the chance that something is there which these runs could not show;
+    ``cramped``, whether a number of an effect sits on its bound.
     """
 
     log_odds: float
@@ -140,6 +141,7 @@ class Grounds:
     baseline_over_floor: float
     by_chance: float
     unseen: float = 0.0
+    cramped: bool = False
 
     @property
     def more_than_noise(self) -> bool:

@@ -213,14 +213,22 @@ def explanation(
     last: Look,
     grounds: Grounds,
     limits: Sequence[Limit],
+    on_bounds: Sequence[str],
 ) -> tuple[str, ...]:
-    """What was found and, where something is left, what it looks like."""
+    """What was found and, where something is left, what it looks like; `on_bounds` are numbers of
+    effects that sit on their bounds."""
     lines = []
     if tuple(verdict) == ("none",):
         lines += _none(steps[0], last, grounds, limits)
     for before, after in pairwise(steps):
         lines.append(_fall(before, after))
-    if verdict[-1] == "unknown":
+    if on_bounds:
+        plural = "s" * (len(on_bounds) == 1)
+        lines.append(
+            f"{listed(on_bounds)} sit{plural} on the bound of what is possible: a law that the"
+            " library lacks may be what these runs show."
+        )
+    if verdict[-1] == "unknown" and steps[-1].above_floor:
         lines.append(
             f"The residual stays at {steps[-1].over_floor:.2f} times the floor and no effect of the"
             " library explains it:"
@@ -237,7 +245,7 @@ def explanation(
     for effect in steps[-1].rung.model.effects:
         if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
             lines.append(f"What to correct in campaign.toml: {remedy}.")
-    if verdict[-1] != "unknown" and len(steps) > 1:
+    if not steps[-1].above_floor and len(steps) > 1:
         lines.extend(caveats(steps[-1]))
         lines.append("Where the baseline failed:")
         lines.extend(describe(steps[0].comparison.breakdown))

@@ -14,6 +14,7 @@ from math import erf, exp, inf, log, prod, sqrt, tanh
 
 import numpy as np
 
+from wheelhop.diagnose.critic import cramped
 from wheelhop.diagnose.diagnosis import Diagnosis, Grounds, Limit, Step
 from wheelhop.diagnose.judge import (
     EXACT,
@@ -51,11 +52,14 @@ def conclude(
     showed, and the library."""
     angles = Angles(first.rung.fit, first.screened, first.candidates)
     accepted = steps[-1].added
-    verdict = (*accepted, "unknown") if steps[-1].above_floor else accepted or ("none",)
+    on_bounds = cramped(steps[-1])
+    left_over = steps[-1].above_floor or bool(on_bounds)
+    verdict = (*accepted, "unknown") if left_over else accepted or ("none",)
     shown = limits(last if last.screened else first, accepted)
     stands_on = replace(
         grounds(verdict, steps, first, last, stands, workshop.noise),
         unseen=unseen(_of_the_vehicle(shown, effects), len(effects)),
+        cramped=bool(on_bounds),
     )
     return Diagnosis(
         verdict=verdict,
@@ -64,7 +68,9 @@ def conclude(
         ranking=ranking(first, angles, effects, steps[0]),
         ladder=tuple(steps),
         next_run=_next_run(workshop, accepted, first, angles),
-        explanation=explanation(verdict, steps, last, stands_on, _of_the_vehicle(shown, effects)),
+        explanation=explanation(
+            verdict, steps, last, stands_on, _of_the_vehicle(shown, effects), on_bounds
+        ),
         limits=shown,
     )
 
@@ -101,6 +107,10 @@ whatever the evidence says."""
 
 STEADY = 0.3
 """So much of what speaks for an effect should be left without the run that speaks loudest."""
+
+AS_LIKELY = 0.5
+"""The chance that an effect is right whose number sits on its bound, if it is as likely that
+another law is what it stands in for."""
 
 UNKNOWN_SCALE = 0.3
 """Error over the floor, less one, at which "unknown" is two thirds sure: nearer to the floor an
@@ -154,7 +164,8 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
 
     Of an effect: how clearly it leads its best rival, times the chance that it does not hold at
     all; where something is left, times the chance that it is no stand-in (a wrong effect may
-    explain a part, hardly ever nearly everything), and less where a single run speaks for it. Of
+    explain a part, hardly ever nearly everything), less where a single run speaks for it, and where
+    a number of an effect sits on its bound, so that a law the library lacks is as likely. Of
     "none": how far the likeliest effect is from being accepted, whether noise alone leaves as much,
     and what these runs could have shown. Of "unknown": how far the residual is above the floor's
     own uncertainty.
@@ -170,7 +181,7 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     if "unknown" not in verdict:
         return sure
     steady = min(max(grounds.stability / STEADY, 0.0), 1.0)
-    return sure * steady * _no_stand_in(grounds)
+    return sure * steady * _no_stand_in(grounds) * (AS_LIKELY if grounds.cramped else 1.0)
 
 
 def _no_stand_in(grounds: Grounds) -> float:

@@ -31,7 +31,12 @@ def headline(diagnosis: Diagnosis) -> str:
     if not accepted:
         return "Something is missing, and no effect of the library explains it."
     sentences = [missing(accepted)]
-    if verdict[-1] == "unknown":
+    if diagnosis.grounds.cramped:
+        sentences.append(
+            "Yet that would have to be more than it can be: a law that the library lacks is as"
+            " likely."
+        )
+    elif verdict[-1] == "unknown":
         sentences.append("Something more is missing that no effect of the library explains.")
     return " ".join(sentences)
 
