@@ -250,7 +250,10 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "format": FORMAT,
         "verdict": list(diagnosis.verdict),
         "confidence": round(diagnosis.confidence, 4),
-        "grounds": {k: _number(v) for k, v in asdict(diagnosis.grounds).items()},
+        "grounds": {
+            k: v if isinstance(v, bool) else _number(v)
+            for k, v in asdict(diagnosis.grounds).items()
+        },
         "explanation": list(diagnosis.explanation),
         "floor": {
             "error": _number(floor.error),
