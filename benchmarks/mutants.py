@@ -42,7 +42,13 @@ PARTS = {
     "judge": Part(
         ("diagnose/judge.py",), ("tests/diagnose/test_judge.py", "tests/diagnose/test_rotate.py")
     ),
-    "fit": Part(("fit/*.py",), ("tests/fit", "tests/diagnose/test_judge.py")),
+    "fit": Part(
+        ("fit/*.py",),
+        (
+            *("tests/component/test_start.py", "tests/diagnose/test_judge.py"),
+            *("tests/diagnose/test_rotate.py", "tests/effects/test_roughness.py", "tests/fit"),
+        ),
+    ),
     "floor": Part(
         ("compare/floor.py",), ("tests/compare/test_floor.py", "tests/compare/test_scale_floor.py")
     ),

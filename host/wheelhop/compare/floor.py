@@ -102,11 +102,10 @@ def estimate_noise(records: Sequence[Record]) -> Array:
     on the measurements and on the residuals, which may be quieter; the smaller
     result counts. A vehicle that is never quiet anywhere gives too high a value.
     """
-    estimates = [
-        _quiet_level([part(record) for record in records], records)
-        for part in (_measured, _residual)
-    ]
-    return np.sqrt(np.fmin(*estimates))
+    heard = [record for record in records if record.predicted.any()]
+    measured = _quiet_level([(record.measured, record) for record in heard])
+    residual = _quiet_level([(record.residual, record) for record in heard])
+    return np.sqrt(np.fmin(measured, residual))
 
 
 def estimate_noise_between_samples(records: Sequence[Array], share: float) -> float:
@@ -126,18 +125,9 @@ def estimate_noise_between_samples(records: Sequence[Array], share: float) -> fl
     return float(np.sqrt(np.mean(np.quantile(pieces, QUIET_SHARE, axis=0)) / 70.0 * share))
 
 
-def _measured(record: Record) -> Array:
-    return record.measured
-
-
-def _residual(record: Record) -> Array:
-    return record.residual
-
-
-def _quiet_level(parts: Sequence[Array], records: Sequence[Record]) -> Array:
+def _quiet_level(signals: Sequence[tuple[Array, Record]]) -> Array:
     """Mean square in band (n_channels,) that the quietest parts of the spectra imply."""
-    pairs = [pair for pair in zip(parts, records, strict=True) if pair[1].predicted.any()]
-    levels = np.array([level for pair in pairs for level in _levels(*pair)])
+    levels = np.array([level for signal in signals for level in _levels(*signal)])
     with np.errstate(divide="ignore"):
         loudness = np.nanmean(np.log(levels), axis=1)
     chosen = np.argsort(loudness)[: max(1, round(QUIET_SHARE * len(levels)))]
