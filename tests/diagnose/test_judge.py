@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 from wheelhop.compare.band import InBand
 from wheelhop.diagnose.judge import (
-    AGREED,
     MATERIAL,
     Rung,
     at_noise,
@@ -28,7 +28,8 @@ from wheelhop.diagnose.judge import (
     relative_to_noise,
     unforeseen,
 )
-from wheelhop.fit import Fit, RunFit
+from wheelhop.fit import Fit, Free, RunFit
+from wheelhop.simulate import Model
 
 SAMPLES, RUNS = 1024, 6
 BAND = InBand(SAMPLES, 100.0, (0.5, 30.0))
@@ -223,16 +224,16 @@ def test_what_noise_hardly_leaves_it_may_leave_if_it_is_not_known_well():
     assert by_chance(left, 0.0, 0.0) == 1.0  # nothing is known of it
 
 
-@pytest.mark.parametrize("more", [0.0, 0.5 * AGREED, 1.5 * AGREED, 0.05])
+@pytest.mark.parametrize("more", [0.0, 0.005, 0.015, 0.05])
 @pytest.mark.parametrize("evidence", [-500.0, -1.0, 1.0, 500.0])
 def test_evidence_decides_between_models_that_leave_alike(more, evidence):
     """One leaves `more` of the same residual and has `evidence` for it, which counts as long as
-    the two leave alike, whichever is named first."""
+    the two leave alike, to a hundredth, whichever is named first."""
     signals = noise(np.random.default_rng(14))
     fit = rung([np.sqrt(1.0 + more) * s for s in signals], own=0).validation
     one = Rung(rung(signals, own=0).validation, None)
     other = Rung(replace(fit, log_volume=evidence), None)
-    expected = [other, one] if evidence > 0.0 and more <= AGREED else [one, other]
+    expected = [other, one] if evidence > 0.0 and more < 0.01 else [one, other]
     assert best_first([one, other], 1.0) == best_first([other, one], 1.0) == expected
 
 
@@ -324,6 +325,7 @@ def test_where_noise_ends_is_known_to_a_hair(sign):
 def test_excess_is_in_units_of_the_noise():
     assert excess(leaving(1.3), 1.0) == pytest.approx(0.3)
     assert excess(leaving(1.3, unit=2.0), 2.0) == pytest.approx(0.3)
+    assert excess(leaving(1.3), 0.0) == np.inf  # the noise is not known: any residual may be noise
 
 
 @pytest.mark.parametrize("allowed", [0.0, 1e-3])
@@ -354,3 +356,47 @@ def test_errors_are_of_the_runs_held_out_if_there_are_any():
     assert both.error == both.error_validate == both.error_judging == pytest.approx(0.2)
     assert both.error_fit == alone.error == alone.error_judging == pytest.approx(0.1)
     assert np.isnan(alone.error_validate)
+
+
+def test_evidence_of_runs_held_out_is_added_to_that_of_the_runs_fitted():
+    """The chain rule; where numbers that runs share moved on, that is the evidence that counts."""
+    fitted, held_out, moved = (replace(leaving(p).judging, log_volume=p) for p in (1.0, 2.0, 3.0))
+    assert Rung(fitted, None).evidence == fitted.evidence
+    assert Rung(fitted, held_out).evidence == fitted.evidence + held_out.evidence
+    assert Rung(fitted, held_out, moved).evidence == fitted.evidence + moved.evidence
+
+
+def test_a_model_knows_what_every_run_left_free():
+    fitted, held_out = (
+        replace(leaving(1.0).fit, model=Model({"x": x}, (), {name: {"start_m": x}}, {name: x}))
+        for name, x in (("fitted", 1.0), ("held out", 2.0))
+    )
+    assert Rung(fitted, None).model == fitted.model
+    both = Rung(fitted, held_out).model
+    assert both.values == {"x": 1.0}  # what runs share is as the fitted ones have it
+    assert both.runs == {"fitted": {"start_m": 1.0}, "held out": {"start_m": 2.0}}
+    assert both.heights == {"fitted": 1.0, "held out": 2.0}
+
+
+@pytest.mark.parametrize("known", [0.3, 3.0])
+def test_numbers_that_may_still_move_are_integrated_out(known):
+    """A shared number that the fitted runs tell to `known` of its scale: the odds are those of the
+    densities that the two models foresee for the data, the number's own spread in one of them."""
+    rng, size, sigma, scale, mean = np.random.default_rng(19), 200, 0.5, 4.0, 7.0
+    column = rng.normal(size=size)  # of the data per scale of the number
+    data = column * known * rng.normal() + sigma * rng.normal(size=size)
+    free, prior = Free("x", 0.0, np.inf, scale), 1.0 / known**2
+    precision = column @ column / sigma**2 + prior
+    best = column @ data / sigma**2 / precision
+
+    def of(value, residual, told):
+        run = RunFit(SimpleNamespace(size=size), (), residual, None, np.ones(size))
+        model = Model({"x": value}, ())
+        return Fit(model, (free,), (run,), np.array([[told]]), sigma, 0.0, 0.0)
+
+    before = of(mean, np.zeros(size), prior)
+    after = of(mean + scale * best, data - column * best, precision)
+    base, rival = Rung(before, of(mean, data, prior)), Rung(before, before, after)
+    spread = [sigma**2 * np.eye(size) + s * np.outer(column, column) for s in (0.0, known**2)]
+    plain, moving = (stats.multivariate_normal(cov=cov).logpdf(data) for cov in spread)
+    assert log_odds(base, rival, sigma) == pytest.approx(moving - plain, rel=1e-6)

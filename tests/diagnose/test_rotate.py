@@ -88,3 +88,19 @@ def test_fitted_runs_judge_where_few_are_held_out():
     alone = [Rung(fit_of(()), r.validation) for r in (base, rival)]
     assert p_value(log_odds(*alone), 27) > 0.05
     assert p_value(log_odds(base, rival), 27) < 1e-4
+
+
+@pytest.mark.parametrize(("blocks", "expected"), [(25, 0.0), (24, 40.0)])
+def test_half_a_second_less_and_the_fitted_runs_judge_too(blocks, expected):
+    """Nothing is gained on the run held out; in all of 80 half-seconds of the others the same is,
+    half of which counts."""
+    rng = np.random.default_rng(5)
+    signals = [rng.normal(size=(1024, 2)) for _ in range(4)]
+    (one,) = rung(signals[:1]).validation.runs
+    one.bench.run.time_s = np.array([0.0, 0.5 * blocks])
+    held_out = fit_of([one])
+    base, rival = (
+        Rung(rung([size * signal for signal in signals]).validation, held_out)
+        for size in (1.0, 0.5)
+    )
+    assert log_odds(base, rival) == pytest.approx(expected, rel=1e-9)
