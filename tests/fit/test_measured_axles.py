@@ -1,0 +1,93 @@
+"""What measured axles get wrong, and what the vehicle hands on of it to the body."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests import truth
+from tests.simulate.setup import ATV, CHANNELS, campaign_of
+from wheelhop.campaign import TrackSpec
+from wheelhop.fit import Workshop
+from wheelhop.fit.measured_axles import led_astray
+from wheelhop.simulate import Model, frequency_response
+
+SAMPLES, NOISE = 2048, 0.1
+SHARE = (30.0 - 0.5) / 50.0  # of white noise lies in band
+AXLES = [i for i, channel in enumerate(CHANNELS) if channel.is_axle]
+BODY = [i for i in range(8) if i not in AXLES]
+
+
+def campaign_with(record, channels=CHANNELS):
+    run = truth.Run(truth.Track("flat", {}), 4.0, 0.0, np.arange(SAMPLES) / 100.0)
+    campaign = campaign_of({"run": run}, {"run": record}, noise_rms=NOISE, channels=channels)
+    return replace(campaign, runs=(replace(campaign.runs[0], track=TrackSpec("unknown", {})),))
+
+
+def at_bench(record, channels=CHANNELS):
+    """A run of which nobody knows the track, and |H|² (f, body, axles)."""
+    model = Model(dict(ATV), (), {"run": {}})
+    workshop = Workshop(campaign_with(record, channels), model, jobs=1)
+    bench = workshop.benches["run"]
+    f = bench.band.frequency_hz
+    response = frequency_response(workshop.systems(model)["axles"], f)[:, bench.predicted]
+    return bench, np.abs(response / (2 * np.pi * f[:, None, None]) ** 2) ** 2
+
+
+def noise(seed):
+    """As much of it in band as is stated."""
+    return NOISE / np.sqrt(SHARE) * np.random.default_rng(seed).normal(size=(SAMPLES, 8))
+
+
+def added(bench):
+    """What axles add to the variance of each datum, in units of the sensors' (f, body): to its
+    real part as to its imaginary one."""
+    real, imaginary = np.split(bench.doubt[:, bench.predicted] ** 2 - 1.0, 2)
+    np.testing.assert_array_equal(real, imaginary)
+    return real
+
+
+def test_noise_of_axle_sensors_is_handed_on_to_the_body():
+    """Slowly moved, the body follows four axles in the three ways it has; fast, in hardly any."""
+    bench, handed_on = at_bench(noise(1))
+    found = added(bench)
+    assert found.mean() == pytest.approx(handed_on.sum(axis=2).mean(), rel=0.1)
+    assert found[0].sum() == pytest.approx(3.0, rel=0.3)
+    assert found[-1].sum() < 0.1
+
+
+def test_what_is_folded_into_axles_counts_with_the_square_of_its_size():
+    """Motion near half the sample rate, of which a part comes from beyond."""
+    rng = np.random.default_rng(2)
+    lines = np.fft.rfft(rng.normal(size=(SAMPLES, 8)), axis=0)
+    lines[np.fft.rfftfreq(SAMPLES, 0.01) < 25.0] = 0.0
+    motion, quiet = np.fft.irfft(lines, SAMPLES, axis=0), noise(3)
+    least = added(at_bench(quiet)[0]).mean()
+    once, twice = (added(at_bench(quiet + k * motion)[0]).mean() - least for k in (10.0, 20.0))
+    assert once > 100.0 * least
+    assert twice == pytest.approx(4.0 * once, rel=0.05)
+
+
+def test_channels_may_stand_in_any_order():
+    """Each axle is heard where it is, whichever column it has."""
+    record = noise(4) * np.linspace(1.0, 50.0, 8)
+    order = np.random.default_rng(5).permutation(8)
+    plain, mixed = (
+        at_bench(record[:, places], tuple(CHANNELS[i] for i in places))[0].doubt
+        for places in (np.arange(8), order)
+    )
+    np.testing.assert_allclose(mixed, plain[:, order], rtol=1e-9)
+
+
+def test_axles_are_led_astray_as_far_as_they_are_uncertain():
+    """By sensor noise where there is nothing else; the same each time, the body's records never."""
+    campaign = campaign_with(noise(6))
+    (run,) = campaign.runs
+    wrong = led_astray(campaign, run).record
+    np.testing.assert_array_equal(wrong, led_astray(campaign, run).record)
+    np.testing.assert_array_equal(wrong[:, BODY], run.record[:, BODY])
+    size = (wrong - run.record)[:, AXLES].std(axis=0)
+    np.testing.assert_allclose(size, NOISE / np.sqrt(SHARE), rtol=0.07)
+    other = led_astray(campaign, replace(run, id="other")).record
+    one, another = ((record - run.record)[:, AXLES].ravel() for record in (wrong, other))
+    assert abs(np.corrcoef(one, another)[0, 1]) < 0.1
