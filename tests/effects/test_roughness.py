@@ -157,6 +157,22 @@ def test_elimination_is_ridge_regression(ground, unevenness):
     assert heights.log_volume == pytest.approx(volume, rel=1e-4, abs=1e-2)
 
 
+@pytest.mark.parametrize("unevenness", [1e-16, 1e-8, 1e-7])
+def test_what_heights_leave_is_what_the_best_of_them_leave(ground, unevenness):
+    """Frequency by frequency, but for what leaks: of noise, and of what such heights do."""
+    start = Heights(ground, np.zeros(2 * ground.series.count, complex), np.ones(1), 1.0)
+    theta = {**THETA, "unevenness_m3": unevenness}
+    heights = start.believed(ROUGHNESS, theta, 0.4)
+    noise = np.random.default_rng(0).normal(size=ground.bench.size)
+    rough = ground.apply(heights_of(ground.series, theta=theta).reshape(-1, 1))[:, 0]
+    found = heights.freed(np.stack([noise, rough], axis=1))
+    for record, freed in zip((noise, rough), found.T, strict=True):
+        step = heights.step(ground.project(record[:, None])[:, 0])
+        left = record - ground.apply(step[:, None])[:, 0]
+        assert np.linalg.norm(freed - left) < 0.15 * np.linalg.norm(record)
+        assert np.linalg.norm(freed) == pytest.approx(np.linalg.norm(left), rel=0.15)
+
+
 def recorded(hidden, seed, noise=0.1, samples=1024):
     runs = {
         name: truth.Run(

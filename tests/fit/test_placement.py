@@ -6,7 +6,7 @@ import pytest
 from tests import truth
 from tests.simulate.setup import ATV, CHANNELS, campaign_of, model_of, simulated
 from wheelhop.campaign import TrackSpec
-from wheelhop.fit import find_start
+from wheelhop.fit import Workshop, find_start, seek_again
 
 TIME = np.arange(1024) / 100.0
 NOMINAL = 4.0
@@ -94,3 +94,58 @@ def test_a_standing_vehicle_has_no_start():
     campaign = campaign_of({"run": run}, nominal_m_s={"run": 0.0})
     model = model_of(ATV, {})
     assert find_start(campaign, campaign.runs[0], model, model.system(CHANNELS, "road")) == {}
+
+
+SWAPPED = {"effect": "sensor-polarity", "theta": {"wrong": 1.0}, "choice": "A1/B4"}
+
+
+def lost(track, actual, stated, fault=None):
+    """A run's bench, the model that is true but for where and how fast it drove, and what is sought
+    for either: first the true one."""
+    runs = {"run": truth.Run(track, actual["speed_m_s"], actual["start_m"], TIME)}
+    true = model_of(ATV, runs, **(fault or {}))
+    clean = simulated(campaign_of(runs), true)
+    campaign = campaign_of(runs, clean, nominal_m_s={"run": stated["speed_m_s"]}, noise_rms=0.1)
+    workshop = Workshop(campaign, true, jobs=1)
+    (bench,) = workshop.benches.values()
+    return [
+        seek_again(campaign, bench, model, workshop.systems(model))
+        for model in (true, true.with_run("run", stated))
+    ]
+
+
+@pytest.mark.parametrize("astray", [0.25, 0.5])
+@pytest.mark.parametrize(
+    ("kind", "speed_m_s", "stated_m_s"),
+    [("washboard", 3.83, 3.83), ("chassis-twist", 1.2, 1.2), ("chassis-twist", 1.2, 1.27)],
+)
+def test_a_run_that_is_lost_is_placed_by_the_whole_model(
+    kind, speed_m_s, stated_m_s, astray, monkeypatch
+):
+    """Somewhere on its waves; of long ones the speed is sought, too. One that stands where it
+    should is left alone. Nothing is found by the linear model."""
+    monkeypatch.setattr("wheelhop.fit.placement.find_start", lambda *given: {})
+    track = truth.Track(kind, PERIODIC[kind])
+    pitch, actual = track.metres("pitch"), {"speed_m_s": speed_m_s, "start_m": 36.87}
+    stated = {"speed_m_s": stated_m_s, "start_m": 36.87 + astray * pitch}
+    nothing, found = lost(track, actual, stated)
+    assert nothing == {}
+    apart = (found["start_m"] - 36.87) / pitch
+    assert abs(apart - round(apart)) < 0.1
+    assert found["speed_m_s"] == pytest.approx(speed_m_s, rel=0.015)
+
+
+@pytest.mark.parametrize("fault", [{}, SWAPPED], ids=["good sensors", "swapped sensors"])
+def test_faults_of_sensors_are_taken_out_before_a_bump_is_sought(fault):
+    track = truth.Track("half-sine-bump", ONCE["half-sine-bump left"])
+    nothing, found = lost(track, BUMP, {"speed_m_s": 3.83, "start_m": -5.0}, fault)
+    assert nothing == {}
+    assert found["start_m"] == pytest.approx(BUMP["start_m"], abs=0.05)
+
+
+def test_of_a_run_whose_start_is_not_free_none_is_sought():
+    runs = {"run": truth.Run(truth.Track("flat"), 1.0, 0.0, TIME)}
+    model = model_of(ATV, {}).with_run("run", {})
+    workshop = Workshop(campaign_of(runs), model, jobs=1)
+    (bench,) = workshop.benches.values()
+    assert seek_again(workshop.campaign, bench, model, workshop.systems(model)) == {}

@@ -100,7 +100,7 @@ class Ground:
     def _waves(self) -> list[ComplexArray]:
         """In-band coefficients (f, k) of exp(iκu)/2 along each side's way; one if both go alike."""
         sides = self._front.T
-        if np.allclose(sides[0], sides[1], rtol=0.0, atol=1e-9):
+        if np.array_equal(sides[0], sides[1]):
             sides = sides[:1]
         return [self._coefficients(np.exp(1j * np.outer(way, self._wave_number))) for way in sides]
 

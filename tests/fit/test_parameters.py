@@ -1,0 +1,168 @@
+"""What is free in a model, and what is believed of it before anything is fitted."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests import truth
+from tests.simulate.setup import ATV, EFFECTS, TIME, campaign_of, model_of
+from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.effects import RunSetting
+from wheelhop.fit import (
+    Free,
+    effect_parameters,
+    initial_model,
+    run_parameters,
+    vehicle_parameters,
+)
+from wheelhop.fit.belief import Belief
+from wheelhop.fit.bench import run_up
+from wheelhop.vehicle import Vehicle
+
+RUNS = {"run": truth.Run(truth.Track("flat", {}), 4.0, 0.0, TIME)}
+KNOWN_TO = {key: 0.1 * abs(value) for key, value in ATV.items()}
+VEHICLE = Vehicle("as stated", ATV, KNOWN_TO)
+
+
+def setting(on_road, on_rig=False):
+    return RunSetting("run", 4.0, -4.0, 0.0, 5.0, on_road, on_rig)
+
+
+def test_numbers_are_free_as_far_as_they_are_uncertain():
+    """What is known exactly is not; a mass stays positive, a place need not."""
+    sure = "body.mass_kg"
+    vehicle = replace(VEHICLE, uncertainty={**KNOWN_TO, sure: 0.0})
+    free = {f.name: f for f in vehicle_parameters(campaign_of(RUNS), vehicle)}
+    assert sure not in free and "suspension.front.stiffness_N_m" in free
+    for name, one in free.items():
+        assert one.mean == ATV[name]
+        assert one.sigma == one.scale == KNOWN_TO[name]
+        assert (
+            (one.lower == -np.inf) if name.endswith("x_m") else (0.0 < one.lower < 0.1 * ATV[name])
+        )
+        assert one.upper == np.inf
+
+
+def test_of_tracks_that_nobody_knows_wheels_learn_nothing():
+    campaign = campaign_of(RUNS)
+    unknown = replace(campaign.runs[0], track=TrackSpec("unknown", {}))
+    nowhere, mixed = ((unknown,), (unknown, *campaign.runs))
+    found = [
+        {f.name.split(".")[0] for f in vehicle_parameters(replace(campaign, runs=runs), VEHICLE)}
+        for runs in (nowhere, mixed)
+    ]
+    assert "wheel" not in found[0] and "wheel" in found[1]
+
+
+def test_a_sensor_somewhere_on_the_body_is_within_its_wheels():
+    """It begins at the centre of mass; its gain and corner are as its calibration says."""
+    channel = Channel("C", "body", gain_uncertainty=0.02, corner_uncertainty=0.1)
+    campaign = replace(campaign_of(RUNS, channels=(channel,)), channels=(channel,))
+    free = {
+        f.name: f for f in vehicle_parameters(campaign, VEHICLE) if f.name.startswith("channel")
+    }
+    length, width = ATV["geometry.wheelbase_m"], ATV["geometry.track_width_m"]
+    assert {name: f.sigma for name, f in free.items()} == pytest.approx(
+        {
+            "channel.C.x_m": length / 4,
+            "channel.C.y_m": width / 4,
+            "channel.C.gain": 0.02,
+            "channel.C.corner": 0.1,
+        }
+    )
+    assert all(f.mean == 0.0 and f.scale == f.sigma for f in free.values())
+    assert all(-1.0 < free[f"channel.C.{what}"].lower < 0.0 for what in ("gain", "corner"))
+    begun = initial_model(campaign, VEHICLE).values
+    assert {name: begun[name] for name in free} == dict.fromkeys(free, 0.0)
+    bare = Channel("C", "B1")
+    sure = replace(campaign, channels=(bare,))
+    assert not any(f.name.startswith("channel") for f in vehicle_parameters(sure, VEHICLE))
+
+
+def test_a_driver_holds_the_speed_within_a_tenth_nine_times_of_ten():
+    """Where on the track a run begins nobody knows; one that stands leaves nothing free."""
+    (run,) = campaign_of(RUNS).runs
+    speed, start = run_parameters(run, setting(on_road=True), model_of(ATV, {}))
+    assert (speed.name, start.name) == ("speed_m_s", "start_m")
+    assert speed.mean == 4.0 and 1.5 < 0.1 * speed.mean / speed.sigma < 2.0
+    assert speed.lower == 0.0 and start.mean == 0.0 and start.sigma == np.inf
+    standing = replace(run, speed_m_s=0.0)
+    assert run_parameters(standing, setting(on_road=True), model_of(ATV, {})) == []
+    assert run_parameters(run, setting(False, on_rig=True), model_of(ATV, {})) == []
+
+
+def test_measured_axles_leave_the_body_free_to_move_when_the_record_begins():
+    """By centimetres, and as fast as such motion is at 1.6 Hz: ten times as much per second."""
+    (run,) = campaign_of(RUNS).runs
+    free = run_parameters(run, setting(on_road=False), model_of(ATV, {}))
+    ways = {f.name: f.sigma for f in free if not f.name.endswith("_rate")}
+    rates = {f.name.removesuffix("_rate"): f.sigma for f in free if f.name.endswith("_rate")}
+    assert set(ways) == {"initial_heave", "initial_pitch", "initial_roll"} == set(rates)
+    assert all(0.01 <= size < 0.03 and rates[name] == 10.0 * size for name, size in ways.items())
+    assert all(f.mean == 0.0 and f.scale == f.sigma for f in free)
+
+
+def test_of_an_amplitude_nothing_is_believed_of_a_shape_its_scale():
+    """A switch is thrown by nobody, heights of a density are found elsewhere."""
+    effect = EFFECTS["digressive-damper"]
+    parameters = effect.parameters_for(ATV, ())
+    free = {f.name: f for f in effect_parameters(parameters, model_of(ATV, {}), effect)}
+    assert len(free) == len([p for p in parameters if not p.switch]) > 0
+    for p in parameters:
+        one = free[f"{effect.id}.{p.name}"]
+        assert one.sigma == (p.scale if p.is_shape else np.inf) and one.scale == p.scale
+        assert one.is_shape is p.is_shape and (one.lower, one.upper) == (p.lower, p.upper)
+    rough = EFFECTS["small-scale-roughness"]
+    assert effect_parameters(rough.parameters_for(ATV, ()), model_of(ATV, {}), rough) == []
+
+
+NUMBERS = (Free("a", 3.0, 0.5, 2.0), Free("b", -1.0, np.inf, 0.1))
+
+
+@given(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
+def test_a_belief_is_as_far_away_as_standard_deviations_say(a, b):
+    """Nothing is believed of b; what is not stated is where it is believed to be."""
+    belief = Belief.of(NUMBERS)
+    values = {"a": a, "b": b}
+    assert belief.distance(values) == pytest.approx(((a - 3.0) / 0.5) ** 2)
+    assert belief.distance({"b": b}) == 0.0
+    # Half the negative gradient, per scale: −(a − 3) scale / sigma².
+    assert belief.pull(values) == pytest.approx([-(a - 3.0) * 2.0 / 0.5**2, 0.0])
+
+
+def test_the_volume_of_a_belief_is_finite_though_nothing_is_believed():
+    """As of two scales; a fit's posterior has the determinant it has."""
+    assert Belief.of(NUMBERS).log_precision == pytest.approx(np.log((2.0 / 0.5) ** 2 / 4.0))
+    precision = np.array([[5.0, 1.0], [1.0, 2.0]])
+    after = Belief.after(NUMBERS, {"a": 4.0, "b": 0.0}, precision)
+    assert after.log_precision == pytest.approx(np.log(9.0))
+    step = np.array([1.0, -3.0])  # of each one's scale
+    away = {"a": 4.0 + 2.0 * step[0], "b": 0.1 * step[1]}
+    assert after.distance(away) == pytest.approx(step @ precision @ step)
+    assert after.pull(away) == pytest.approx(-precision @ step)
+
+
+@pytest.mark.parametrize(
+    ("decays_per_s", "seconds"),
+    [
+        ((2.0,), 3.5),
+        ((2.0, 4.0), 3.5),
+        ((4.0, 2.0), 3.5),
+        ((100.0,), 1.5),
+        ((0.1,), 6.0),
+        ((0.0,), 6.0),
+    ],
+)
+def test_a_run_up_lasts_until_a_thousandth_is_left(decays_per_s, seconds):
+    """Seven of the slowest time constants, but neither a moment nor a minute."""
+    systems = {
+        str(i): SimpleNamespace(
+            poles=lambda decay=decay: np.array([-decay + 9j, -decay - 9j, -50.0])
+        )
+        for i, decay in enumerate(decays_per_s)
+    }
+    assert run_up(systems) == pytest.approx(seconds)
