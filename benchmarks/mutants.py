@@ -37,7 +37,10 @@ class Part:
 PARTS = {
     "formats": Part(
         ("formats/*.py", "files/units.py"),
-        ("tests/files/test_units.py", "tests/campaign/test_mistakes.py", "tests/formats"),
+        (
+            *("tests/files/test_units.py", "tests/api/test_frames.py"),
+            *("tests/campaign/test_mistakes.py", "tests/formats"),
+        ),
     ),
     "judge": Part(
         ("diagnose/judge.py",), ("tests/diagnose/test_judge.py", "tests/diagnose/test_rotate.py")

@@ -88,6 +88,7 @@ def test_without_a_column_of_time_the_mapping_gives_the_rate(tmp_path):
     path = save(tmp_path, "run.txt", "1,5 2\n2,5 3\n4 5\n")
     found = read(path, Map(separator=None, decimal=",", header_row=0, rate_hz=50.0))
     assert found.rate_hz == 50.0 and found.values.tolist() == [[1.5, 2], [2.5, 3], [4, 5]]
+    assert found.start_s == 0.0  # nothing is said of another instant
     with pytest.raises(ExchangeError, match="has no time: give time or rate_hz"):
         read(path, Map(separator=None, decimal=",", header_row=0))
 
@@ -129,6 +130,9 @@ def test_what_is_wrong_is_found_by_its_line(text, line, tmp_path):
         ("format = 1\n[[channel]]\nname = 'A1'", r"\[\[channel\]\] 1: column is missing"),
         ("format = 1\n[[channel]]\ncolumn = 1\nscale = 'g'", "1: scale must be a number"),
         ("format = 1\nchannel = 3", r"begin each channel with \[\[channel\]\]"),
+        ("format = 1\n[[channel]]\ncolumn = 1\noffset = inf", "1: offset must be a finite number"),
+        ("format = 1\n[[channel]]\ncolumn = 1\noffset = nan", "1: offset must be a finite number"),
+        (f"format = 1\nrate_hz = 1{'0' * 400}", "rate_hz must be a finite number"),
         ("format = ", "not valid TOML"),
     ],
 )

@@ -1,5 +1,6 @@
 """Binary and LabVIEW files of other programs beside what they must give, and ours before theirs."""
 
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from tests.formats.foreign import LVM, ONE, G, save
 from tests.formats.recordings import recording
 from wheelhop.formats import ExchangeError, Map, read, write
+from wheelhop.logger.recording import Channel
 
 
 def test_lvm_with_one_x_column_takes_the_exact_step(tmp_path):
@@ -20,6 +22,15 @@ def test_lvm_with_one_x_column_takes_the_exact_step(tmp_path):
         ("Aufbau", "V", ""),
     ]
     assert found.notes["operator"] == "somebody" and found.notes["date"] == "2024/02/19"
+
+
+def test_lvm_has_its_time_in_the_first_column_whatever_that_is_called(tmp_path):
+    """With a step that is not known, as others write it."""
+    text = LVM.format(x_columns="One") + ONE.format(second=40.0).replace("40.", "40,")
+    text = text.replace("X_Value\tA1", "Zeit\tA1").replace("7,812500E-3", "0,000000E0")
+    found = read(save(tmp_path, "run.lvm", text))
+    assert found.rate_hz == pytest.approx(128.0, rel=1e-4)
+    assert [channel.name for channel in found.channels] == ["A1", "Aufbau"]
 
 
 def test_lvm_segments_are_joined_by_their_clock(tmp_path):
@@ -151,6 +162,25 @@ def test_uff_of_others_in_text(tmp_path):
     again = [*sets, function(5, 3, 0.0, [9, 9])]
     pyuff.UFF(str(path)).write_sets(again, mode="overwrite")
     assert read(path, Map(group="2")).values == pytest.approx(np.array([[9], [9]]) * G)
+
+
+def test_uff_says_where_a_sensor_points_and_what_it_measures(tmp_path):
+    """Codes of directions and of the quantity: SDRC's description of dataset 58, records 6 and
+    9."""
+    pyuff = pytest.importorskip("pyuff")
+    path, coded = tmp_path / "codes.uff", {1: "+X", 2: "+Y", 3: "+Z", -1: "-X", -2: "-Y", -3: "-Z"}
+    same = {"type": 58, "binary": 0, "func_type": 1, "id1": "NONE", "rsp_node": 5, "ref_node": 0}
+    same |= {"ref_dir": 0, "abscissa_spacing": 1, "x": np.arange(3) / 256, "data": np.arange(3.0)}
+    same |= {"ordinate_axis_units_lab": "g"}
+    same |= {"orddenom_spec_data_type": 0, "z_axis_spec_data_type": 0}
+    pyuff.UFF(str(path)).write_sets([same | {"rsp_dir": code} for code in coded], mode="overwrite")
+    assert [c.name for c in read(path).channels] == [f"5{axis}" for axis in coded.values()]
+    quantities = {"m": 8, "m/s": 11, "m/s²": 12, "N": 13}
+    channels = tuple(Channel(f"c{code}", unit) for unit, code in quantities.items())
+    write(replace(recording(channels=4, gaps=()), channels=channels), tmp_path / "quantities.uff")
+    written = pyuff.UFF(str(tmp_path / "quantities.uff")).read_sets()
+    found = [s["ordinate_spec_data_type"] for s in written if s["type"] == 58]
+    assert found == list(quantities.values())
 
 
 def test_uff_with_uneven_abscissas_is_laid_on_a_grid(tmp_path):

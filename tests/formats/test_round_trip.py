@@ -39,6 +39,16 @@ def test_the_header_comes_back_as_it_was(original):
     assert_same(header.with_values(original.values), original)
 
 
+def test_a_header_may_be_of_no_samples_but_not_of_fewer():
+    empty = recording(rows=0, gaps=())
+    text = to_text(empty)
+    header = from_text(text, Path("x.toml"))
+    assert header.rows == 0
+    assert_same(header.with_values(empty.values), empty)
+    with pytest.raises(ExchangeError, match="rows must be the number of samples"):
+        from_text(text.replace("rows = 0", "rows = -1"), Path("x.toml"))
+
+
 def test_from_format_to_format_nothing_is_lost(tmp_path):
     original = recording()
     before = original

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,6 +15,8 @@ SEPARATORS = {"tab": "\t", "space": None, ",": ",", ";": ";", "|": "|", "\t": "\
 """None: any run of blanks."""
 CLOCK = "clock"
 """As `time_unit`: stamps are dates or times of day, 2026-05-01 12:34:56.789 or 12:34:56.789."""
+LARGEST = 1e300
+"""What is larger overflows where it is multiplied."""
 KEYS = (
     *("format", "separator", "decimal", "encoding", "header_row", "units_row", "first_row"),
     *("time", "time_unit", "rate_hz", "group", "channel"),
@@ -172,6 +173,6 @@ class _Keys:
         value = self.values.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ExchangeError(f"{self.place}{key} must be a number")
-        if not abs(value) < math.inf or abs(value) > 1e300:
+        if not abs(value) <= LARGEST:
             raise ExchangeError(f"{self.place}{key} must be a finite number")
         return float(value)
