@@ -167,6 +167,31 @@ def test_what_is_no_line_of_text_is_no_title(title, tmp_path):
     assert not (tmp_path / "c").exists()
 
 
+def test_an_interruption_before_anyone_listens_is_one_line(monkeypatch, capsys):
+    def strike(interrupts):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("wheelhop.cli.main._listen", strike)
+    assert main(["version"]) == 130
+    assert capsys.readouterr().err == "wheelhop: interrupted\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
+def test_an_interruption_where_nothing_can_be_raised_is_not_lost():
+    """A compiler calls back while it works; what is raised there goes nowhere."""
+    code = (
+        "import os, signal, sys, time\n"
+        "from ctypes import CFUNCTYPE\n"
+        "import wheelhop.cli.main as command\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "def strike(): os.kill(os.getpid(), signal.SIGINT); time.sleep(0.01)\n"
+        "command._run = lambda words: (CFUNCTYPE(None)(strike)(), time.sleep(5))\n"
+        "sys.exit(command.main([]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "wheelhop: interrupted\n")
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
 @pytest.mark.parametrize("after_s", [0.15, 0.4, 0.8])
 def test_an_interruption_anywhere_is_one_line(after_s):

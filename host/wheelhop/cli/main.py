@@ -13,19 +13,22 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Sequence
+    from sys import UnraisableHookArgs
     from types import FrameType
 
 BAD_INPUT = 2
 INTERRUPTED = 130
 COMPUTING = ("compare", "diagnose", "law", "add", "demo", "simulate", "plan")
 BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
+STRIKES_AGAIN_S = 0.1
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit status is 0, 2 for bad input, 130 when interrupted."""
     interrupts: list[int] = []
-    listening = _listen(interrupts)
+    listening = False
     try:
+        listening = _listen(interrupts)
         return _run(argv)
     except BaseException as error:
         # What Ctrl-C strikes may turn it into something else: a class body into a RuntimeError.
@@ -41,10 +44,18 @@ def _listen(interrupts: list[int]) -> bool:
     """Note every Ctrl-C, which raises KeyboardInterrupt as ever; whether that is for us to do."""
     import signal
     import threading
+    from _thread import interrupt_main
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         interrupts.append(number)
         raise KeyboardInterrupt
+
+    def once_more(lost: UnraisableHookArgs) -> None:
+        # In a callback of the compiler, say, nothing can be raised: it strikes again right after.
+        if issubclass(lost.exc_type, KeyboardInterrupt):
+            threading.Timer(STRIKES_AGAIN_S, interrupt_main).start()
+        else:
+            sys.__unraisablehook__(lost)
 
     ours = (
         threading.current_thread() is threading.main_thread()
@@ -52,6 +63,7 @@ def _listen(interrupts: list[int]) -> bool:
     )
     if ours:
         signal.signal(signal.SIGINT, interrupt)
+        sys.unraisablehook = once_more
     return ours
 
 
@@ -61,6 +73,7 @@ def _listen_no_more(interrupts: list[int]) -> None:
     # The threads that compute finish what they are at; a second Ctrl-C does not wait for that.
     after = signal.SIG_DFL if interrupts else signal.default_int_handler
     signal.signal(signal.SIGINT, after)
+    sys.unraisablehook = sys.__unraisablehook__
 
 
 def _run(argv: Sequence[str] | None) -> int:
