@@ -1,5 +1,6 @@
 """Sweeps: every combination once, whatever ends the program in between."""
 
+import contextlib
 import json
 import os
 import signal
@@ -169,3 +170,57 @@ def test_killed_it_goes_on_and_computes_nothing_twice(tmp_path):
     for line in finished:
         assert rows[line["point"]] == line["rows"][0]
     assert not journal.exists()
+
+
+SLOW = """
+import sys, time
+from pathlib import Path
+from wheelhop.predict.journal import run_sweep
+from wheelhop.predict.workers import workers
+
+
+class Slow:
+    things, fingerprint = "points", "slow"
+
+    def __len__(self):
+        return 5
+
+    def rows(self, number):
+        print("begun", flush=True)
+        time.sleep(60)
+
+
+if __name__ == "__main__":
+    try:
+        with workers(2) as executor:
+            print("starting", flush=True)
+            run_sweep(Slow(), Path("t.parquet"), executor)
+    except KeyboardInterrupt:
+        sys.exit(130)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.parametrize("word", ["starting", "begun"])
+def test_an_interruption_ends_workers_at_once_and_they_say_nothing(word, tmp_path):
+    """A terminal sends it to all of them, which may just be starting."""
+    (tmp_path / "slow.py").write_text(SLOW)
+    with subprocess.Popen(
+        [sys.executable, "slow.py"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:
+        while process.stdout.readline() != f"{word}\n":
+            pass
+        time.sleep(0.5)
+        os.killpg(process.pid, signal.SIGINT)
+        try:
+            _, err = process.communicate(timeout=20)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+    assert (process.returncode, err) == (130, "")

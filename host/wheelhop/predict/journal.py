@@ -20,6 +20,7 @@ import pyarrow.parquet as pq
 from wheelhop.campaign import CampaignError
 from wheelhop.files import check_target, claimed, replacing, sync_folder
 from wheelhop.predict.sweep import Row
+from wheelhop.predict.workers import Workers
 
 SWEEP = b"wheelhop.sweep"
 """Under which key the table's metadata hold the sweep's fingerprint."""
@@ -78,8 +79,9 @@ def run_sweep(
                     " perhaps: the same command goes on from here; --jobs 1 takes less"
                 ) from None
             except BaseException:
-                for future in futures:
-                    future.cancel()
+                if not isinstance(executor, Workers):  # those end where their block does
+                    for future in futures:
+                        future.cancel()
                 raise
         rows = [row for number in range(len(sweep)) for row in done[number]]
         _write_table(table, rows, mark)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager, suppress
 from importlib import import_module
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from threading import Thread
 from typing import Any
 
@@ -19,9 +21,35 @@ ANSWERS_S = 10.0
 """So long a cluster has to answer."""
 
 
-def workers(jobs: int | None = None) -> ProcessPoolExecutor:
-    """One process for each processor, started afresh, as threads do not survive a fork."""
-    return ProcessPoolExecutor(jobs or processors(), get_context("spawn"), _end_with_parent)
+class Workers(ProcessPoolExecutor):
+    """Processes of this machine, started afresh, as threads do not survive a fork. Where the block
+    they work for fails, and where this process is killed, they end at once."""
+
+    def __init__(self, jobs: int) -> None:
+        context = get_context("spawn")
+        watched, self._held = context.Pipe(duplex=False)
+        super().__init__(jobs, context, _end_with, (watched,))
+
+    def submit(self, *work: Any, **options: Any) -> Future[Any]:
+        """As any executor. A Ctrl-C is the parent's alone, also while a process starts."""
+        if sys.platform == "win32":
+            return super().submit(*work, **options)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            return super().submit(*work, **options)  # a process it starts inherits the mask
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    def __exit__(self, kind: type[BaseException] | None, *what: Any) -> None:
+        """Wait for the work, unless the block has failed."""
+        if kind is not None:
+            self._held.close()
+        super().__exit__(kind, *what)
+
+
+def workers(jobs: int | None = None) -> Workers:
+    """One process for each processor."""
+    return Workers(jobs or processors())
 
 
 @contextmanager
@@ -59,15 +87,13 @@ def cluster(address: str) -> Iterator[Executor]:
             ) from None
 
 
-def _end_with_parent() -> None:
-    """A parent that is killed cannot end its workers: they watch for it themselves. Ctrl-C is the
-    parent's alone."""
+def _end_with(watched: Connection) -> None:
+    """Nobody else ends a worker whose parent was killed: it watches for the pipe to be closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = parent_process()
-    if parent is not None:
 
-        def watch() -> None:
-            parent.join()
-            os._exit(1)
+    def watch() -> None:
+        with suppress(EOFError, OSError):
+            watched.recv()
+        os._exit(1)
 
-        Thread(target=watch, daemon=True).start()
+    Thread(target=watch, daemon=True).start()
