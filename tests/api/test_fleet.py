@@ -10,7 +10,7 @@ import pytest
 
 from tests.report.small import write_small_campaign
 from wheelhop.api import fleet as fleet_module
-from wheelhop.api.fleet import diagnose_fleet
+from wheelhop.api.fleet import Fleet, diagnose_fleet
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.cli.main import main
 
@@ -86,6 +86,28 @@ def test_it_goes_on_where_it_was_and_not_with_files_that_changed(folders, tmp_pa
     with ThreadPoolExecutor(1) as pool:
         assert len(diagnose_fleet(chosen, table, executor=pool)) == 2
     assert done == chosen
+
+
+@pytest.mark.parametrize("changed", ["car.toml", "parts/frame.toml", "parts/frame.bdf", "slow.csv"])
+def test_whatever_a_campaign_is_made_of_counts_under_any_name(changed, tmp_path):
+    files = {
+        "campaign.toml": 'vehicle = "car.toml"\nfile = "slow.csv"\n',
+        "car.toml": "name = 'the driver's'\n[frame]\nfile = \"parts/frame.toml\"\n",
+        "parts/frame.toml": "bdf = 'frame.bdf'\n",
+        "parts/frame.bdf": "GRID\n",
+        "slow.csv": "time_s,B1\n",
+        "model.toml": "what was found\n",
+        "report.html": "car.toml\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    before = Fleet((tmp_path,)).fingerprint
+    for name in ("model.toml", "report.html"):
+        (tmp_path / name).write_text("another")
+    assert Fleet((tmp_path,)).fingerprint == before
+    (tmp_path / changed).write_text(files[changed] + "more\n")
+    assert Fleet((tmp_path,)).fingerprint != before
 
 
 def test_a_crash_of_one_does_not_stop_the_others(folders, tmp_path, monkeypatch):

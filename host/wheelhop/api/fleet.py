@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import time
 from collections.abc import Sequence
 from concurrent.futures import Executor
@@ -14,6 +15,7 @@ from pathlib import Path
 
 from wheelhop.api.verbs import diagnose
 from wheelhop.campaign import CampaignError
+from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.diagnose import Progress
 from wheelhop.files import InputError
 from wheelhop.fit.bench import processors
@@ -23,6 +25,7 @@ from wheelhop.predict.workers import workers
 
 TOGETHER = " + "
 """Between the effects of a verdict."""
+BEGIN_WITH = ("campaign.toml", CONSTANTS_FILE)
 
 
 @dataclass(frozen=True)
@@ -135,10 +138,18 @@ def diagnose_fleet(
 
 
 def _digests(folder: Path) -> list[str]:
-    """Of the files a campaign is made of; what wheelhop writes into the folder does not count."""
-    files = [folder / name for name in ("campaign.toml", "vehicle.toml", "calibration.toml")]
-    files += sorted(path for path in (folder / "runs").rglob("*"))
-    return [f"{path.name} {_digest(path)}" for path in files if path.is_file()]
+    """Of the files that campaign.toml names, and those that these name in turn; what wheelhop
+    writes into the folder does not count."""
+    there = sorted(path for path in folder.rglob("*") if path.is_file())
+    new = [path for path in there if path.name in BEGIN_WITH and path.parent == folder]
+    found: list[Path] = []
+    while new:
+        file = new.pop()
+        found.append(file)
+        if file.suffix == ".toml":
+            names = set(re.split(r"[\"'/\\]", file.read_text(encoding="utf-8", errors="replace")))
+            new += [p for p in there if p.name in names and p not in (*found, *new)]
+    return [f"{path.relative_to(folder)} {_digest(path)}" for path in sorted(found)]
 
 
 def _digest(path: Path) -> str:
