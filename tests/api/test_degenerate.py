@@ -40,8 +40,7 @@ def test_every_table_of_a_degenerate_comparison(folder, name, seed):
     assert set(result.residuals("run").index.get_level_values("channel")) == channels
 
 
-def test_a_figure_of_a_diagnosis_is_of_the_channel_it_names(folder):
-    """The gate leaves out a sensor that rests; those behind it keep their names."""
+def kill_b1(folder):
     for file in (folder / "runs").glob("*.csv"):
         head, *rows = file.read_text().splitlines()
         column = head.split(",").index("B1")
@@ -49,9 +48,41 @@ def test_a_figure_of_a_diagnosis_is_of_the_channel_it_names(folder):
         file.write_text(
             "\n".join([head, *(",".join([*c[:column], "0", *c[column + 1 :]]) for c in cells)])
         )
+
+
+def test_a_figure_of_a_diagnosis_is_of_the_channel_it_names(folder):
+    """The gate leaves out a sensor that rests; those behind it keep their names."""
+    kill_b1(folder)
     found = wh.diagnose(folder, effects={"dry-friction": wh.load_effects()["dry-friction"]})
     assert [c.name for c in found.campaign.channels] == list(found.comparison.channels)
     assert "B1" not in found.comparison.channels
+
+
+def test_what_is_stored_is_what_was_compared_without_the_dead_sensor(folder, capsys):
+    kill_b1(folder)
+    compared = wh.compare(folder, "dry-friction")
+    added = wh.add(folder, "dry-friction")
+    assert added.parameters().equals(compared.parameters())
+    assert [f.about for f in added.findings] == [f.about for f in compared.findings] != []
+    assert main(["add", str(folder), "dry-friction"]) == 0
+    assert "left out: the channel B1" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_law_is_looked_for_without_the_dead_sensor(folder, monkeypatch):
+    kill_b1(folder)
+
+    def look(campaign, *given):
+        assert "B1" not in [channel.name for channel in campaign.channels]
+        raise wh.CampaignError("looked")
+
+    monkeypatch.setattr("wheelhop.cli.law.find_law", look)
+    assert main(["law", str(folder)]) == 2
+
+
+def test_sensors_are_not_called_sound_where_one_was_left_out(folder, capsys):
+    kill_b1(folder)
+    assert main(["compare", str(folder)]) == 0
+    assert "nothing found wrong" not in capsys.readouterr().out
 
 
 def all_zero(folder):

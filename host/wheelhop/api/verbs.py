@@ -10,7 +10,6 @@ from threadpoolctl import threadpool_limits
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
-from wheelhop.campaign.thin import thinned
 from wheelhop.diagnose import Baseline, Progress, Step, axle_driven, fit_baseline
 from wheelhop.diagnose.ladder import diagnose_gated, fit_with, steps_with
 from wheelhop.diagnose.look import steps_of
@@ -198,13 +197,14 @@ def add(
         As for `compare`; then model.toml is as it was.
     """
     library = _library(effects)
-    campaign = thinned(_campaign(campaign))
+    campaign = _campaign(campaign)
     vehicle = vehicle or read_nominal(campaign)
-    chosen = pick(names, {**library, **beliefs(campaign, vehicle)})
+    gated = gate(campaign, vehicle)
+    chosen = pick(names, {**library, **beliefs(gated.campaign, vehicle)})
     with threadpool_limits(ONE_EACH):
-        base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress)
+        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
         steps = tuple(steps_of(base.workshop, fit_with(base, chosen, progress)))
-    result = ComparisonResult(campaign, vehicle, steps, (), base.workshop)
+    result = ComparisonResult(gated.campaign, vehicle, steps, gated.findings, base.workshop)
     result.write_model(campaign.folder / MODEL_FILE)
     return result
 

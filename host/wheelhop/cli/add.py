@@ -7,7 +7,7 @@ from argparse import Namespace
 from wheelhop.api import MODEL_FILE, add
 from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
-from wheelhop.cli.show import print_ladder, print_parameters
+from wheelhop.cli.show import print_findings, print_ladder, print_parameters
 
 
 def run(arguments: Namespace) -> int:
@@ -20,6 +20,7 @@ def run(arguments: Namespace) -> int:
             progress=progress,
         )
     console = open_console()
+    print_findings(result.findings, console)
     print_ladder(result.steps, console)
     print_parameters(result.last, console)
     console.print(f"stored in {arguments.campaign / MODEL_FILE}", markup=False)

@@ -8,11 +8,12 @@ from typing import Any
 from rich.console import Console
 
 from wheelhop.campaign import CampaignError, read_campaign
-from wheelhop.campaign.thin import thinned
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
+from wheelhop.cli.show import print_findings
 from wheelhop.effects import load_effects, pick
 from wheelhop.files import write_text
+from wheelhop.gate import gate
 from wheelhop.law import Formula, Found, find_law, look, source_of
 from wheelhop.report.law import amplitudes, law_lines, rivals, shapes, write_law_figure
 from wheelhop.report.law_page import write_law_report
@@ -27,11 +28,14 @@ def run(arguments: Namespace) -> int:
     accepted = pick(arguments.accepted, library)
     if arguments.save and arguments.save.suffix != ".py":
         raise CampaignError(f"{arguments.save}: an effect is a Python file; end its name in .py")
-    campaign = thinned(read_campaign(arguments.campaign))
+    campaign = read_campaign(arguments.campaign)
     vehicle = read_nominal(campaign)
+    gated = gate(campaign, vehicle)
+    campaign = gated.campaign
     with stages() as progress:
         found = find_law(campaign, vehicle, accepted, list(library.values()), progress)
     console = open_console()
+    print_findings(gated.findings, console)
     print_law(found, console)
     if arguments.json:
         write_json(arguments.json, to_json(found))
