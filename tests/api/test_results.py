@@ -18,10 +18,10 @@ SHORT = 300  # characters
 def test_everything_prints_in_a_line_or_few(campaign, fitted, found):
     things = [campaign, campaign.runs[0], wh.read_vehicle(campaign), fitted, found, fitted.last]
     things += [fitted.comparison, found.diagnosis, fitted.model]
-    things += [campaign.recording(campaign.runs[0].id)]
+    things += [campaign.recording(campaign.runs[0].id), *wh.load_effects().values()]
     for thing in things:
         assert len(repr(thing)) < SHORT and "\n" not in repr(thing)
-        assert "array(" not in repr(thing)
+        assert "array(" not in repr(thing) and "object at 0x" not in repr(thing)
 
 
 def test_titles_cannot_break_the_page_or_the_line(campaign):

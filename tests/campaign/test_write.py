@@ -61,6 +61,13 @@ def test_a_campaign_of_two_runs_reads_back(folder):
     assert read_nominal(campaign)["body.mass_kg"] > 0
 
 
+def test_folders_and_files_may_be_names(folder):
+    second = str(folder.with_name("second"))
+    new_campaign(second, "second", recording_of(), {}, str(folder / "vehicle.toml"))
+    assert add_run(second, recording_of(), run_of()) == Path(second, "runs", "slow.csv")
+    assert [run.id for run in read_campaign(second).runs] == ["slow"]
+
+
 @pytest.mark.parametrize("inside", ["mount.toml", "specimens/mount.toml"])
 def test_the_specimen_a_vehicle_stands_on_comes_along(tmp_path, folder, inside):
     there = tmp_path / "other"

@@ -110,12 +110,12 @@ class NewRun:
 
 
 def new_campaign(
-    folder: Path,
+    folder: str | Path,
     title: str,
     like: Recording,
     places: Mapping[str, str | Sequence[float]],
-    vehicle: Path | None = None,
-    constants: Path | None = None,
+    vehicle: str | Path | None = None,
+    constants: str | Path | None = None,
     noise_rms: float | None = None,
 ) -> None:
     """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
@@ -129,6 +129,7 @@ def new_campaign(
     """
     if not title.strip() or not title.isprintable() or len(title) > LONGEST_TEXT:
         raise CampaignError(f"title {title[:40]!r}: give a line of text with --title")
+    folder = Path(folder)
     file, target = folder / "campaign.toml", folder / "vehicle.toml"
     rate = like.rate_hz
     high = DEFAULT_BAND_HZ[1] if DEFAULT_BAND_HZ[1] < rate / 2 else TOP_OF_BAND * rate
@@ -142,8 +143,9 @@ def new_campaign(
         *([] if noise_rms is None else [f"noise_rms_m_s2 = {noise_rms:.4g}"]),
         *_channel_lines(like, places),
     ]
-    given = {} if constants is None else {folder / CONSTANTS_FILE: _text(constants)}
+    given = {} if constants is None else {folder / CONSTANTS_FILE: _text(Path(constants))}
     if vehicle is not None:
+        vehicle = Path(vehicle)
         given[target] = _text(vehicle)
         for beside in _named_by(vehicle):
             given[folder / beside.relative_to(vehicle.parent)] = _text(beside)
@@ -169,7 +171,7 @@ def new_campaign(
         raise
 
 
-def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
+def add_run(folder: str | Path, recording: Recording, run: NewRun) -> Path:
     """Write a recording into `folder`/runs and its [[run]] into campaign.toml; return the file.
 
     campaign.toml and the new recording are then read; if that fails everything is as before, and
@@ -180,6 +182,7 @@ def add_run(folder: Path, recording: Recording, run: NewRun) -> Path:
     if not FILE_NAME.fullmatch(run.id):
         raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
     _check_samples(recording, run.source or run.id)
+    folder = Path(folder)
     toml = folder / "campaign.toml"
     if not toml.exists():
         raise CampaignError(f"{toml}: no such file; begin with campaign new")

@@ -181,6 +181,9 @@ class Effect:
     longest_step_s: float = 0.0025
     """Integration step at which its force laws leave an error below the sensors' noise."""
 
+    def __repr__(self) -> str:
+        return f"<Effect {self.id}: {self.title}>"
+
     def acts_in(self, run: RunSetting) -> bool:
         """Whether it can act in a run: upstream of measured axles nothing does."""
         if run.on_rig:
