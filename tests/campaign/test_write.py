@@ -1,5 +1,7 @@
 """Recordings become a campaign that reads back; what fails leaves everything as it was."""
 
+import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from hypothesis import strategies as st
 
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
+from wheelhop.cli.main import main
+from wheelhop.formats import write
 from wheelhop.logger.recording import Channel, Recording
 from wheelhop.vehicle import read_nominal
 
@@ -107,12 +111,26 @@ def test_a_sample_no_accelerometer_measures_is_refused(folder):
 
 def test_sensors_elsewhere_must_say_where_they_are(tmp_path):
     dash = recording_of(("A1", "A2", "dash", "imu"))
-    with pytest.raises(CampaignError, match="channel dash: where does it sit"):
+    with pytest.raises(CampaignError, match=r"dash: where does it sit\? --place dash= "):
         new_campaign(tmp_path / "c", "t", dash, {"imu": "body"})
     new_campaign(tmp_path / "c", "t", dash, {"imu": "body", "dash": [0.35, 0.0]})
     add_run(tmp_path / "c", dash, run_of())
     places = {c.name: c.point for c in read_campaign(tmp_path / "c").channels}
     assert places == {"A1": "A1", "A2": "A2", "dash": "body-xy", "imu": "body"}
+
+
+def test_places_that_names_tell_come_as_the_answer_to_copy(tmp_path):
+    """All in one go: of eight channels nobody wants to be asked eight times."""
+    named = recording_of(("FL", "FR", "RL", "RR", "hub FL", "hub FR", "hub RL", "hub RR"))
+    with pytest.raises(CampaignError) as asked:
+        new_campaign(tmp_path / "c", "t", named, {})
+    options = re.search(r"\? as their names say, (.*) \(", str(asked.value))[1]
+    words = ["campaign", "new", str(tmp_path / "c"), str(tmp_path / "r.csv"), "--title", "t"]
+    write(named, tmp_path / "r.csv")
+    assert main([*words, *shlex.split(options)]) == 0
+    add_run(tmp_path / "c", named, run_of())
+    points = [channel.point for channel in read_campaign(tmp_path / "c").channels]
+    assert points == list(POINTS)
 
 
 def test_a_clock_that_was_corrected_gives_an_odd_rate(tmp_path):

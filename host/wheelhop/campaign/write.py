@@ -2,6 +2,7 @@
 
 import filecmp
 import re
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -25,6 +26,7 @@ from wheelhop.files import (
     write_text,
 )
 from wheelhop.files.keys import LONGEST_TEXT
+from wheelhop.formats.places import likely_points
 from wheelhop.logger.recording import ACCELERATION, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
@@ -308,14 +310,19 @@ def _channel_lines(like: Recording, places: Mapping[str, str | Sequence[float]])
     placed = {c.name: places.get(c.name, c.point or c.name) for c in like.channels}
     if not places and set(names) == set(AXLE_POINTS + BODY_POINTS):
         return []
-    lines = ["", "[channels]"]
-    for name, place in placed.items():
-        if isinstance(place, str) and place not in (*AXLE_POINTS, *BODY_POINTS, "body"):
-            raise CampaignError(
-                f"channel {name}: where does it sit? --place {name}=A1 (A1…A4, B1…B4, body, or x,y)"
-            )
-        lines.append(f"{quoted(name)} = {_value(place)}")
-    return lines
+    known = (*AXLE_POINTS, *BODY_POINTS, "body")
+    unknown = [n for n, place in placed.items() if isinstance(place, str) and place not in known]
+    if unknown:
+        raise CampaignError(_where(unknown, dict(zip(names, likely_points(names), strict=True))))
+    return ["", "[channels]", *(f"{quoted(n)} = {_value(place)}" for n, place in placed.items())]
+
+
+def _where(unknown: Sequence[str], likely: Mapping[str, str]) -> str:
+    """The question where channels sit, with the answer as far as their names give it."""
+    answers = [f"--place {shlex.quote(f'{name}={likely[name]}')}" for name in unknown]
+    said = " as their names say," if all(likely[name] for name in unknown) else ""
+    sit = "where does it sit?" if len(unknown) == 1 else "where do they sit?"
+    return f"{', '.join(unknown)}: {sit}{said} {' '.join(answers)} (A1…A4, B1…B4, body, or x,y)"
 
 
 def _run_lines(recording: Recording, run: NewRun) -> str:
