@@ -107,7 +107,13 @@ def test_the_estimate_scales_with_the_signals_and_the_floor_has_no_unit(bench, f
 
 @pytest.mark.parametrize(
     ("n", "band"),
-    [(200, (0.5, 30.0)), (60, (1.0, 5.0)), (40, (2.0, 3.0)), (100, (20.0, 20.4))],
+    [
+        (200, (0.5, 30.0)),
+        (200, (20.0, 28.0)),
+        (60, (1.0, 5.0)),
+        (40, (2.0, 3.0)),
+        (100, (20.0, 20.4)),
+    ],
 )
 def test_short_records_and_narrow_bands_still_give_an_estimate(bench, n, band):
     """The fewest quiet lines of one record are too quiet by chance, by less than two."""
@@ -165,6 +171,13 @@ def test_noise_between_samples_is_that_of_the_quietest_tenth(bench):
     records[0][:4200] *= 50.0
     records[1][:4200] *= 50.0
     assert estimate_noise_between_samples(records, share=1.0) == pytest.approx(0.2, rel=0.25)
+
+
+def test_half_a_second_of_quiet_now_and_then_is_enough(bench):
+    """At 100 Hz, a quarter of the time."""
+    record = bench.noise(0.2, (5000, 4))
+    record[(np.arange(5000) + 8) % 250 > 62] *= 50.0
+    assert estimate_noise_between_samples([record], share=1.0) == pytest.approx(0.2, rel=0.25)
 
 
 TRUTHS = sorted((ROOT / "tests" / "data" / "open_truth").glob("*.toml"))

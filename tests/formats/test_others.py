@@ -33,6 +33,15 @@ def test_lvm_has_its_time_in_the_first_column_whatever_that_is_called(tmp_path):
     assert [channel.name for channel in found.channels] == ["A1", "Aufbau"]
 
 
+def test_lvm_of_one_channel(tmp_path):
+    text = LVM.format(x_columns="One") + ONE.format(second=40.0).replace("40.", "40,")
+    rows = [line.split("\t") for line in text.splitlines()]
+    alone = "\n".join("\t".join(row[:2]) for row in rows)
+    found = read(save(tmp_path, "run.lvm", alone))
+    assert found.rate_hz == 128.0
+    assert found.values.tolist() == [[0.5 * G], [-1.5 * G], [2.5 * G]]
+
+
 def test_lvm_segments_are_joined_by_their_clock(tmp_path):
     step = 0.0078125
     parts = [

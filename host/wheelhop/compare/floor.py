@@ -17,6 +17,7 @@ from wheelhop.compare.windows import blackman_harris
 Array = NDArray[np.float64]
 
 BLOCKS = 4  # equal parts of the band whose quietness is judged separately
+LOBE = 4  # lines: half the main lobe of a Blackman-Harris window
 PIECE = 50  # samples
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
 
@@ -38,7 +39,7 @@ class Floor:
     noise_rms: Array
     noise_key: str
     unit: str
-    scales: float = 0.0
+    scales: float
 
     @property
     def is_stated(self) -> bool:
@@ -148,7 +149,7 @@ def _levels(coefficients: Array, record: Record) -> Iterator[Array]:
     power[:, ~record.predicted] = np.nan
     step = band.rate_hz / band.n
     first, last = (round(f / step) for f in band.frequency_hz[[0, -1]])
-    margin = min(4, (last - first) // 4)  # half the window's main lobe
+    margin = min(LOBE, (last - first) // BLOCKS)  # no more than one of the parts
     edges = np.linspace(first + margin, last + 1 - margin, BLOCKS + 1).astype(int)
     for low, high in pairwise(np.unique(edges)):
         # The median of an exponentially distributed periodogram is ln 2 times its mean.
