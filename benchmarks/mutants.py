@@ -43,7 +43,11 @@ PARTS = {
         ),
     ),
     "judge": Part(
-        ("diagnose/judge.py",), ("tests/diagnose/test_judge.py", "tests/diagnose/test_rotate.py")
+        ("diagnose/judge.py",),
+        (
+            *("tests/diagnose/test_evidence.py", "tests/diagnose/test_rotate.py"),
+            "tests/diagnose/test_judge.py",
+        ),
     ),
     "fit": Part(
         ("fit/*.py",),

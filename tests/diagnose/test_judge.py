@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy import stats
 
 from wheelhop.compare.band import InBand
 from wheelhop.diagnose.judge import (
@@ -28,8 +27,7 @@ from wheelhop.diagnose.judge import (
     relative_to_noise,
     unforeseen,
 )
-from wheelhop.fit import Fit, Free, RunFit
-from wheelhop.simulate import Model
+from wheelhop.fit import Fit, RunFit
 
 SAMPLES, RUNS = 1024, 6
 BAND = InBand(SAMPLES, 100.0, (0.5, 30.0))
@@ -356,47 +354,3 @@ def test_errors_are_of_the_runs_held_out_if_there_are_any():
     assert both.error == both.error_validate == both.error_judging == pytest.approx(0.2)
     assert both.error_fit == alone.error == alone.error_judging == pytest.approx(0.1)
     assert np.isnan(alone.error_validate)
-
-
-def test_evidence_of_runs_held_out_is_added_to_that_of_the_runs_fitted():
-    """The chain rule; where numbers that runs share moved on, that is the evidence that counts."""
-    fitted, held_out, moved = (replace(leaving(p).judging, log_volume=p) for p in (1.0, 2.0, 3.0))
-    assert Rung(fitted, None).evidence == fitted.evidence
-    assert Rung(fitted, held_out).evidence == fitted.evidence + held_out.evidence
-    assert Rung(fitted, held_out, moved).evidence == fitted.evidence + moved.evidence
-
-
-def test_a_model_knows_what_every_run_left_free():
-    fitted, held_out = (
-        replace(leaving(1.0).fit, model=Model({"x": x}, (), {name: {"start_m": x}}, {name: x}))
-        for name, x in (("fitted", 1.0), ("held out", 2.0))
-    )
-    assert Rung(fitted, None).model == fitted.model
-    both = Rung(fitted, held_out).model
-    assert both.values == {"x": 1.0}  # what runs share is as the fitted ones have it
-    assert both.runs == {"fitted": {"start_m": 1.0}, "held out": {"start_m": 2.0}}
-    assert both.heights == {"fitted": 1.0, "held out": 2.0}
-
-
-@pytest.mark.parametrize("known", [0.3, 3.0])
-def test_numbers_that_may_still_move_are_integrated_out(known):
-    """A shared number that the fitted runs tell to `known` of its scale: the odds are those of the
-    densities that the two models foresee for the data, the number's own spread in one of them."""
-    rng, size, sigma, scale, mean = np.random.default_rng(19), 200, 0.5, 4.0, 7.0
-    column = rng.normal(size=size)  # of the data per scale of the number
-    data = column * known * rng.normal() + sigma * rng.normal(size=size)
-    free, prior = Free("x", 0.0, np.inf, scale), 1.0 / known**2
-    precision = column @ column / sigma**2 + prior
-    best = column @ data / sigma**2 / precision
-
-    def of(value, residual, told):
-        run = RunFit(SimpleNamespace(size=size), (), residual, None, np.ones(size))
-        model = Model({"x": value}, ())
-        return Fit(model, (free,), (run,), np.array([[told]]), sigma, 0.0, 0.0)
-
-    before = of(mean, np.zeros(size), prior)
-    after = of(mean + scale * best, data - column * best, precision)
-    base, rival = Rung(before, of(mean, data, prior)), Rung(before, before, after)
-    spread = [sigma**2 * np.eye(size) + s * np.outer(column, column) for s in (0.0, known**2)]
-    plain, moving = (stats.multivariate_normal(cov=cov).logpdf(data) for cov in spread)
-    assert log_odds(base, rival, sigma) == pytest.approx(moving - plain, rel=1e-6)
