@@ -68,7 +68,7 @@ def test_a_gap_becomes_rows_of_nan_and_is_told():
     "table, said",
     [
         (table_of(A1=np.ones(50)), "in which unit"),
-        (table_of(A1_m_s2=["a"] * 50), "not numbers"),
+        (table_of(A1_m_s2=["a"] * 50), r"not numbers: make it numbers \(pandas\.to_numeric\) or"),
         (table_of()[["time_s"]], "no column beside the time"),
         (table_of()[["A1_m_s2"]], "no time"),
         (table_of().iloc[::-1], "does not rise"),

@@ -1,6 +1,8 @@
 """`wheelhop simulate`: by words alone, and one line for every mistake."""
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -88,6 +90,19 @@ class Push(Effect):
         for corner in CORNERS:
             parts.add_spring(suspension(vehicle, corner), -theta["k_N_m"])
 """
+
+
+def test_a_disk_that_is_full_is_told_of_the_log_to_be_written(tmp_path, monkeypatch, capsys):
+    def full(*block):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("wheelhop.hil_sim.double.card.Card.append", full)
+    log = tmp_path / "r.hop"
+    words = ["--tracks", "washboard/low", "--speed", "8", "--seconds", "2", "--out", str(log)]
+    assert main(["simulate", str(VEHICLE), *words]) == 2
+    said = capsys.readouterr().err
+    assert f"wheelhop: {log}: cannot be written" in said.splitlines()[-1]
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_vehicle_that_falls_over_is_one_line(tmp_path, capsys):

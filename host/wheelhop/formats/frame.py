@@ -26,7 +26,10 @@ def from_dataframe(table: DataFrame, rate_hz: float | None, unit: str) -> Record
     names = [str(name) for name in table.columns]
     for name, kind in zip(names, table.dtypes, strict=True):
         if not hasattr(kind, "kind") or kind.kind not in "iuf":
-            raise ExchangeError(f"{HERE}: column {name} holds {kind}, not numbers: leave it out")
+            raise ExchangeError(
+                f"{HERE}: column {name} holds {kind}, not numbers: make it numbers"
+                " (pandas.to_numeric) or leave it out"
+            )
     measured = [k for k, name in enumerate(names) if name != TIME]
     if not measured:
         raise ExchangeError(f"{HERE}: has no column beside the time: give one per channel")

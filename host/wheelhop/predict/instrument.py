@@ -106,15 +106,14 @@ def _log(seen: Array, rng: np.random.Generator, noise_rms: float, file: Path) ->
     noisy = seen + sigma * rng.normal(size=seen.shape)
     offset = constants().sensors[0].offset.value + 0.5  # the converter rounds down
     codes = offset + noisy / STANDARD_GRAVITY_M_S2 * NOMINAL_CODES_PER_G
-    with TemporaryDirectory(dir=file.parent) as card:
+    with replacing(file, CampaignError) as draft, TemporaryDirectory(dir=file.parent) as card:
         device = Device(Signals(codes, SIGNAL_RATE_HZ), Card(Path(card)), DoubleFaults())
         device.press_button()
         device.run(len(seen) / SIGNAL_RATE_HZ - LEAD_S)
         device.press_button()
         device.run(device.time_s + CLOSING_S)
         (log,) = Card(Path(card)).files()
-        with replacing(file, CampaignError) as draft:
-            (Path(card) / log).replace(draft)
+        (Path(card) / log).replace(draft)
 
 
 def constants() -> Constants:
