@@ -6,6 +6,7 @@ from math import pi
 import pytest
 
 from wheelhop.files.units import SECONDS, STANDARD_GRAVITY_M_S2, UNITS, to_si
+from wheelhop.files.words import ending_of, unit_of
 
 DEFINED = {
     **{"m/s²": 1.0, "cm/s²": 0.01, "Gal": 0.01, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
@@ -46,6 +47,29 @@ KEYS = {
 def test_as_keys_of_files_end_in_them():
     others = {"kmh": 1 / 3.6, "kph": 1 / 3.6, "khz": 1e3}
     assert {key: unit.in_si for key, unit in UNITS.items()} == pytest.approx(KEYS | others)
+
+
+@pytest.mark.parametrize(
+    ("ending", "unit"),
+    [
+        ("_m", "m"),
+        ("_m_s", "m/s"),
+        ("_m_s2", "m/s²"),
+        ("_N", "N"),
+        ("_N_m", "N/m"),
+        ("_N_s_m", "N s/m"),
+        ("_kg_m2", "kg m²"),
+        ("_m_N", "m/N"),
+    ],
+)
+def test_names_in_si_end_in_their_unit(ending, unit):
+    assert unit_of(f"quantity{ending}") == unit
+    assert ending_of(unit) == ending
+
+
+def test_what_is_not_in_si_is_no_unit_of_ours():
+    """Whoever reads a name would take millimetres for metres."""
+    assert [unit_of(name) for name in ("gap_mm", "mass_t", "rate_kN_mm", "shape")] == [""] * 4
 
 
 def test_gravity_is_what_was_defined():

@@ -84,6 +84,18 @@ def test_the_draft_of_a_mapping_reads_the_file_it_was_made_for(text, encoding, f
     assert (found.rate_hz, found.start_s) == (100.0, 0.0)
 
 
+def test_columns_of_one_name_are_told_by_their_number(tmp_path):
+    """The user names them apart in the draft, and it reads."""
+    path = save(tmp_path, "run.csv", "t;acc;acc\n0;1,5;3\n0,01;2,5;3\n0,02;3,5;4\n")
+    draft = draft_mapping(path)
+    with pytest.raises(ExchangeError, match='2 channels are called "acc": name them apart'):
+        read(path, read_mapping(save(tmp_path, "map.toml", draft)))
+    apart = draft.replace('name = "acc"', 'name = "A1"', 1)
+    found = read(path, read_mapping(save(tmp_path, "apart.toml", apart)))
+    assert [channel.name for channel in found.channels] == ["A1", "acc"]
+    assert found.values.tolist() == [[1.5, 3.0], [2.5, 3.0], [3.5, 4.0]]
+
+
 def test_without_a_column_of_time_the_mapping_gives_the_rate(tmp_path):
     path = save(tmp_path, "run.txt", "1,5 2\n2,5 3\n4 5\n")
     found = read(path, Map(separator=None, decimal=",", header_row=0, rate_hz=50.0))

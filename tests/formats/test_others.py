@@ -192,6 +192,19 @@ def test_uff_says_where_a_sensor_points_and_what_it_measures(tmp_path):
     assert found == list(quantities.values())
 
 
+@pytest.mark.parametrize(("start", "step"), [(2e15, 64.0), (0.0, 2e15), (5.0, 0.0)])
+def test_uff_of_absurd_times_is_refused(tmp_path, start, step):
+    pyuff = pytest.importorskip("pyuff")
+    path = tmp_path / "absurd.uff"
+    function = {"type": 58, "binary": 0, "func_type": 1, "id1": "B1", "rsp_node": 0, "rsp_dir": 0}
+    function |= {"ref_node": 0, "ref_dir": 0, "abscissa_spacing": 1, "data": np.arange(3.0)}
+    function |= {"x": start + step * np.arange(3), "ordinate_axis_units_lab": "m/s^2"}
+    function |= {"orddenom_spec_data_type": 0, "z_axis_spec_data_type": 0}
+    pyuff.UFF(str(path)).write_sets([function], mode="overwrite")
+    with pytest.raises(ExchangeError, match=r"dataset 1: time from .* is no time"):
+        read(path)
+
+
 def test_uff_with_uneven_abscissas_is_laid_on_a_grid(tmp_path):
     pyuff = pytest.importorskip("pyuff")
     path = tmp_path / "uneven.unv"

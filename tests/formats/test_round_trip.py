@@ -49,6 +49,13 @@ def test_a_header_may_be_of_no_samples_but_not_of_fewer():
         from_text(text.replace("rows = 0", "rows = -1"), Path("x.toml"))
 
 
+@pytest.mark.parametrize("version", ["2", "true", '"1"'])
+def test_a_header_of_another_version_is_not_read(version):
+    text = to_text(recording()).replace("format = 1", f"format = {version}")
+    with pytest.raises(ExchangeError, match="format must be 1"):
+        from_text(text, Path("x.toml"))
+
+
 def test_from_format_to_format_nothing_is_lost(tmp_path):
     original = recording()
     before = original
