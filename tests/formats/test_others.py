@@ -33,6 +33,15 @@ def test_lvm_has_its_time_in_the_first_column_whatever_that_is_called(tmp_path):
     assert [channel.name for channel in found.channels] == ["A1", "Aufbau"]
 
 
+def test_lvm_with_an_odd_step_keeps_it_though_stamps_are_rounded(tmp_path):
+    """To six decimals the stamps would do for 130 Hz as well."""
+    text = LVM.format(x_columns="One") + ONE.format(second=40.0).replace("40.", "40,")
+    text = text.replace("7,812500E-3", "7,692130E-3")
+    text = text.replace("0,007812", "0,007692").replace("0,015625", "0,015384")
+    found = read(save(tmp_path, "run.lvm", text))
+    assert found.rate_hz == pytest.approx(1.0 / 7.69213e-3, rel=1e-12)
+
+
 def test_lvm_of_one_channel(tmp_path):
     text = LVM.format(x_columns="One") + ONE.format(second=40.0).replace("40.", "40,")
     rows = [line.split("\t") for line in text.splitlines()]
