@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
-from wheelhop.compare.band import InBand
 from wheelhop.simulate import folded_power, frequency_response, sample_of
 from wheelhop.vehicle import System
 
@@ -27,7 +26,7 @@ def doubt(campaign: Campaign, run: Run, system: System, frequency_hz: Array) -> 
     axles. The campaign states its noise."""
     acceleration = frequency_response(system, frequency_hz)
     transmitted = np.abs(acceleration / (2 * np.pi * frequency_hz[:, None, None]) ** 2) ** 2
-    uncertain = _input_power(campaign, run, frequency_hz) / _noise(campaign, run) ** 2
+    uncertain = _input_power(campaign, run, frequency_hz) / _noise(campaign) ** 2
     once = np.sqrt(1.0 + np.einsum("fca,fa->fc", transmitted, uncertain))
     return np.concatenate([once, once])
 
@@ -45,7 +44,7 @@ def led_astray(campaign: Campaign, run: Run) -> Run:
 def _input_power(campaign: Campaign, run: Run, frequency_hz: Array) -> Array:
     """Variance (f, axles), (m/s²)², of what is not the axles' motion in their records."""
     axles = run.record[:, _columns(campaign)]
-    noise, rate_hz = _noise(campaign, run), campaign.sample_rate_hz
+    noise, rate_hz = _noise(campaign), campaign.sample_rate_hz
     return noise**2 + folded_power(axles, rate_hz, campaign.averaging, noise, frequency_hz)
 
 
@@ -54,9 +53,6 @@ def _columns(campaign: Campaign) -> list[int]:
     return [i for _, i in sorted(place.items())]
 
 
-def _noise(campaign: Campaign, run: Run) -> float:
-    """Standard deviation of a sample's noise, white, of which the campaign states what is in
-    band."""
+def _noise(campaign: Campaign) -> float:
     assert campaign.noise_rms is not None
-    band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
-    return float(campaign.noise_rms * np.sqrt(band.n / band.count))
+    return campaign.noise_rms
