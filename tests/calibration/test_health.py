@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy import signal
 
 from wheelhop.calibration.health.examine import examine
+from wheelhop.calibration.health.spectrum import relative_power
 from wheelhop.logger.recording import ACCELERATION, CODE, Channel, Recording
 
 RATE = 100.0
@@ -185,3 +187,10 @@ def test_no_recording_is_too_odd_to_examine(values, unit):
     for finding in examine(Recording(values, RATE, channels)).findings:
         assert finding.what and finding.remedy and "\n" not in finding.what
         assert finding.strength > 0 and finding.stop_s >= finding.start_s
+
+
+def test_spectra_are_welchs_but_for_their_unit():
+    values = np.random.default_rng(3).normal(size=(1037, 3)).cumsum(axis=0)
+    welch = signal.welch(values, nperseg=100, axis=0, detrend="constant")[1][1:-1]
+    ratio = relative_power(values, 100)[1:-1] / welch
+    np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-9)

@@ -1,14 +1,16 @@
 """Machines of other laws than the library's: what it calls by the same name still wins."""
 
+from dataclasses import replace
+
 import pytest
 
-from tests.diagnose.cases import LIBRARY, diagnosed, oracle_of
+from tests.diagnose.cases import LIBRARY, SEAT, diagnosed, oracle_of
 from tests.diagnose.machines import FURTHER, MACHINES, rivals
 from tests.truth import PRESETS, make_effect
-from tests.truth.campaign import write_campaign
+from tests.truth.campaign import make_campaign, write_campaign
 from tests.truth.outside_effects import FrameBending
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose import diagnose, fit_baseline
 from wheelhop.diagnose.critic import cramped
 from wheelhop.diagnose.ladder import fit_with
 from wheelhop.diagnose.look import step_of
@@ -43,3 +45,16 @@ def test_a_frame_that_bends_is_no_driver(tmp_path):
     rung = fit_with(base, [LIBRARY["driver-seat"]], progress=lambda text: None)[-1]
     assert rung.error > 1.3 * oracle_of(tmp_path / "truth.toml")
     assert cramped(step_of(base.workshop, rung)) == ["driver-seat.mass_kg"]
+
+
+def test_a_driver_heavier_than_can_be_is_as_likely_something_else(tmp_path):
+    """He is of 68 kg, and 44 kg are stated. All but a little is explained, yet the fit would have
+    him heavier than the bound."""
+    folder = make_campaign(tmp_path, seed=101, effects={"driver-seat": SEAT}, short=True)
+    vehicle = read_nominal(read_campaign(folder))
+    vehicle = replace(vehicle, values=vehicle.values | {"driver.mass_kg": 44.0})
+    found = diagnose(read_campaign(folder), vehicle, {"driver-seat": LIBRARY["driver-seat"]})
+    assert not found.ladder[-1].above_floor
+    assert found.verdict == ("driver-seat", "unknown")
+    assert found.confidence < 0.5
+    assert any("driver-seat.mass_kg sits on the bound" in line for line in found.explanation)

@@ -140,15 +140,19 @@ def diagnose_fleet(
 def _digests(folder: Path) -> list[str]:
     """Of the files that campaign.toml names, and those that these name in turn; what wheelhop
     writes into the folder does not count."""
-    there = sorted(path for path in folder.rglob("*") if path.is_file())
-    new = [path for path in there if path.name in BEGIN_WITH and path.parent == folder]
-    found: list[Path] = []
+    called: dict[str, list[Path]] = {}
+    for path in folder.rglob("*"):
+        if path.is_file():
+            called.setdefault(path.name, []).append(path)
+    found = {folder / name for name in BEGIN_WITH if (folder / name).is_file()}
+    new = list(found)
     while new:
         file = new.pop()
-        found.append(file)
         if file.suffix == ".toml":
-            names = set(re.split(r"[\"'/\\]", file.read_text(encoding="utf-8", errors="replace")))
-            new += [p for p in there if p.name in names and p not in (*found, *new)]
+            text = file.read_text(encoding="utf-8", errors="replace")
+            named = {p for name in re.split(r"[\"'/\\]", text) for p in called.get(name, ())}
+            new += named - found
+            found |= named
     return [f"{path.relative_to(folder)} {_digest(path)}" for path in sorted(found)]
 
 

@@ -79,7 +79,7 @@ def _hum(
                 )  # fmt: skip
 
 
-def _power(values: Array, size: int) -> Array:
+def relative_power(values: Array, size: int) -> Array:
     """Relative power spectra (size // 2 + 1, channels): means over segments that overlap by half,
     windowed after Hann (P. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70)."""
     pieces = np.lib.stride_tricks.sliding_window_view(values, size, axis=0)[:: size // 2]
@@ -105,7 +105,7 @@ def _mounts(
 ) -> Iterator[Finding]:
     points = [channel.point or channel.name for channel in recording.channels]
     size = round(SEGMENT_S * recording.rate_hz)
-    grid, power = np.fft.rfftfreq(size, 1.0 / recording.rate_hz), _power(values, size)
+    grid, power = np.fft.rfftfreq(size, 1.0 / recording.rate_hz), relative_power(values, size)
     high = (grid >= MOUNT_HZ) & (grid <= 0.45 * recording.rate_hz)
     for kind in "AB":
         group = [
