@@ -43,8 +43,8 @@ def linear(k: float, c: float) -> Law:
     return lambda x, v: k * x + c * v
 
 
-def cubic_spring(k: float, c: float, cubic_N_m3: float) -> Law:
-    return lambda x, v: k * x + cubic_N_m3 * x**3 + c * v
+def cubic_spring(k: float, c: float, cubic_N_m3: float, quintic_N_m5: float = 0.0) -> Law:
+    return lambda x, v: k * x + cubic_N_m3 * x**3 + quintic_N_m5 * x**5 + c * v
 
 
 def air_spring(k: float, c: float, load_N: float, exponent: float = 1.3) -> Law:

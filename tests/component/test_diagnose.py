@@ -60,6 +60,20 @@ def test_a_law_of_no_library_is_not_called_by_another_name(drive, tmp_path):
     assert any("what the rig imposes" in line for line in found.explanation)
 
 
+def test_an_interval_holds_the_rate_of_a_spring_of_another_law(tmp_path):
+    """A spring with a fifth power bends the cubic one, and the rate with it: scatter alone would
+    have the rate four times as well known as it is, or better."""
+    numbers = {"cubic_N_m3": 3e7, "quintic_N_m5": 1e10}
+    spring = replace(OSCILLATOR, hidden="cubic-spring", numbers=numbers)
+    found = diagnosed(made(tmp_path, "force", spring, seconds=2.0))
+    assert found.verdict == ("progressive-spring",)
+    last, rate = found.ladder[-1], "component.stiffness_N_m"
+    value, deviation = last.parameters[rate]
+    assert abs(value - spring.stiffness_N_m) < 2.0 * deviation
+    assert deviation < 0.02 * value
+    assert abs(value - spring.stiffness_N_m) > 3.0 * last.rung.fit.uncertainty(rate)
+
+
 def test_effects_of_vehicles_do_not_apply(tmp_path):
     """They are in the ranking, with the reason."""
     component = CASES["dry-friction"].component("displacement")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import hypot
 
 from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.diagnosis import Step
@@ -90,6 +91,31 @@ def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:
         for name, value in fixed.items():
             found.setdefault(f"{effect.id}.{name}", (value, float("nan")))
     return found
+
+
+def beside_other_laws(step: Step, look: Look) -> Step:
+    """The step, its intervals as wide as what else was tried makes of each number.
+
+    An effect that makes the runs fitted and those held out likelier, and yet does not hold, is one
+    way to account for what the model is wrong by. Each number then varies by as much as the effect
+    that moves it furthest would move it.
+    """
+    rung = step.rung
+    others = [
+        c.rung.model.values
+        for c in look.candidates
+        if look.rung is rung
+        and c.rung.evidence > rung.evidence
+        and c.rung.error_judging < rung.error_judging
+    ]
+    parameters = {
+        name: (
+            value,
+            hypot(sd, max((abs(o.get(name, value) - value) for o in others), default=0.0)),
+        )
+        for name, (value, sd) in step.parameters.items()
+    }
+    return replace(step, parameters=parameters)
 
 
 def summary_of(rung: Rung, effect: Effect) -> dict[str, float]:

@@ -27,7 +27,7 @@ from wheelhop.diagnose.judge import (
     material,
     p_value,
 )
-from wheelhop.diagnose.look import Look
+from wheelhop.diagnose.look import Look, beside_other_laws
 from wheelhop.diagnose.next_run import NextRun, propose
 from wheelhop.diagnose.ranking import Angles, explanation, ranking
 from wheelhop.diagnose.screen import Screened
@@ -50,6 +50,7 @@ def conclude(
 ) -> Diagnosis:
     """The diagnosis from the ladder's steps, the first look, the last one, what exchanging effects
     showed, and the library."""
+    steps = [*steps[:-1], beside_other_laws(steps[-1], last)]
     angles = Angles(first.rung.fit, first.screened, first.candidates)
     accepted = steps[-1].added
     on_bounds = cramped(steps[-1])
