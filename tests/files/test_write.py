@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,24 @@ def run_of(name: str) -> NewRun:
 
 def files(folder: Path) -> dict[str, bytes]:
     return {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
+
+
+@pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="there is no /dev/shm")
+def test_a_folder_in_memory_is_a_folder_and_standard_output_is_none(tmp_path):
+    """Below /dev there are files that people keep, and names of files that are open."""
+    with tempfile.TemporaryDirectory(dir="/dev/shm") as memory:
+        file = Path(memory) / "x.txt"
+        write_text(file, "old\n")
+        with pytest.raises(ZeroDivisionError), replacing(file) as draft:
+            draft.write_text("half of")
+            raise ZeroDivisionError
+        assert files(Path(memory)) == {"x.txt": b"old\n"}
+    code = "from wheelhop.files import *; write_text(__import__('pathlib').Path({!r}), 'said')"
+    for name in ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"):
+        kept = tmp_path / "kept"
+        with kept.open("w") as out:
+            subprocess.run([sys.executable, "-c", code.format(name)], stdout=out, check=True)
+        assert files(tmp_path) == {"kept": b"said"}
 
 
 def test_a_file_is_as_before_until_all_is_written_and_keeps_its_mode(tmp_path):

@@ -29,6 +29,7 @@ PATIENCE_S = 60.0
 POLL_S = 0.02
 CANNOT_LOCK = (errno.EBADF, errno.EINVAL, errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)
 CANNOT_SYNC = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)
+OPEN_FILES = ("/dev", "/dev/fd", "/proc/self/fd")
 PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -216,7 +217,7 @@ def check_target(
         mode = stat.S_IFREG
     if stat.S_ISDIR(mode):
         raise kind(f"{path}: is a folder; give the name of a file to write")
-    if not stat.S_ISREG(mode) or place.is_relative_to("/dev"):  # /dev/stdout may be a file
+    if not stat.S_ISREG(mode) or str(place.parent) in OPEN_FILES:  # /dev/stdout may be a file
         return None
     target, folder = place.resolve(), (within or place.parent).resolve()
     if not target.is_relative_to(folder):
