@@ -9,7 +9,7 @@ bin := .venv/bin
 demo: .venv/installed
 	$(bin)/wheelhop demo
 
-slower := diagnose firmware chain workbench logger calibration api files component \
+slower := diagnose firmware chain workbench logger calibration api files component law identify \
 	test_truth.py test_blind.py
 
 check: lint

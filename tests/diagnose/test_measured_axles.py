@@ -19,7 +19,9 @@ def test_the_verdict_on_measured_axles(name, tmp_path):
     """Sharp washboards among the runs fold motion from above half the sample rate into the axles'
     records; nothing is made of it."""
     case = CASES[name]
-    folder = truth.make_campaign(tmp_path, seed=case.seed, effects=case.hidden, short=True)
+    folder = truth.make_campaign(
+        tmp_path, seed=case.seed, effects=case.hidden, short=True, seconds=6.4
+    )
     campaign = read_campaign(folder)
     vehicle = read_vehicle(campaign.vehicle_file)
     axles = axle_driven(campaign, vehicle)

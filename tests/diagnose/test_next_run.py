@@ -33,6 +33,7 @@ def recorded(tmp_path_factory):
     return folder, replace(whole, runs=tuple(few))
 
 
+@pytest.mark.slow
 def test_the_proposed_run_settles_the_doubt(recorded):
     folder, campaign = recorded
     vehicle = read_vehicle(campaign.vehicle_file)
@@ -58,7 +59,9 @@ def test_the_proposed_run_settles_the_doubt(recorded):
 
 
 def test_no_doubt_no_advice(tmp_path):
-    folder = truth.make_campaign(tmp_path, seed=101, effects={}, short=True)
+    folder = truth.make_campaign(
+        tmp_path, seed=101, effects={}, short=True, seconds=6.4, draft=True
+    )
     library = {name: LIBRARY[name] for name in TWO}
     assert diagnosed(folder, library).next_run is None
 

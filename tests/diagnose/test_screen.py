@@ -30,8 +30,8 @@ def campaign(folder, seed, hidden):
         (51, {"longitudinal-pitch": {"peak_m_s2": 0.05}}, 0.02),
         (53, {"left-right-drift": {"rate": 2e-5}}, 0.2),
         # Large enough to change the noise that the fit finds.
-        (51, {"left-right-drift": {"rate": 2e-5}}, 0.2),
-        (53, UNSTEADY, 0.2),
+        pytest.param(51, {"left-right-drift": {"rate": 2e-5}}, 0.2, marks=pytest.mark.slow),
+        pytest.param(53, UNSTEADY, 0.2, marks=pytest.mark.slow),
     ],
 )
 def test_the_score_is_the_evidence_of_the_full_fit(tmp_path, seed, hidden, within):
@@ -43,7 +43,13 @@ def test_the_score_is_the_evidence_of_the_full_fit(tmp_path, seed, hidden, withi
     assert screened.score == pytest.approx(evidence, rel=within)
 
 
-@pytest.mark.parametrize(("fraction", "nearly_noise"), [(3e-4, False), (4e-5, True)])
+@pytest.mark.parametrize(
+    ("fraction", "nearly_noise"),
+    [
+        pytest.param(3e-4, False, marks=pytest.mark.slow),
+        (4e-5, True),
+    ],
+)
 def test_a_driver_unsteady_in_the_runs_held_out_alone(tmp_path, fraction, nearly_noise):
     """What the fitted runs show of it is noise and not worth its price; nothing else explains the
     others, and it would be taken for an effect unknown, or for none."""

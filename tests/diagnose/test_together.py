@@ -94,6 +94,7 @@ def test_four_of_which_none_is_seen_alone(tmp_path):
     assert at_noise(found.chosen.rung, workshop.noise)
 
 
+@pytest.mark.slow
 def test_a_driver_who_brakes_changes_the_speed_and_pitches_the_body(tmp_path):
     """A speed that changes within a second is told from one that wanders, or what the slower form
     cannot follow would hide the pitch; both are named, and nothing is left."""

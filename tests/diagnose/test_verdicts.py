@@ -131,7 +131,12 @@ def test_an_empty_library_says_whether_something_is_left(tmp_path):
     for name, verdict in (("clean", ("none",)), ("dry-friction", ("unknown",))):
         case = CASES[name]
         folder = truth.make_campaign(
-            tmp_path / name, seed=case.seed, effects=case.hidden, short=True
+            tmp_path / name,
+            seed=case.seed,
+            effects=case.hidden,
+            short=True,
+            seconds=4.8,
+            draft=True,
         )
         diagnosis = diagnosed(folder, {})
         assert diagnosis.verdict == verdict

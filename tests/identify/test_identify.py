@@ -142,7 +142,8 @@ def test_half_noise_converges_and_superfluous_poles_do_no_harm():
 
 
 @pytest.mark.parametrize(
-    ("name", "asked"), [("clean", 14), ("clean", 40), ("open-driver-seat", 14)]
+    ("name", "asked"),
+    [("clean", 14), pytest.param("clean", 40, marks=pytest.mark.slow), ("open-driver-seat", 14)],
 )
 def test_superfluous_poles_do_no_harm_where_tracks_drive_few_lines(name, asked):
     """They would pass driven lines off as initial states that ring on, or stand for lines that

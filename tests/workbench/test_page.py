@@ -166,8 +166,8 @@ def test_nothing_is_missing(clean, open_page, pictures):
         page.screenshot(path=pictures / "none.png", full_page=True)
 
 
-def rig(folder, component):
-    return make_rig_campaign(folder, "displacement", component, seed=1, noise=0.01)
+def rig(folder, component, seconds=5.0):
+    return make_rig_campaign(folder, "displacement", component, seed=1, noise=0.01, seconds=seconds)
 
 
 def test_a_component_on_a_rig(tmp_path, open_page, pictures):
@@ -184,7 +184,7 @@ def test_a_component_on_a_rig(tmp_path, open_page, pictures):
 
 def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
     numbers = {"quadratic_N_s2_m2": 4.0 * DAMPER.damping_N_s_m}
-    folder = rig(tmp_path / "rig", replace(DAMPER, hidden="choking-damper", numbers=numbers))
+    folder = rig(tmp_path / "rig", replace(DAMPER, hidden="choking-damper", numbers=numbers), 3.0)
     with workbench(folder) as (address, _):
         page = open_page(address)
         find_out(page)
