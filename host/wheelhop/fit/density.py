@@ -160,7 +160,7 @@ def _score(
         growths.append(growth)
     step = np.linalg.solve(matrix, slope)
     change = float(np.abs(np.concatenate(growths) @ step).max())
-    step *= min(1.0, LARGEST / change) if change > 0 else 1.0
+    step *= LARGEST / max(change, LARGEST)
     for p, d in zip(parameters, step, strict=True):
         # A density stays positive: no more than half of what there is goes at a time.
         theta[p.name] = min(max(theta[p.name] + float(d), 0.5 * theta[p.name], p.lower), p.upper)
@@ -179,7 +179,7 @@ def _posterior(effect: Effect, theta: Values, spectrum: Spectrum, sigma: float) 
     density = effect.height_density(theta, spectrum.wave_number_rad_m)
     variance = spectrum.per_density * np.maximum(density, np.finfo(float).tiny)
     gain = spectrum.square * (variance / sigma**2)[:, None, None]
-    paths = np.eye(gain.shape[-1])
+    paths = np.eye(gain.shape[1])
     matrix = gain + paths
     covariance = np.linalg.inv(matrix)  # of the heights, in units of what is believed
     heights = (covariance @ spectrum.cross[:, :, None])[:, :, 0] * (variance / sigma**2)[:, None]
