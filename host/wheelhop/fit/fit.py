@@ -69,13 +69,14 @@ def fit(
 
 def _together(parts: Sequence[Fit]) -> Fit:
     """One fit of what fits to single runs have found."""
-    model = parts[0].model
-    for part in parts[1:]:
+    first, *others = parts
+    model = first.model
+    for part in others:
         run_id = part.runs[0].bench.run.id
         model = model.with_run(run_id, part.model.runs[run_id])
     size = sum(part.size for part in parts)
     return replace(
-        parts[0],
+        first,
         model=model,
         runs=tuple(run for part in parts for run in part.runs),
         sigma=float(np.sqrt(sum(part.sigma**2 * part.size for part in parts) / size)),
@@ -247,8 +248,8 @@ class _Problem:
             return RunFit(bench, own, residual, Derivatives(matrix, g), even, heights)
 
         runs = tuple(self.workshop.each(linearise_run, self.benches))
-        state = Fit(model, self.shared, runs, self.belief.precision, 1.0, 0.0, 0.0)
-        return self.weighted(state) if np.isfinite(state.rss) else replace(state, cost=np.inf)
+        state = Fit(model, self.shared, runs, self.belief.precision, 1.0, np.inf, 0.0)
+        return self.weighted(state) if np.isfinite(state.rss) else state
 
     def weighted(self, state: Fit) -> Fit:
         """The state with the noise, the density of unknown heights and the cost that follow from
@@ -286,11 +287,12 @@ class _Problem:
         new, derivatives old."""
         model = self._moved(state, damping)
         systems = self.workshop.systems(model)
-        residuals = self.workshop.each(lambda b: b.residual(model, systems), self.benches)
-        runs = tuple(
-            replace(run, residual=residual, heights=_heights_in(run, model))
-            for run, residual in zip(state.runs, residuals, strict=True)
-        )
+
+        def moved(run: RunFit) -> RunFit:
+            residual = run.bench.residual(model, systems)
+            return replace(run, residual=residual, heights=_heights_in(run, model))
+
+        runs = tuple(self.workshop.each(moved, state.runs))
         return self._costed(replace(state, model=model, runs=runs))
 
     def concluded(self, state: Fit) -> Fit:
@@ -300,18 +302,18 @@ class _Problem:
         return replace(state, runs=runs, precision=precision, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> Model:
-        normals = [self.normal(run, state) for run in state.runs]
         matrix, gradient = self.belief.precision.copy(), self.belief.pull(state.model.values)
         eliminated = []
-        for normal in normals:
+        for run in state.runs:
+            normal = self.normal(run, state)
             own = _damped(normal.own, damping)
             back = np.linalg.solve(own, np.column_stack([normal.mixed.T, normal.own_gradient]))
             matrix += normal.shared - normal.mixed @ back[:, :-1]
             gradient += normal.shared_gradient - normal.mixed @ back[:, -1]
-            eliminated.append(back)
+            eliminated.append((run, normal, back))
         step = np.asarray(np.linalg.solve(_damped(matrix, damping), gradient))
         model = state.model.with_values(_moved(self.shared, state.model.values, step))
-        for run, normal, back in zip(state.runs, normals, eliminated, strict=True):
+        for run, normal, back in eliminated:
             own_step = np.asarray(back[:, -1] - back[:, :-1] @ step)
             run_id = run.bench.run.id
             values = model.runs.get(run_id, {})
