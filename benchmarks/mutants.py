@@ -45,15 +45,17 @@ PARTS = {
     "judge": Part(
         ("diagnose/judge.py",),
         (
-            *("tests/diagnose/test_evidence.py", "tests/diagnose/test_rotate.py"),
-            "tests/diagnose/test_judge.py",
+            *("tests/diagnose/test_judge_bounds.py", "tests/diagnose/test_evidence.py"),
+            *("tests/diagnose/test_rotate.py", "tests/diagnose/test_judge.py"),
         ),
     ),
     "fit": Part(
         ("fit/*.py",),
         (
-            *("tests/component/test_start.py", "tests/diagnose/test_judge.py"),
-            *("tests/diagnose/test_rotate.py", "tests/effects/test_roughness.py", "tests/fit"),
+            *("tests/fit/test_linear.py", "tests/fit/test_steps.py", "tests/fit/test_density.py"),
+            *("tests/fit/test_linear_heights.py", "tests/fit/test_parameters.py"),
+            *("tests/component/test_start.py", "tests/diagnose/test_rotate.py"),
+            *("tests/diagnose/test_judge.py", "tests/effects/test_roughness.py", "tests/fit"),
         ),
     ),
     "floor": Part(
