@@ -41,10 +41,28 @@ def test_numbers_are_free_as_far_as_they_are_uncertain():
     for name, one in free.items():
         assert one.mean == ATV[name]
         assert one.sigma == one.scale == KNOWN_TO[name]
-        assert (
-            (one.lower == -np.inf) if name.endswith("x_m") else (0.0 < one.lower < 0.1 * ATV[name])
-        )
-        assert one.upper == np.inf
+        assert one.lower == (-np.inf if name.endswith("x_m") else pytest.approx(ATV[name] / 50.0))
+        assert one.upper == np.inf and not one.is_shape
+    idle = ("geometry.cg_height_m", "driver.", "engine.")
+    assert free.keys() == {key for key in ATV if not key.startswith(idle)} - {sure}
+
+
+def test_who_stands_on_a_mount_is_free_to_be_told():
+    """He moves by himself then; and his place need not be positive."""
+    driver = {"driver.mass_kg": 80.0, "driver.x_m": -0.2, "driver.y_m": 0.01}
+    mount = {"driver.stiffness_N_m": 3e4, "driver.damping_N_s_m": 900.0}
+    for values, names in ((driver, set()), (driver | mount, {*driver, *mount})):
+        everything = {k: v for k, v in ATV.items() if not k.startswith("driver.")} | values
+        vehicle = Vehicle("manned", everything, {key: 0.1 for key in everything})
+        free = {f.name: f for f in vehicle_parameters(campaign_of(RUNS), vehicle)}
+        assert {name for name in free if name.startswith("driver.")} == names
+        assert all(free[name].lower == -np.inf for name in names if name.endswith(("x_m", "y_m")))
+
+
+def test_differences_are_small_but_where_a_table_of_the_ground_changes():
+    """So small that what a bend adds, their square, is below eight digits."""
+    assert Free("body.mass_kg", 300.0, 30.0, 30.0).step ** 2 < 1e-8
+    assert 0.01 < Free("wheel.front.radius_m", 0.25, 0.01, 0.01).step < 0.03
 
 
 def test_of_tracks_that_nobody_knows_wheels_learn_nothing():
@@ -90,9 +108,23 @@ def test_a_driver_holds_the_speed_within_a_tenth_nine_times_of_ten():
     assert (speed.name, start.name) == ("speed_m_s", "start_m")
     assert speed.mean == 4.0 and 1.5 < 0.1 * speed.mean / speed.sigma < 2.0
     assert speed.lower == 0.0 and start.mean == 0.0 and start.sigma == np.inf
+    # They are varied by a thousandth of the speed and by a centimetre.
+    assert speed.scale == pytest.approx(0.004) and start.scale == 0.01
+    slow = replace(run, speed_m_s=0.5)
+    assert len(run_parameters(slow, setting(on_road=True), model_of(ATV, {}))) == 2
     standing = replace(run, speed_m_s=0.0)
     assert run_parameters(standing, setting(on_road=True), model_of(ATV, {})) == []
     assert run_parameters(run, setting(False, on_rig=True), model_of(ATV, {})) == []
+
+
+def test_what_an_effect_leaves_free_in_a_run_is_free_there():
+    """Where it acts: on measured axles there is no speed to change."""
+    (run,) = campaign_of(RUNS).runs
+    model = model_of(ATV, {}).with_effect(EFFECTS["speed-fluctuation"], ())
+    found = {f.name for f in run_parameters(run, setting(on_road=True), model)}
+    assert any(name.startswith("speed-fluctuation.") for name in found)
+    found = {f.name for f in run_parameters(run, setting(on_road=False), model)}
+    assert not any(name.startswith("speed-fluctuation.") for name in found)
 
 
 def test_measured_axles_leave_the_body_free_to_move_when_the_record_begins():
@@ -116,6 +148,12 @@ def test_of_an_amplitude_nothing_is_believed_of_a_shape_its_scale():
         one = free[f"{effect.id}.{p.name}"]
         assert one.sigma == (p.scale if p.is_shape else np.inf) and one.scale == p.scale
         assert one.is_shape is p.is_shape and (one.lower, one.upper) == (p.lower, p.upper)
+    begun = replace(parameters[-1], starts=(0.7,), believed=None)
+    assert begun.is_shape
+    for believed, mean in ((None, 0.9), (0.2, 0.2)):
+        model = model_of(ATV, {}, effect.id, {begun.name: 0.9})
+        (one,) = effect_parameters([replace(begun, believed=believed)], model, effect)
+        assert one.mean == mean  # near where it begins, if nothing else is believed
     rough = EFFECTS["small-scale-roughness"]
     assert effect_parameters(rough.parameters_for(ATV, ()), model_of(ATV, {}), rough) == []
 
@@ -126,6 +164,7 @@ NUMBERS = (Free("a", 3.0, 0.5, 2.0), Free("b", -1.0, np.inf, 0.1))
 @given(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
 def test_a_belief_is_as_far_away_as_standard_deviations_say(a, b):
     """Nothing is believed of b; what is not stated is where it is believed to be."""
+    assert (NUMBERS[0].lower, NUMBERS[0].upper) == NUMBERS[0].span_s == (-np.inf, np.inf)
     belief = Belief.of(NUMBERS)
     values = {"a": a, "b": b}
     assert belief.distance(values) == pytest.approx(((a - 3.0) / 0.5) ** 2)
