@@ -1,8 +1,23 @@
 """The bench: work for all runs in parallel threads."""
 
+import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from threading import Barrier, current_thread
+
+import numpy as np
+import pytest
+
+from tests import truth
+from tests.fit import test_component
+from tests.simulate.setup import ATV, campaign_of, model_of
+from wheelhop.campaign import TrackSpec
+from wheelhop.fit import Workshop
+from wheelhop.fit.bench import processors
+from wheelhop.fit.spread import cost
+from wheelhop.simulate import Model
 
 CLEAN = Path(__file__).parents[2] / "examples/clean"
 NESTED = """
@@ -23,3 +38,118 @@ def test_work_that_asks_for_work_does_not_wait_for_itself():
     command = [sys.executable, "-c", NESTED, str(CLEAN), *skipped]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.stdout == "[6, 12, 18]\n", done.stderr
+
+
+UNKNOWN = TrackSpec("unknown", {})
+NOISE, SIZE = 0.1, 512
+RECORD = np.random.default_rng(1).normal(size=(SIZE, 8))
+
+
+def campaign_with(noise_rms=NOISE):
+    """A run on a road and one of which nobody knows the road, held out."""
+    run = truth.Run(truth.Track("flat", {}), 4.0, 0.0, np.arange(SIZE) / 100.0)
+    campaign = campaign_of({"run": run}, {"run": RECORD}, noise_rms=noise_rms)
+    (driven,) = campaign.runs
+    held_out = replace(driven, id="held out", role="validate", track=UNKNOWN)
+    return replace(campaign, runs=(driven, held_out))
+
+
+MODEL = model_of(ATV, {}).with_run("run", {"speed_m_s": 4.0, "start_m": 0.0})
+
+
+def workshop_of(noise_rms=NOISE, **given):
+    return Workshop(campaign_with(noise_rms), MODEL, **given)
+
+
+@pytest.fixture(scope="module")
+def workshop():
+    return workshop_of(jobs=2)
+
+
+def test_noise_of_the_stated_size_has_it_in_every_coefficient(workshop):
+    """White in band, with the stated rms there."""
+    band = workshop.benches["run"].band
+    white = np.random.default_rng(2).normal(size=band.count)
+    signal = band.from_coefficients(white * workshop.noise)
+    assert signal.std() == pytest.approx(NOISE, rel=0.1)
+    assert workshop_of(noise_rms=None).noise == 0.0
+    other = Workshop(campaign_with(), MODEL, noise_rms=2.0 * NOISE)
+    assert other.noise == pytest.approx(2.0 * workshop.noise)
+
+
+def test_only_measured_axles_are_doubted(workshop):
+    """Of them the axles themselves are not predicted."""
+    road, axles = workshop.benches["run"], workshop.benches["held out"]
+    assert (road.doubt == 1.0).all() and axles.doubt[:, axles.predicted].min() > 1.0
+    assert road.predicted.all() and axles.predicted.sum() == 4
+    assert (workshop_of(noise_rms=None).benches["held out"].doubt == 1.0).all()
+    assert [bench.run.id for bench in workshop.of_role("validate")] == ["held out"]
+    assert workshop.astray.keys() == {"held out"}
+    assert workshop_of(noise_rms=None).astray == {}
+    responses = workshop.responses(MODEL)
+    assert responses[1].doubt is axles.doubt and responses[0].doubt is not road.doubt
+
+
+@pytest.mark.parametrize("name", ["run", "held out"])
+def test_a_residual_is_what_was_measured_less_what_is_modelled_per_doubt(workshop, name):
+    bench = workshop.benches[name]
+    systems = workshop.systems(MODEL)
+    assert bench.size == bench.band.count * bench.predicted.sum()
+    recorded = bench.band.coefficients(RECORD[:, bench.predicted])
+    modelled = bench.band.coefficients(
+        bench.simulator.record(MODEL, systems[bench.drive])[:, bench.predicted]
+    )
+    left = (recorded - modelled).ravel()
+    residual = bench.residual(MODEL, systems)
+    np.testing.assert_allclose(residual * bench.doubt[:, bench.predicted].ravel(), left, atol=1e-9)
+    np.testing.assert_allclose(bench.undoubted(residual), left, atol=1e-9)
+    assert bench.energy == pytest.approx(float((recorded**2).sum()))
+
+
+def test_each_channel_has_a_noise_of_its_own(workshop):
+    bench = workshop.benches["run"]
+    size = np.arange(1.0, 9.0) * 10.0
+    residual = (np.ones((bench.band.count, 1)) * size).ravel()
+    spread = bench.spread(residual, 1.0).reshape(bench.band.count, -1)
+    np.testing.assert_allclose(spread, np.tile(size, (bench.band.count, 1)), rtol=0.02)
+    alone = sum(cost(np.full((bench.band.count, 1), s), 1.0) for s in size)
+    assert bench.cost(residual, 1.0) == pytest.approx(alone)
+
+
+def test_a_run_begins_before_its_record_and_is_remembered_for_four_time_constants(workshop):
+    """Of the seven between both, which are whole steps."""
+    bench = workshop.benches["run"]
+    lead = bench.simulator.setting.record_start_s - bench.simulator.setting.start_s
+    assert lead > 0.5
+    assert bench.memory_s == pytest.approx(4.0 / 7.0 * lead, rel=0.03)
+    for earlier, given in ((1.0, ()), (2.0, (2.0,))):
+        setting = workshop.bench(bench.run, *given).simulator.setting
+        assert setting.record_start_s - setting.start_s == pytest.approx(earlier * lead, rel=0.03)
+
+
+def test_what_hangs_on_a_rig_has_nothing_to_forget():
+    campaign = test_component.campaign_of(test_component.run_of(1, "force"))
+    values = {f"component.{key}": value for key, value in test_component.TRUE.items()}
+    (bench,) = Workshop(campaign, Model(values), jobs=1).benches.values()
+    assert bench.memory_s == 0.0
+
+
+def test_as_many_threads_work_as_are_asked_for():
+    """Three at once meet; one thing alone is done where it was asked for."""
+    together = Barrier(3, timeout=10.0)
+    at_once = workshop_of(jobs=3)
+    assert sorted(at_once.each(lambda i: together.wait(), range(3))) == [0, 1, 2]
+    pair = Barrier(2, timeout=10.0)
+    assert sorted(at_once.each(lambda i: pair.wait(), range(2))) == [0, 1]
+    assert at_once.each(lambda i: current_thread(), [1]) == [current_thread()]
+
+
+def test_processors_are_those_this_process_may_use(monkeypatch):
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {3, 5}, raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: 64)
+    assert processors() == 2
+    monkeypatch.setattr(sys, "platform", "darwin")
+    assert processors() == 64
+    monkeypatch.setattr(os, "cpu_count", lambda: None)  # the system doesn't say
+    assert processors() == 1
