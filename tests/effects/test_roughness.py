@@ -114,6 +114,21 @@ def ground():
     return Ground(bench, model, workshop.systems(model)["road"])
 
 
+def test_it_does_not_matter_when_a_record_began(ground):
+    """Nor where on the track, if nobody says it: heights are those under the run's own way."""
+    time = RUNS["slow"].time_s
+    later = {"slow": truth.Run(TRACK, 2.9, 33.0 - 2.9 * 4.0, 4.0 + time, seed=3)}
+    workshop, model, bench = bench_of(later)
+    moved = Ground(bench, model, workshop.systems(model)["road"])
+    assert moved.speed_m_s == pytest.approx(ground.speed_m_s) == pytest.approx(2.9)
+    wave = 2.0 * np.pi * np.array([1.0, 5.0, 12.0]) / 2.9
+    np.testing.assert_allclose(moved.response(wave), ground.response(wave), rtol=1e-9)
+    nowhere = Model(model.values, (), {"slow": {"speed_m_s": 2.9}})
+    still = Ground(bench, nowhere, workshop.systems(model)["road"])
+    size = np.abs(moved.square).max()
+    np.testing.assert_allclose(still.square, moved.square, atol=1e-9 * size)
+
+
 def dense(ground):
     """G (size, 2k) as a complex matrix, column by column."""
     count = 2 * ground.series.count

@@ -146,7 +146,9 @@ def test_as_many_threads_work_as_are_asked_for():
 
 def test_processors_are_those_this_process_may_use(monkeypatch):
     monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {3, 5}, raising=False)
+    monkeypatch.setattr(
+        os, "sched_getaffinity", lambda process: {3, 5} if process == 0 else {1}, raising=False
+    )
     monkeypatch.setattr(os, "cpu_count", lambda: 64)
     assert processors() == 2
     monkeypatch.setattr(sys, "platform", "darwin")

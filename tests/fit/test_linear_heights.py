@@ -125,6 +125,9 @@ def test_heights_are_numbers_like_any_other(benches):
     volume = np.log(few).sum() - np.linalg.slogdet(precision)[1]
     expected = -0.5 * cost - len(data) * np.log(SIGMA) + 0.5 * volume
     assert found.evidence == pytest.approx(expected, abs=0.05)
+    for run in found.runs[:RUNS]:  # what it spent is known, the large matrices are gone
+        assert 0.0 < run.heights.freedom < 4.0 * SERIES.count
+        assert "square" not in vars(run.heights.ground)
 
 
 def test_a_density_is_found_where_shared_numbers_are_and_stays_elsewhere(benches):

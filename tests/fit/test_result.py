@@ -8,6 +8,7 @@ import pytest
 
 from tests.fit.linear import OWN, OWN_SCALES, OWN_SIGMAS, SHARED, SIGMA, SIZE, START, Shop
 from tests.fit.linear import benches_of as made
+from wheelhop.compare.band import InBand
 from wheelhop.fit import RunFit, fit
 from wheelhop.fit.result import Derivatives
 
@@ -67,8 +68,17 @@ def test_one_datum_is_left_at_least(fitted):
     assert replace(run, own=run.own * SIZE).spare == pytest.approx(1.0 / SIZE)
 
 
+def test_a_residual_in_time_has_its_channels_side_by_side():
+    """Each with the power it has in band."""
+    band = InBand(256, 100.0, (1.0, 30.0))
+    signals = band.signal(np.random.default_rng(1).normal(size=(256, 3)) * [1.0, 10.0, 100.0])
+    bench = SimpleNamespace(band=band)
+    run = RunFit(bench, (), band.coefficients(signals).ravel(), None, np.ones(3 * band.count))
+    np.testing.assert_allclose(run.in_time(run.residual), signals, atol=1e-9)
+
+
 @pytest.mark.parametrize(("seconds", "blocks"), [(0.1, 1), (0.7, 1), (0.8, 2), (10.0, 20)])
 def test_half_a_second_is_a_block_whenever_the_record_began(seconds, blocks):
     for begin in (0.0, 7.3):
-        bench = SimpleNamespace(run=SimpleNamespace(time_s=begin + np.array([0.0, seconds])))
+        bench = SimpleNamespace(run=SimpleNamespace(time_s=begin + np.linspace(0.0, seconds, 5)))
         assert RunFit(bench, (), np.zeros(1), None, np.ones(1)).blocks == blocks

@@ -36,10 +36,8 @@ class Move:
         (n, channels)."""
         cuts = np.searchsorted(bench.run.time_s, [*self.begins_s[1:], inf])
         for member, first, last in zip(self.members, [0, *cuts[:-1]], cuts, strict=True):
-            part = change
-            if len(self.members) > 1:
-                part = np.zeros_like(change)
-                part[first:last] = change[first:last]
+            part = np.zeros_like(change)
+            part[first:last] = change[first:last]
             yield member, bench.coefficients(part)
 
 
