@@ -243,26 +243,3 @@ def test_a_run_in_a_false_minimum_keeps_no_other_from_the_noise(noise_free):
     assert power.pop("washboard") > 1000.0
     assert max(power.values()) < 1.1
     assert np.sqrt(np.mean(whitened(fitted, ATV) ** 2)) < 2.0
-
-
-def test_a_fit_without_hope_ends_early(noise_free):
-    """It would not come below the bar even if every step came as good as the last; a bar within
-    reach changes nothing. Who watches sees the error fall."""
-    runs, _ = noise_free
-    campaign = recorded(noise_free, 5)
-    vehicle = drawn_vehicle(9, set(ATV) - {k for k in ATV if k.startswith(FIXED)})
-    model = model_of(vehicle.values, runs)
-    workshop = Workshop(campaign, model, jobs=1)
-    shared, benches = vehicle_parameters(campaign, vehicle), workshop.of_role("fit")
-    free, hopeless, within = (
-        fit(workshop, model, shared, benches, bar=bar) for bar in (-np.inf, 1.0, 1e9)
-    )
-    seen = []
-    workshop.watch = lambda iteration, error: seen.append((iteration, error))
-    fit(workshop, model, (), benches)  # where a run stands on its track is no news
-    assert seen == []
-    fit(workshop, model, shared, benches, bar=1.0)
-    assert [iteration for iteration, _ in seen] == list(range(1, len(seen) + 1))
-    assert seen[-1][1] < seen[0][1]
-    assert within.cost == free.cost
-    assert free.cost < hopeless.cost

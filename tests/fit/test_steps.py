@@ -32,6 +32,8 @@ def test_a_linear_model_is_fitted_in_two_steps_with_one_set_of_derivatives():
     found, seen = watched(benches[0], START, SHARED)
     assert [i for i, _, _ in seen] == [1, 2]
     assert {simulated for _, _, simulated in seen} == {4}
+    _, quiet = watched(benches[0], START, ())  # where a run stands on its track is no news
+    assert quiet == []
     left = benches[0].residual(START, {})
     assert seen[0][1] == pytest.approx(np.sqrt(left @ left / benches[0].energy))
     assert seen[1][1] == pytest.approx(found.error, rel=1e-3)
