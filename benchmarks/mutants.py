@@ -54,8 +54,10 @@ PARTS = {
         (
             *("tests/fit/test_linear.py", "tests/fit/test_steps.py", "tests/fit/test_density.py"),
             *("tests/fit/test_linear_heights.py", "tests/fit/test_parameters.py"),
-            *("tests/component/test_start.py", "tests/diagnose/test_rotate.py"),
-            *("tests/diagnose/test_judge.py", "tests/effects/test_roughness.py", "tests/fit"),
+            *("tests/fit/test_component.py", "tests/fit/test_result.py"),
+            *("tests/fit/test_harmonics.py", "tests/fit/test_bumps.py", "tests/fit/test_bench.py"),
+            *("tests/effects/test_roughness.py", "tests/component/test_start.py"),
+            *("tests/diagnose/test_rotate.py", "tests/diagnose/test_judge.py", "tests/fit"),
         ),
     ),
     "floor": Part(
