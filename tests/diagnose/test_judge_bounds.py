@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 from math import inf, log
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.diagnose.test_judge import BLOCKS, RUNS, BesideEffects, fit_of, leaving, noise, rung
+from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.judge import (
     MATERIAL,
     Rung,
@@ -113,6 +115,14 @@ def test_nothing_is_allowed_for_where_nothing_is_said():
         run.bench.energy *= 1e6
     assert by_chance(loud, 1.0, 0.0) == by_chance(quiet, 1.0, 0.0) < 0.5
     assert by_chance(loud, 1.0, 0.0, 1e-3) > 0.99
+
+
+@pytest.mark.parametrize("lacked", [1.0, 0.3])
+@pytest.mark.parametrize(("amplitude", "above"), [(0.09, False), (0.11, True), (0.33, True)])
+def test_a_law_of_the_right_name_leaves_a_tenth_of_its_machine(amplitude, above, lacked):
+    """Of the amplitude that the model lacked before; one of a wrong name leaves a third."""
+    left = SimpleNamespace(unexplained=amplitude**2 * lacked, lacked=lacked)
+    assert Step.above_floor.fget(left) is above
 
 
 def test_a_model_without_runs_held_out_is_judged_on_those_fitted():
