@@ -63,6 +63,11 @@ class Grid:
         return tuple(found)
 
 
+def too_few(there: int, rows: float) -> bool:
+    """Whether samples are so few of their rows that their times are not to be believed."""
+    return rows > max(there / FEWEST, there + FREE_GAPS)
+
+
 @np.errstate(all="ignore")  # absurd stamps are reported, not warned about
 def fit_grid(
     time_s: NDArray[np.float64],
@@ -96,7 +101,7 @@ def fit_grid(
             f"{where(row)}: time jumps from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s, "
             f"{steps[row - 1] / period:.3g} steps of {period:.6g} s: cut the file there"
         )
-    if counts.sum() + 1 > max(len(time_s) / FEWEST, len(time_s) + FREE_GAPS):
+    if too_few(len(time_s), counts.sum() + 1):
         row = int(np.argmax(counts)) + 1
         raise ExchangeError(
             f"{where(row)}: {counts.sum() - len(steps):.6g} samples are missing, most of them "
@@ -137,11 +142,11 @@ def _rate(time_s: NDArray[np.float64], index: NDArray[np.int64]) -> float:
     del start
     exact = 1.0 / float(slope)
     allowed = 1.05 * _spread(time_s, index, exact) + 1e-6 / exact
-    for digits in range(1, 16):
-        rounder = float(f"{exact:.{digits}g}")
-        if _spread(time_s, index, rounder) <= allowed:
-            return rounder
-    return exact
+    for digits in range(17):
+        rate_hz = float(f"{exact:.{digits}g}")
+        if _spread(time_s, index, rate_hz) <= allowed:
+            break
+    return rate_hz
 
 
 def _spread(time_s: NDArray[np.float64], index: NDArray[np.int64], rate_hz: float) -> float:

@@ -6,6 +6,7 @@ one column per channel, or not written at all.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -24,6 +25,7 @@ from wheelhop.formats.table import Table, plain_channel
 MAGIC = "LabVIEW Measurement"
 END = "***End_of_Header***"
 SPECIAL = ("***Start_Special***", "***End_Special***")
+SEPARATOR = re.compile(r"separator(?P<mark>.)[ \t,;]*(?P<name>\w*)", re.IGNORECASE)
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": " "}
 X = "X_Value"
 
@@ -52,13 +54,8 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
 def _file_header(lines: list[str], path: Path) -> tuple[_Style, int]:
     if not lines[0].startswith(MAGIC):
         raise ExchangeError(f"{path}: line 1 must begin with {MAGIC}: this is no .lvm file")
-    separator = "\t"
-    for line in lines[:30]:
-        if line.lower().startswith("separator") and len(line) > len("separator"):
-            mark = line[len("separator")]
-            named = SEPARATORS.get(line[len("separator") + 1 :].strip(" \t,;").lower())
-            separator = named or mark
-            break
+    said = next(filter(None, map(SEPARATOR.match, lines)), None)
+    separator = SEPARATORS.get(said["name"].lower(), said["mark"]) if said else "\t"
     tags, at = _tags(lines, 0, separator, path)
     decimal = tags.get("Decimal_Separator", ["."])[0] or "."
     return _Style(separator, decimal, tags), at
@@ -90,7 +87,7 @@ def _segments(lines: list[str], at: int, style: _Style) -> Iterator[tuple[int, i
         while start > at and lines[start - 1].strip():
             start -= 1
         starts.append(start)
-    return zip(starts, [*starts[1:], len(lines)][: len(starts)], strict=True)
+    return pairwise([*starts, len(lines)])
 
 
 def _segment(
@@ -99,11 +96,12 @@ def _segment(
     tags, at = _tags(lines, start, style.separator, path)
     if at >= stop:
         raise ExchangeError(f"{path}: line {at}: no columns are named behind this header")
-    names = [name.strip() for name in lines[at].split(style.separator)]
-    while names and names[-1] in ("", "Comment"):
-        names.pop()
+    heads = [name.strip() for name in lines[at].split(style.separator)]
+    while heads and heads[-1] in ("", "Comment"):
+        heads.pop()
+    names = [head or f"column {k}" for k, head in enumerate(heads, start=1)]
     first = at + 1
-    while stop > first and not lines[stop - 1].strip():
+    while not lines[stop - 1].strip():
         stop -= 1
     body = [line.split(style.separator) for line in lines[first:stop]]
 
@@ -115,9 +113,7 @@ def _segment(
             raise ExchangeError(f"{where(row)} has {len(found)} values, not {len(names)}")
 
     def column(k: int) -> NDArray[np.float64]:
-        return cells.parse(
-            [row[k] for row in body], style.decimal, where, names[k] or f"column {k}"
-        )
+        return cells.parse([row[k] for row in body], style.decimal, where, names[k])
 
     def tag(key: str, k: int) -> str:
         """The entry of channel column k; segment headers have one cell per column behind X."""
@@ -180,30 +176,29 @@ def _joined(tables: list[Table]) -> list[Table]:
 
     X goes on from segment to segment, or begins anew and the headers' times tell the distance.
     """
-    if len({table.channels for table in tables}) != 1 or len({t.rate_hz for t in tables}) != 1:
+    if len(tables) < 2 or len({(table.channels, table.rate_hz) for table in tables}) > 1:
         return tables
     stamps = [_stamps(table) for table in tables]
-    if len(stamps) > 1 and stamps[1][0] <= stamps[0][-1]:
+    if all(two[0] <= one[-1] for one, two in pairwise(stamps)):
         clocks = [_clock(table) for table in tables]
         if None in clocks:
             return tables
         since = [(clock - clocks[0]).total_seconds() for clock in clocks]  # type: ignore[operator]
-        stamps = [x + start for x, start in zip(stamps, since, strict=True)]
+        stamps = list(map(np.add, stamps, since))
     if any(two[0] <= one[-1] for one, two in pairwise(stamps)):
         return tables
-    joined = replace(
-        tables[0],
-        values=np.concatenate([table.values for table in tables]),
-        time_s=np.concatenate(stamps),
-        line=tables[0].line if len(tables) == 1 else None,
-    )
-    return [joined if len(tables) > 1 else tables[0]]
+    values = np.concatenate([table.values for table in tables])
+    return [replace(tables[0], values=values, time_s=np.concatenate(stamps), line=None)]
 
 
 def _stamps(table: Table) -> NDArray[np.float64]:
     if table.time_s is not None:
         return table.time_s
-    return table.start_s + np.arange(len(table.values)) / (table.rate_hz or 1.0)
+    if table.rate_hz is None:
+        raise ExchangeError(
+            f"{table.file}: has neither X nor Delta_X: give rate_hz and group in a mapping"
+        )
+    return table.start_s + np.arange(len(table.values)) / table.rate_hz
 
 
 def _clock(table: Table) -> datetime | None:

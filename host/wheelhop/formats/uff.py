@@ -7,7 +7,6 @@ its own start, and a gap is what no function covers. Numbers are written in bina
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -18,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.formats.error import ExchangeError, need
-from wheelhop.formats.grid import FEWEST, FREE_GAPS, fit_grid
+from wheelhop.formats.grid import fit_grid, too_few
 from wheelhop.formats.header import Header, read_sidecar, sidecar
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import POINTS, Table
@@ -27,7 +26,6 @@ from wheelhop.logger.recording import ACCELERATION, Channel, Recording
 TIME_RESPONSE, EVEN, SI_UNITS = 1, 1, 1
 PLUS_Z = 3
 DIRECTIONS = {
-    0: "",
     **{k: f"+{'XYZ'[k - 1]}" for k in (1, 2, 3)},
     **{-k: f"-{'XYZ'[k - 1]}" for k in (1, 2, 3)},
 }
@@ -41,12 +39,17 @@ class _Piece:
     """One function: whose it is, where its first sample lies (in rows too, if we wrote it), and its
     samples. Functions with the same `key` are pieces of one channel."""
 
-    key: tuple[str | int, ...]
+    key: tuple[str | int | None, ...]
     channel: Channel
     start_s: float
     rate_hz: float
     values: NDArray[np.float64]
     row: int | None = None
+
+    @property
+    def begins(self) -> float:
+        """In rows; starts in six digits would be too coarse after some minutes."""
+        return self.start_s * self.rate_hz if self.row is None else self.row
 
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
@@ -81,7 +84,7 @@ def _piece(item: dict[str, Any], number: int, metric: bool, path: Path) -> _Piec
     values = values[: item["num_pts"]].astype(np.float64)
     found = PLACE.fullmatch(item["id2"])
     channel = _channel(item, metric, named=found is not None)
-    key = (channel.name, item["rsp_node"], item["rsp_dir"], item["func_id"] if found else 0)
+    key = (channel.name, item["rsp_node"], item["rsp_dir"], item["func_id"] if found else None)
     if item["abscissa_spacing"] != EVEN:
         grid = fit_grid(item["x"], lambda row: f"{place}: sample {row + 1}")
         spread = grid.spread(values[:, np.newaxis])[:, 0]
@@ -94,11 +97,11 @@ def _piece(item: dict[str, Any], number: int, metric: bool, path: Path) -> _Piec
 
 def _rate(step_s: float) -> float:
     """The roundest rate whose period is this one in the six digits that a file has."""
-    for digits in range(1, 17):
+    for digits in range(18):
         rate = float(f"{1 / step_s:.{digits}g}")
         if f"{1 / rate:.5e}" == f"{step_s:.5e}":
-            return rate
-    return 1 / step_s
+            break
+    return rate
 
 
 def _channel(item: dict[str, Any], metric: bool, named: bool) -> Channel:
@@ -126,23 +129,19 @@ def _sort_in(groups: list[list[_Piece]], piece: _Piece) -> None:
 
 
 def _overlap(one: _Piece, other: _Piece) -> bool:
-    if one.row is not None and other.row is not None:
-        return one.row < other.row + len(other.values) and other.row < one.row + len(one.values)
-    first, second = sorted((one, other), key=lambda piece: piece.start_s)
-    return second.start_s < first.start_s + (len(first.values) - 0.5) / first.rate_hz
+    first, second = sorted((one, other), key=lambda piece: piece.begins)
+    return second.begins < first.begins + len(first.values) - 0.5
 
 
 def _table(pieces: list[_Piece], header: Header | None, group: str, path: Path) -> Table:
     rate, start_s = pieces[0].rate_hz, min(piece.start_s for piece in pieces)
-    rows = _rows(pieces, start_s)
-    if header is None:
-        rows = [row - min(rows) for row in rows]
+    rows = _rows(pieces, start_s, whole=header is not None)
     count = max(row + len(piece.values) for row, piece in zip(rows, pieces, strict=True))
     if header is not None:
         count = max(count, header.rows)
         rate, start_s = header.bare.rate_hz, header.bare.start_s
     held = sum(len(piece.values) for piece in pieces)
-    if count > max(held / FEWEST, held + FREE_GAPS):
+    if too_few(held, count):
         raise ExchangeError(f"{path}: {count} samples are due, and {held} are there")
     channels = {piece.key: piece.channel for piece in pieces}
     keys = list(channels)
@@ -161,18 +160,18 @@ def _table(pieces: list[_Piece], header: Header | None, group: str, path: Path) 
     )
 
 
-def _rows(pieces: list[_Piece], start_s: float) -> list[int]:
-    """Where pieces begin; starts in six digits would be too coarse after some minutes."""
+def _rows(pieces: list[_Piece], start_s: float, whole: bool) -> list[int]:
+    """Where pieces begin: in the `whole` recording if we wrote them, else from their start."""
     known = [piece.row for piece in pieces if piece.row is not None]
-    if len(known) == len(pieces):
-        return known
-    return [round((piece.start_s - start_s) * piece.rate_hz) for piece in pieces]
+    if len(known) < len(pieces):
+        return [round((piece.start_s - start_s) * piece.rate_hz) for piece in pieces]
+    return known if whole else [row - min(known) for row in known]
 
 
 def save(recording: Recording, path: Path) -> None:
     """Write a function for each channel and each piece without gaps."""
     pyuff = need("pyuff", "uff", path)
-    pieces = list(_pieces(np.asarray(np.isfinite(recording.values).all(axis=1))))
+    pieces = _pieces(np.asarray(np.isfinite(recording.values).all(axis=1)))
     if not pieces:
         raise ExchangeError(f"{path}: every sample is missing: UFF cannot hold that")
     units = {"type": 164, "units_code": SI_UNITS, "units_description": "SI: m, N, K"}
@@ -191,9 +190,11 @@ def save(recording: Recording, path: Path) -> None:
             apart.unlink()
 
 
-def _pieces(there: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+def _pieces(there: NDArray[np.bool_]) -> list[list[int]]:
+    """First and last row (exclusive) of each piece."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(np.int8)))
-    return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    pairs: list[list[int]] = edges.reshape(-1, 2).tolist()
+    return pairs
 
 
 def _function(
