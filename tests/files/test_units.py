@@ -5,7 +5,7 @@ from math import pi
 
 import pytest
 
-from wheelhop.files.units import SECONDS, STANDARD_GRAVITY_M_S2, UNITS, to_si
+from wheelhop.files.units import SECONDS, STANDARD_GRAVITY_M_S2, UNITS, beyond, split_unit, to_si
 from wheelhop.files.words import ending_of, unit_of
 
 DEFINED = {
@@ -18,7 +18,7 @@ DEFINED = {
         "mm/s": 1e-3,
     },
     **{"cm": 0.01, "mm": 1e-3, "µm": 1e-6, "inch": 0.0254, "kN": 1e3, "lbf": 0.45359237 * 9.80665},
-    **{"mV": 1e-3, "uV": 1e-6},
+    **{"V": 1.0, "mV": 1e-3, "uV": 1e-6},
 }
 
 
@@ -74,3 +74,49 @@ def test_what_is_not_in_si_is_no_unit_of_ours():
 
 def test_gravity_is_what_was_defined():
     assert STANDARD_GRAVITY_M_S2 == 9.80665
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "unit"),
+    [
+        ("rear_damping_N_s_m", "rear_damping", "N_s_m"),  # not metres, and not "N_s" of anything
+        ("tyre_stiffness_N_mm", "tyre_stiffness", "N_mm"),
+        ("pitch_inertia_kg_m2_uncertainty", "pitch_inertia_uncertainty", "kg_m2"),
+        ("gap_m", "gap", "m"),
+        ("speed_kmph", "speed", "kmph"),
+        ("rebound_ratio", "rebound_ratio", None),
+        ("shape_uncertainty", "shape_uncertainty", None),
+        ("m", "m", None),  # a name, not a unit without one
+    ],
+)
+def test_a_key_ends_in_the_longest_unit_that_is_known(key, name, unit):
+    assert split_unit(key) == (name, unit)
+
+
+BELIEVED = {
+    **{"gap_m": (1e-6, 1e5), "speed_m_s": (1e-4, 1e3), "caster_rad": (1e-6, 10.0)},
+    **{"delay_s": (1e-9, 1e9), "mode_Hz": (1e-6, 1e7), "axle_kg": (1e-4, 1e6)},
+    **{"pitch_kg_m2": (1e-6, 1e7), "noise_m_s2": (1e-9, 1e6), "tyre_N_m": (1e-3, 1e10)},
+    **{"damper_N_s_m": (1e-4, 1e8), "steel_kg_m3": (1e-3, 1e5), "modulus_Pa": (1e3, 1e15)},
+}
+"""The least and the largest number of each dimension, in SI: from a micrometre to 100 km, say."""
+
+
+@pytest.mark.parametrize(("key", "least", "largest"), [(k, *b) for k, b in BELIEVED.items()])
+def test_a_number_is_believed_up_to_its_bounds_and_not_beyond(key, least, largest):
+    for value in (least, -least, largest, -largest, 0.0):
+        assert beyond(key, value) == ""
+    assert beyond(key, 0.99 * least).startswith("is too small to be believed")
+    assert beyond(key, -1.01 * largest).startswith("is too large to be believed")
+
+
+def test_bounds_are_told_in_the_unit_of_the_key():
+    """Somebody has written newtons per metre under a key that wants newtons per millimetre."""
+    assert beyond("stiffness_N_mm", 2e8) == (
+        "is too large to be believed: 1e-06 to 1e+07 newtons per millimetre are"
+    )
+    assert beyond("stiffness_N_mm", 5e6) == ""
+
+
+def test_what_has_no_unit_or_no_bounds_may_be_any_number():
+    assert beyond("rebound_ratio", 1e30) == beyond("load_N", 1e30) == ""

@@ -146,9 +146,12 @@ def beyond(key: str, value: float) -> str:
     if name is None or value == 0.0 or (unit := UNITS[name]).dimension not in SIZES:
         return ""
     least, largest = (size / unit.in_si for size in SIZES[unit.dimension])
-    if least <= abs(value) <= largest:
+    if abs(value) < least:
+        word = "small"
+    elif abs(value) > largest:
+        word = "large"
+    else:
         return ""
-    word = "small" if abs(value) < least else "large"
     return f"is too {word} to be believed: {least:.3g} to {largest:.3g} {unit.words} are"
 
 
@@ -160,8 +163,8 @@ def split_unit(key: str) -> tuple[str, str | None]:
     base = key.removesuffix("_uncertainty")
     tail = key[len(base) :]
     for parts in (3, 2, 1):  # the longest unit first: _N_s_m ends in _m too
-        words = base.rsplit("_", parts)
-        unit = "_".join(words[1:])
-        if len(words) > parts and unit in UNITS:
-            return words[0] + tail, unit
+        name, *ending = base.rsplit("_", parts)
+        unit = "_".join(ending)
+        if unit in UNITS:
+            return name + tail, unit
     return base + tail, None
