@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from wheelhop.files.units import to_si
 from wheelhop.formats import ExchangeError
-from wheelhop.formats.grid import fit_grid
+from wheelhop.formats.grid import fit_grid, too_few
 from wheelhop.formats.labels import name_and_unit
 
 RATES = (1.0, 10.0, 50.0, 100.0, 128.0, 200.0, 256.0, 400.0, 1000.0, 1024.0, 51200.0, 99.97)
@@ -52,6 +52,50 @@ def test_jitter_is_taken_as_equal_steps_and_stated():
     assert "up to 0.5" in remark and "ms off equal steps of 10 ms" in remark
 
 
+def test_clean_stamps_start_at_the_first_one_to_the_last_bit():
+    time_s = 12.34 + np.arange(3000) / 128.0
+    grid = fit_grid(time_s, place)
+    assert grid.start_s == 12.34 and grid.remarks() == ()
+
+
+def test_stamps_that_jitter_start_where_they_do_on_the_whole():
+    time_s = np.arange(3000) / 100 + np.random.default_rng(3).uniform(-5e-4, 5e-4, 3000)
+    time_s[0] = 5e-4
+    assert fit_grid(time_s, place).start_s == pytest.approx(0.0, abs=5e-5)
+
+
+def test_a_step_may_be_off_by_a_quarter():
+    assert fit_grid(np.array([0.0, 1.0, 2.25]), place, 1.0).index.tolist() == [0, 1, 2]
+
+
+def test_a_given_rate_may_lose_half_a_step_on_the_way():
+    """At 99.9 Hz stamps of 100 Hz are half a step late after 500."""
+    time_s = np.arange(600) / 100
+    assert fit_grid(time_s[:400], place, 99.9).rows == 400
+    with pytest.raises(ExchangeError, match=r"equal steps at 99\.9 Hz"):
+        fit_grid(time_s, place, 99.9, 0.0)
+
+
+def test_a_clock_that_is_a_little_slow_is_not_rounded_away():
+    """By a tenth of a thousandth: rounded to milliseconds that is seen after 22 s."""
+    time_s = np.round(np.arange(2200) / 99.99, 3)
+    assert fit_grid(time_s, place).rate_hz == pytest.approx(99.99, abs=2e-3)
+
+
+def test_single_samples_that_are_lost_do_not_stretch_the_period():
+    """Every fourth, at 400 Hz and in milliseconds."""
+    index = np.array([k for k in range(400) if k % 4 != 3])
+    grid = fit_grid(np.round(index / 400, 3), place)
+    assert grid.rate_hz == 400.0 and grid.index.tolist() == index.tolist()
+
+
+def test_so_much_may_be_missing():
+    """Up to a hundred thousand samples, or nine of ten."""
+    grid = fit_grid(np.array([0.0, 1.0, 2.0, 100_003.0]), place, 1.0)
+    assert grid.rows == 100_004
+    assert not too_few(20_000, 200_000) and too_few(20_000, 200_001)
+
+
 def test_what_is_missing_is_counted():
     index = np.delete(np.arange(100), [10, 11, 12, 50])
     grid = fit_grid(index / 100, place)
@@ -66,6 +110,10 @@ def test_what_is_missing_is_counted():
         ([0, 0.01, 0.02, 0.03], 200.0 / 3, "line 3: time jumps"),
         ([0, 0.01, 0.02, 1e8], None, "line 5: 1e[+]10 samples are missing"),
         ([0, np.inf], None, "line 3: inf is no time"),
+        ([0, 1e15], None, r"line 3: 1000000000000000\.0 is no time"),
+        ([0, 1, 1.1, 2], 1.0, r"line 4: time jumps from 1 to 1\.1 s, 0\.1 steps"),
+        ([0, 1, 2.25, 3.6], 1.0, r"line 5: time jumps from 2\.25 to 3\.6 s, 1\.35 steps"),
+        ([0, 1, 2, 100_004], 1.0, r"line 5: 100001 samples are missing, .* \(2 to 100004 s\)"),
         ([3.0], None, "a single time stamp has no rate"),
         (
             np.arange(2000) * 0.01,

@@ -55,12 +55,11 @@ def test_functions_of_others(tmp_path):
 
 
 def test_pieces_that_touch_are_one_channel_and_pieces_that_overlap_are_not(tmp_path):
-    late = 40.0  # s, of a clock that runs on
-    path = saved(tmp_path, function(start=late), function([4, 5], start=late + 3 / 256))
-    found = read(path)
+    late = function(start=40.0, step=0.5)
+    found = read(saved(tmp_path, late, function([4, 5], start=41.5, step=0.5)))
     assert found.values[:, 0] == pytest.approx(np.arange(1, 6) * G)
-    assert found.start_s == late
-    path = saved(tmp_path, function(start=late), function([4, 5], start=late + 2 / 256))
+    assert (found.rate_hz, found.start_s) == (2.0, 40.0)
+    path = saved(tmp_path, late, function([4, 5], start=41.0, step=0.5))
     with pytest.raises(ExchangeError, match=r'"1" \(1 channels\), "2" \(1 channels\)'):
         read(path)
 
@@ -77,6 +76,10 @@ def test_a_function_is_called_by_its_node_or_by_its_first_line(tmp_path):
     assert names(tmp_path, function(**title)) == ["5+Z"]
     assert names(tmp_path, function(**title, rsp_node=0)) == ["hammer, run 3"]
     assert names(tmp_path, function(rsp_node=0)) == ["0+Z"]
+
+
+def test_a_function_may_be_a_single_sample(tmp_path):
+    assert read(saved(tmp_path, function([7.0]))).values == pytest.approx(7 * G)
 
 
 def test_functions_that_are_not_of_time_are_left_out(tmp_path):
@@ -146,9 +149,10 @@ def test_the_records_that_are_written(tmp_path):
         Channel("Weg vorn", "m", "A1"),
         Channel("Kraft ~ ü", "N"),
         Channel("pedal", "m/s²"),
+        Channel("battery", "V", "body"),
     )
     path = tmp_path / "run.uff"
-    write(replace(recording(rows=6, channels=4, gaps=()), channels=channels), path)
+    write(replace(recording(rows=6, channels=5, gaps=()), channels=channels), path)
     units, *found = pyuff.UFF(str(path)).read_sets()
     assert {key: units[key] for key in METRIC if key not in ("units_description", "temp_mode")} == {
         key: METRIC[key] for key in METRIC if key not in ("units_description", "temp_mode")
@@ -159,16 +163,17 @@ def test_the_records_that_are_written(tmp_path):
         (2, "A1", 1, 0, 8),
         (3, "NONE", 0, 0, 13),
         (4, "NONE", 0, 0, 12),
+        (5, "body", 9, 0, 0),
     ]
     same = {"func_type": 1, "ref_node": 0, "ref_dir": 0, "abscissa_spacing": 1}
     same |= {"abscissa_spec_data_type": 17, "orddenom_spec_data_type": 0}
     same |= {"z_axis_spec_data_type": 0, "id3": "21-SEP-26 14:13:20", "num_pts": 6}
     for item in found:
         assert {key: item[key] for key in same} == same
-    assert [item["id1"] for item in found] == ["A3", "Weg vorn", "Kraft ~ ?", "pedal"]
+    assert [item["id1"] for item in found] == ["A3", "Weg vorn", "Kraft ~ ?", "pedal", "battery"]
     assert (found[0]["id4"], found[0]["id5"]) == ("sensor ADXL-1", "calibration bench-3")
     assert (found[1]["id4"], found[1]["id5"]) == ("NONE", "NONE")
-    assert [item["ordinate_axis_units_lab"] for item in found] == ["m/s^2", "m", "N", "m/s^2"]
+    assert [item["ordinate_axis_units_lab"] for item in found] == ["m/s^2", "m", "N", "m/s^2", "V"]
 
 
 def test_texts_that_are_too_long_for_their_records_push_nothing_aside(tmp_path):
@@ -177,6 +182,8 @@ def test_texts_that_are_too_long_for_their_records_push_nothing_aside(tmp_path):
     original = replace(recording(rows=6, channels=1, gaps=()), channels=(long,))
     path = tmp_path / "run.uff"
     write(original, path)
+    _, _, samples = path.read_bytes().partition(b"    -1\n    58b")
+    assert max(map(len, samples.split(b"\n")[:12])) <= 80
     (item,) = functions(path)
     assert item["id1"] == "n" * 80
     assert (item["id4"], item["id5"]) == (f"sensor {'s' * 73}", f"calibration {'c' * 68}")

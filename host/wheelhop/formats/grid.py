@@ -36,7 +36,7 @@ class Grid:
     @property
     def rows(self) -> int:
         """Rows of the grid, those without a sample included."""
-        return int(self.index[-1]) + 1 if len(self.index) else 0
+        return int(self.index[-1]) + 1
 
     def spread(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """(rows, c) samples at their places and NaN where there are none, from (n, c)."""
@@ -75,7 +75,7 @@ def fit_grid(
     rate_hz: float | None = None,
     start_s: float | None = None,
 ) -> Grid:
-    """Find the grid that the stamps (n,) lie on, of a known rate and start if these are given.
+    """Find the grid that the stamps (n >= 1) lie on, of a known rate and start if they are given.
 
     `where(i)` tells a user where stamp i is. Raises `ExchangeError` for stamps that are not finite,
     do not rise, or lie on no grid.
@@ -113,18 +113,18 @@ def fit_grid(
     places = index / rate_hz
     if start_s is None:
         start_s = float(time_s[0])
-        if np.abs(time_s - start_s - places).max(initial=0.0) > SILENT / rate_hz:
+        if np.abs(time_s - start_s - places).max() > SILENT / rate_hz:
             start_s = float((time_s - places).mean())
     else:
-        index = index + round((float(time_s[0]) - start_s) * rate_hz) if len(index) else index
+        index = index + round((float(time_s[0]) - start_s) * rate_hz)
         places = index / rate_hz
     jitter = np.abs(time_s - start_s - places)
-    if jitter.max(initial=0.0) > 2 * STRAY / rate_hz:
+    if jitter.max() > 2 * STRAY / rate_hz:
         raise ExchangeError(
             f"{where(int(np.argmax(jitter)))}: time is {jitter.max():.3g} s off equal steps at "
             f"{rate_hz:.6g} Hz; on the whole the stamps go at {_rate(time_s, index):.6g} Hz"
         )
-    return Grid(start_s, rate_hz, index, float(jitter.max(initial=0.0)))
+    return Grid(start_s, rate_hz, index, float(jitter.max()))
 
 
 def _typical(steps: NDArray[np.float64]) -> float:
@@ -138,10 +138,9 @@ def _typical(steps: NDArray[np.float64]) -> float:
 
 def _rate(time_s: NDArray[np.float64], index: NDArray[np.int64]) -> float:
     """The rate by least squares, or the roundest number that fits the stamps as well."""
-    slope, start = np.polyfit(index - index.mean(), time_s - time_s[0], 1)
-    del start
-    exact = 1.0 / float(slope)
-    allowed = 1.05 * _spread(time_s, index, exact) + 1e-6 / exact
+    places = index - index.mean()
+    exact = float(places @ places / (places @ (time_s - time_s[0])))
+    allowed = 1.05 * _spread(time_s, index, exact) + 2e-6 / exact
     for digits in range(17):
         rate_hz = float(f"{exact:.{digits}g}")
         if _spread(time_s, index, rate_hz) <= allowed:
@@ -150,6 +149,5 @@ def _rate(time_s: NDArray[np.float64], index: NDArray[np.int64]) -> float:
 
 
 def _spread(time_s: NDArray[np.float64], index: NDArray[np.int64], rate_hz: float) -> float:
-    """How far the stamps are off a grid of this rate, seconds, wherever it starts."""
-    off = time_s - time_s[0] - index / rate_hz
-    return float(np.ptp(off)) / 2
+    """How far apart the stamps are on a grid of this rate, seconds, wherever it starts."""
+    return float(np.ptp(time_s - index / rate_hz))
