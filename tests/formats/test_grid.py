@@ -53,8 +53,8 @@ def test_jitter_is_taken_as_equal_steps_and_stated():
 
 
 def test_clean_stamps_start_at_the_first_one_to_the_last_bit():
-    time_s = 12.34 + np.arange(3000) / 128.0
-    grid = fit_grid(time_s, place)
+    """As far as six digits go."""
+    grid = fit_grid(np.round(12.34 + np.arange(3000) / 128.0, 6), place)
     assert grid.start_s == 12.34 and grid.remarks() == ()
 
 
@@ -94,6 +94,13 @@ def test_so_much_may_be_missing():
     grid = fit_grid(np.array([0.0, 1.0, 2.0, 100_003.0]), place, 1.0)
     assert grid.rows == 100_004
     assert not too_few(20_000, 200_000) and too_few(20_000, 200_001)
+
+
+@pytest.mark.parametrize(("off_s", "said"), [(1.5e-5, 1), (0.6e-5, 0)])
+def test_up_to_a_thousandth_of_a_step_is_not_worth_a_word(off_s, said):
+    time_s = np.arange(100) / 100.0
+    time_s[50] += off_s
+    assert len(fit_grid(time_s, place, 100.0, 0.0).remarks()) == said
 
 
 def test_what_is_missing_is_counted():

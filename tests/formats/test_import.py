@@ -117,6 +117,7 @@ def test_without_a_column_of_time_the_mapping_gives_the_rate(tmp_path):
         ("time_s,A1\n0,1\nnan,2\n", "line 3: nan is no time"),
         ("time_s,A1\n0,1\n", "line 2: a single time stamp has no rate"),
         ("time_s,A1\n", "holds no samples"),
+        ("time_s\n0\n1\n", "holds no channels of numbers"),
         ('time_s,A1\n0,"1\n1,2\n2,3\n', "a quote is opened and not closed"),
         ("time_s,A1,A1\n0,1,2\n1,2,3\n", "line 1: a column name appears twice"),
         ("", "what its columns are must be said in a mapping"),
@@ -134,6 +135,7 @@ def test_what_is_wrong_is_found_by_its_line(text, line, tmp_path):
     [
         ("formt = 1", "unknown key 'formt'"),
         ("format = 2", "format = 1 is missing"),
+        ("format = true", "format = 1 is missing"),
         ('format = 1\nseparator = "x"', "separator must be"),
         ('format = 1\ndecimal = ","', "decimal must be"),
         ('format = 1\ntime_unit = "weeks"', 'time_unit = "weeks" is not known'),
@@ -145,6 +147,16 @@ def test_what_is_wrong_is_found_by_its_line(text, line, tmp_path):
         ("format = 1\n[[channel]]\ncolumn = 1\noffset = inf", "1: offset must be a finite number"),
         ("format = 1\n[[channel]]\ncolumn = 1\noffset = nan", "1: offset must be a finite number"),
         (f"format = 1\nrate_hz = 1{'0' * 400}", "rate_hz must be a finite number"),
+        ("format = 1\n[[channel]]\ncolumn = 1\nscale = 1.1e300", "scale must be a finite number"),
+        (
+            "format = 1\n[[channel]]\ncolumn = true",
+            "1: column must be a name in quotes, or a number",
+        ),
+        ("format = 1\ntime = 1.5", "time must be a name in quotes, or a number"),
+        (
+            "format = 1\n[[channel]]\ncolumn = 1\nunits = 'g'",
+            "1: unknown key 'units'; known: column",
+        ),
         ("format = ", "not valid TOML"),
     ],
 )
@@ -153,6 +165,44 @@ def test_a_wrong_mapping_is_one_line(line, complaint, tmp_path):
     with pytest.raises(ExchangeError, match=complaint) as caught:
         read_mapping(path)
     assert str(caught.value).startswith(str(path))
+
+
+def test_a_mapping_says_what_it_says_and_nothing_else(tmp_path):
+    assert read_mapping(save(tmp_path, "short.toml", "format = 1")) == Map()
+    text = """format = 1
+        separator = "tab"
+        decimal = ","
+        encoding = "cp1252"
+        header_row = 3
+        units_row = 4
+        first_row = 7
+        time = 2
+        time_unit = "ms"
+        rate_hz = 50
+        group = "car"
+        [[channel]]
+        column = 3
+        name = "A1"
+        unit = "g"
+        point = "A2"
+        sensor = "17"
+        calibration = "bench"
+        scale = 1e300
+        offset = -2
+        """
+    assert read_mapping(save(tmp_path, "map.toml", text)) == Map(
+        "\t",
+        ",",
+        "cp1252",
+        header_row=3,
+        units_row=4,
+        first_row=7,
+        time=2,
+        time_unit="ms",
+        rate_hz=50.0,
+        group="car",
+        picks=(Pick(3, "A1", "g", "A2", "17", "bench", 1e300, -2.0),),
+    )
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from tests.formats.recordings import SUFFIXES, any_recording, assert_same, recording
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.formats import ExchangeError, losses, read, write
-from wheelhop.formats.header import from_text, sidecar, to_text
+from wheelhop.formats.header import from_text, header_of, sidecar, to_text
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -54,6 +54,46 @@ def test_a_header_of_another_version_is_not_read(version):
     text = to_text(recording()).replace("format = 1", f"format = {version}")
     with pytest.raises(ExchangeError, match="format must be 1"):
         from_text(text, Path("x.toml"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("rate_hz = 100.0", "", "rate_hz must be a number of samples per second above 0"),
+        ("rate_hz = 100.0", "rate_hz = 0", "rate_hz must be a number of samples per second above"),
+        ("rate_hz = 100.0", "rate_hz = inf", "rate_hz must be a finite number"),
+        ("rate_hz = 100.0", f"rate_hz = 1{'0' * 400}", "rate_hz must be a finite number"),
+        ("rate_hz = 100.0", "rate_hz = true", "rate_hz must be a finite number"),
+        ("rate_hz = 100.0", 'rate_hz = "100"', "rate_hz must be a finite number"),
+        ("rows = 400", "rows = true", "rows must be the number of samples"),
+        ("history = [", "history = [1,", "history must be a list of texts"),
+        ("history = [", "history = 1\nolder = [", "history must be a list of texts"),
+        ("[notes]", "[notes]\nx = 1", r"\[notes\] must hold texts only"),
+        ("[[channel]]\nname", "[channel]\nname", r"begin each channel with \[\[channel\]\]"),
+        ('name = "A1"', "", "channel 1: name must be a text"),
+        ('sensor = "ADXL-1"', "sensor = 1", "channel 2: sensor must be a text"),
+        ("format = 1", "format = ", "not valid TOML"),
+    ],
+)
+def test_what_is_wrong_in_a_header_is_named(old, new, said):
+    text = to_text(recording())
+    if new.startswith("[channel]"):  # one table, not a list of them
+        text = text[: text.index("[[channel]]")] + '[[channel]]\nname = "A1"\n'
+    assert old in text
+    text = text.replace(old, new, 1)
+    with pytest.raises(ExchangeError, match=f"^x.toml: {said}"):
+        from_text(text, Path("x.toml"))
+
+
+@pytest.mark.parametrize("notes", ["notes = 1", "channel = [1]"])
+def test_a_header_has_tables_of_notes_and_channels(notes):
+    with pytest.raises(ExchangeError, match=r"x\.toml: (\[notes\] must|begin each channel)"):
+        from_text(f"{notes}\nformat = 1\nrows = 1\nrate_hz = 1.0\n", Path("x.toml"))
+
+
+def test_a_header_holds_no_samples():
+    for header in (header_of(recording()), from_text(to_text(recording()), Path("x.toml"))):
+        assert header.rows == 400 and header.bare.values.shape == (0, 3)
 
 
 def test_from_format_to_format_nothing_is_lost(tmp_path):
@@ -128,6 +168,11 @@ def test_rows_that_were_cut_off_leave_the_rest_in_its_place(tmp_path):
     assert np.array_equal(found.values, original.values[100:300], equal_nan=True)
     assert found.start_s == pytest.approx(original.time_s[100], abs=1e-12)
     assert found.history[-1] == "rows 101 to 300 of 400 read"
+    path.write_text("".join(lines[:301]))
+    found = read(path)
+    assert np.array_equal(found.values, original.values[:300], equal_nan=True)
+    assert found.start_s == original.start_s
+    assert found.history[-1] == "rows 1 to 300 of 400 read"
 
 
 def test_a_sidecar_of_another_file_is_noticed(tmp_path):

@@ -21,6 +21,7 @@ BOMS = (
 )
 EMPTY = frozenset(("", "nan", "na", "n/a", "-", "null", "none"))
 """What recorders write where there is no value."""
+NO_DATE = date.min
 
 
 def read_lines(file: Path, encoding: str = "") -> list[str]:
@@ -61,11 +62,11 @@ def split_head(line: str, separator: str | None) -> list[str]:
 
 
 def instant(stamp: str) -> datetime:
-    """A date and time of ISO 8601, or a time of day; raises ValueError for anything else."""
+    """A date and time of ISO 8601, or a time of day, at `NO_DATE`; raises ValueError else."""
     try:
         return datetime.fromisoformat(stamp)
     except ValueError:
-        return datetime.combine(date(2000, 1, 1), time.fromisoformat(stamp))
+        return datetime.combine(NO_DATE, time.fromisoformat(stamp))
 
 
 def parse(

@@ -80,6 +80,8 @@ def to_recording(table: Table, mapping: Map | None) -> Recording:
     """
     if table.header is not None and mapping is None:
         return _restored(table, table.header)
+    if not table.channels:
+        raise ExchangeError(f"{table.file}: holds no channels of numbers")
     if not len(table.values):
         raise ExchangeError(f"{table.file}: holds no samples")
     picks = mapping.picks if mapping is not None else ()
@@ -90,19 +92,27 @@ def to_recording(table: Table, mapping: Map | None) -> Recording:
         channels, guesses = _placed(channels)
         steps += guesses
     grid = _grid(table, mapping)
-    if table.header is not None:
-        bare = table.header.bare
-    else:
-        nothing = np.empty((0, 0))
-        bare = Recording(nothing, 1.0, (), start_unix_s=table.start_unix_s, notes=table.notes)
     origin = f"imported from {table.file.name} ({table.kind})"
-    return replace(
-        bare,
+    imported = Recording(
         values=grid.spread(values),
         rate_hz=grid.rate_hz,
         channels=channels,
         start_s=grid.start_s,
-        history=(*bare.history, origin, *table.remarks, *steps, *grid.remarks()),
+        start_unix_s=table.start_unix_s,
+        history=(origin, *table.remarks, *steps, *grid.remarks()),
+        notes=table.notes,
+    )
+    return imported if table.header is None else _described(imported, table.header.bare)
+
+
+def _described(imported: Recording, bare: Recording) -> Recording:
+    """With what the header of a file of ours says beside."""
+    return replace(
+        imported,
+        averaging_s=bare.averaging_s,
+        start_unix_s=bare.start_unix_s,
+        history=(*bare.history, *imported.history),
+        notes=bare.notes,
     )
 
 

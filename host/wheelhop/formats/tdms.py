@@ -78,9 +78,11 @@ def _timing(channel: Any, path: Path) -> tuple[float, float]:
     """Step and start of a waveform, 0 where the file does not say."""
     step = float(channel.properties.get("wf_increment", 0.0))
     start = float(channel.properties.get("wf_start_offset", 0.0))
-    if not (0.0 <= step < 1e15 and abs(start) < 1e15):
-        raise ExchangeError(f"{path}: {channel.name}: wf_increment = {step} s is no step of time")
-    return (0.0, 0.0) if step < 1e-15 else (step, start)
+    if not ((step == 0.0 or 1e-15 < step < 1e15) and abs(start) < 1e15):
+        raise ExchangeError(
+            f"{path}: {channel.name}: from {start} s in steps of {step} s (wf_increment) is no time"
+        )
+    return step, start
 
 
 def _unit(channel: Any) -> str | None:

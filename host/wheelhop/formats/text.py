@@ -41,7 +41,9 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
         return [row[k] for row in body]
 
     clock = _find(names, mapping.time, path)
-    wanted = [k for k in _wanted(names, mapping, body[0]) if k != clock]
+    wanted = [k for k in _wanted(names, mapping, body[0], path) if k != clock]
+    if not wanted:
+        raise ExchangeError(f"{path}: has no columns of numbers beside time: {', '.join(names)}")
     parsed = [cells.parse(column(k), mapping.decimal, where, names[k]) for k in wanted]
     start_unix_s, time_s = None, None
     if clock is not None and mapping.time_unit == CLOCK:
@@ -54,7 +56,7 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
             file=path,
             kind="text",
             channels=tuple(plain_channel(names[k], units[k]) for k in wanted),
-            values=np.column_stack(parsed) if parsed else np.empty((len(body), 0)),
+            values=np.column_stack(parsed),
             time_s=time_s,
             start_unix_s=start_unix_s,
             line=first,
@@ -63,9 +65,11 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     ]
 
 
-def _wanted(names: list[str], mapping: Map, first: list[str]) -> list[int]:
+def _wanted(names: list[str], mapping: Map, first: list[str], path: Path) -> list[int]:
     """The columns that the mapping picks, or else all that begin with a number."""
     picked = {pick.column for pick in mapping.picks}
+    for column in picked:
+        _find(names, column, path)
     if picked:
         return [k for k, name in enumerate(names) if name in picked or k + 1 in picked]
     return [k for k in range(len(names)) if cells.is_number(first[k], mapping.decimal)]
@@ -80,7 +84,7 @@ def _labels(lines: list[str], mapping: Map, width: int) -> tuple[list[str], list
         return [cell.strip() for cell in cells.split_head(lines[number - 1], mapping.separator)]
 
     heads = row(mapping.header_row)
-    if heads and heads[-1] == "" and len(heads) > 1:
+    if heads and heads[-1] == "":
         heads.pop()  # a separator at the end of every line
     if not heads:
         heads = [""] * width
@@ -98,7 +102,7 @@ def _find(names: list[str], column: str | int, path: Path) -> int | None:
         return column - 1
     if isinstance(column, str) and column in names:
         return names.index(column)
-    raise ExchangeError(f"{path}: there is no column {column!r} for time: {', '.join(names)}")
+    raise ExchangeError(f"{path}: there is no column {column!r}; it has {', '.join(names)}")
 
 
 def _clock(stamps: list[str], path: Path, first: int) -> tuple[NDArray[np.float64], float | None]:
@@ -117,4 +121,5 @@ def _clock(stamps: list[str], path: Path, first: int) -> tuple[NDArray[np.float6
     if any((instant.tzinfo is not None) != zoned for instant in found):
         raise ExchangeError(f"{path}: only some of the times have a time zone")
     seconds = [(instant - start).total_seconds() for instant in found]
-    return np.array(seconds), start.timestamp() if zoned else None
+    dated = start.date() != cells.NO_DATE
+    return np.array(seconds), start.timestamp() if zoned and dated else None
