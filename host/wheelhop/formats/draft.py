@@ -79,33 +79,38 @@ def draft_mapping(path: Path) -> str:
 
 def _layout(path: Path) -> Layout:
     lines = cells.read_lines(path)[:LOOK]
+    found = _best(lines, narrowest=2) or _best(lines, narrowest=1)
+    if found is None:
+        raise ExchangeError(f"{path}: no columns of numbers are found in its first {LOOK} lines")
+    return found
+
+
+def _best(lines: Sequence[str], narrowest: int) -> Layout | None:
+    """The layout in which most cells are numbers, of at least so many columns."""
     best: tuple[int, Layout] | None = None
     for separator, decimal in STYLES:
         if separator is None and best is not None:
             continue  # nearly every line has blanks in it
         rows = [cells.split_head(line, separator) for line in lines]
         numeric = [sum(_is_value(cell, decimal) for cell in row) for row in rows]
-        first = next(
-            (
-                k
-                for k, n in enumerate(numeric)
-                if n >= max(1, *numeric[k:]) and n > len(rows[k]) // 2 and len(rows[k]) > 1
-            ),
-            None,
+        begins = (
+            k
+            for k, n in enumerate(numeric)
+            if n == max(numeric[k:]) and n > len(rows[k]) // 2 and len(rows[k]) >= narrowest
         )
+        first = next(begins, None)
         if first is None:
             continue
         width = len(rows[first])
-        body = [row for row in rows[first:] if len(row) == width]
-        score = numeric[first] * len(body)
+        body = [k for k in range(first, len(rows)) if len(rows[k]) == width]
+        score = sum(numeric[k] for k in body)
+        if score < len(lines) - first:
+            continue  # prose with a number in it
         if best is None or score > best[0]:
-            layout = _labels(
-                rows, first, width, Layout(separator, decimal, 0, 0, first + 1, (), (), ())
-            )
-            best = (score, replace(layout, rows=tuple(map(tuple, body))))
-    if best is None:
-        raise ExchangeError(f"{path}: no columns of numbers are found in its first {LOOK} lines")
-    return best[1]
+            numbers = tuple(tuple(rows[k]) for k in body)
+            layout = Layout(separator, decimal, 0, 0, first + 1, (), (), numbers)
+            best = score, _labels(rows, first, width, layout)
+    return None if best is None else best[1]
 
 
 def _is_value(cell: str, decimal: str) -> bool:
@@ -120,14 +125,13 @@ def _is_value(cell: str, decimal: str) -> bool:
 
 def _labels(rows: Sequence[Sequence[str]], first: int, width: int, layout: Layout) -> Layout:
     """Find names and units above the numbers: a row of units, if there is one, stands last."""
-    above = [k for k in range(first) if len(rows[k]) == width and any(rows[k])][-2:]
-    stripped = {k: tuple(cell.strip() for cell in rows[k])[:width] for k in above}
+    above = [k for k in range(first) if len(rows[k]) == width and any(rows[k])]
+    stripped = {k: tuple(cell.strip() for cell in rows[k]) for k in above}
     if above and any(is_unit(cell.strip("[]()")) for cell in stripped[above[-1]]):
         row = above.pop()
         units = tuple(cell.strip("[]()") for cell in stripped[row])
-        layout = replace(layout, units_row=row + 1, units=units + ("",) * (width - len(units)))
-    labels = stripped[above[-1]] if above else ()
-    labels += ("",) * (width - len(labels))
+        layout = replace(layout, units_row=row + 1, units=units)
+    labels = stripped[above[-1]] if above else ("",) * width
     named = tuple(label or f"column {k}" for k, label in enumerate(labels, start=1))
     return replace(layout, header_row=above[-1] + 1 if above else 0, labels=named)
 
@@ -145,7 +149,7 @@ def _time(layout: Layout) -> tuple[int | None, str]:
         column = [row[k].replace(layout.decimal, ".") for row in layout.rows]
         if all(map(cells.is_number, column)) and len(column) > 2:
             steps = np.diff([float(cell) for cell in column])
-            if steps.min() > 0 and steps.max() < 1.01 * steps.min():
+            if steps.max() < 1.01 * steps.min():
                 return k, layout.units[k] if layout.units and layout.units[k] in SECONDS else "s"
     return None, "s"
 
@@ -154,9 +158,9 @@ def _of_tables(path: Path) -> str:
     lines: list[str] = []
     columns: list[tuple[str, str, str]] = []
     tables = load(path)
-    table = tables[0] if tables else None
-    if table is None:
+    if not tables:
         raise ExchangeError(f"{path}: holds no channels of numbers")
+    table = tables[0]
     if len(tables) > 1:
         names = ", ".join(quoted(table.group) for table in tables)
         lines.append(f"group = {quoted(table.group)}  # one of {names}")
@@ -177,12 +181,12 @@ def _key(labels: Sequence[str], k: int) -> str:
 
 def _entries(columns: Sequence[tuple[str, str, str]]) -> Iterator[str]:
     """The lines of every channel: how a mapping names it, its own name, and its unit."""
-    felt = [name for _, name, unit in columns if to_si(unit)[0] in ("", ACCELERATION)]
-    guessed = dict(zip(felt, likely_points(felt), strict=True))
-    for key, name, unit in columns:
+    felt = [k for k, column in enumerate(columns) if to_si(column[2])[0] in ("", ACCELERATION)]
+    guessed = dict(zip(felt, likely_points([columns[k][1] for k in felt]), strict=True))
+    for k, (key, name, unit) in enumerate(columns):
         si, factor = to_si(unit)
         scaled = f"  # × {factor:g} = {si}" if factor != 1.0 else ""
-        point = name if name in POINTS else guessed.get(name, "")
+        point = name if name in POINTS else guessed.get(k, "")
         yield from (
             "",
             "[[channel]]",
