@@ -54,7 +54,8 @@ def test_time_may_be_the_index(as_index):
         table.index = pd.to_timedelta(table.index, unit="s")
     if as_index == "dates":
         table.index = pd.Timestamp("2026-11-23 12:00") + pd.to_timedelta(table.index, unit="s")
-    assert wh.Recording.from_dataframe(table).rate_hz == 100.0
+    recording = wh.Recording.from_dataframe(table)
+    assert (recording.rate_hz, recording.start_s) == (100.0, 0.0)
 
 
 def test_a_gap_becomes_rows_of_nan_and_is_told():

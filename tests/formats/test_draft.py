@@ -107,11 +107,12 @@ def test_a_point_is_guessed_for_accelerometers_alone(tmp_path):
         ("x;y\ng;V\n1;2\n3;5\n4;3\n", 1, 2, 3),
         ("[g];[V]\n1;2\n3;5\n4;3\n", 0, 1, 2),
         ("drive;12\nx;y\n(g);(V)\n;\n1;2\n3;5\n4;3\n", 2, 3, 5),
-        ("Serial,1,2,3\nx;y;z\n0,5;1,5;3,5\n0,6;1,2;3,4\n0,7;1,6;3,9\n", 2, 0, 3),
+        ("Serial,1,2,3\nx;y;z\n0,5;1,5;3,5\n0,6;1,2;3,4\n0,9;1,6;3,9\n", 2, 0, 3),
     ],
 )
 def test_lines_are_counted_as_an_editor_does(text, header, units, first, tmp_path):
-    said, _ = layout(tmp_path, text)
+    said, columns = layout(tmp_path, text)
+    assert columns[:1] == (['"x"'] if header else ["1"])
     assert (said["header_row"], said["units_row"], said["first_row"]) == (
         *(str(header), str(units), str(first)),
     )

@@ -160,6 +160,8 @@ def test_units_become_si_and_unknown_ones_stay(unit, si, factor):
         ("Acc FL (m/s^2)", "Acc FL", "m/s^2"),
         ("Acc (left)", "Acc (left)", ""),
         ("Weg / mm", "Weg", "mm"),
+        ("front / rear", "front / rear", ""),
+        ("Acc []", "Acc", ""),
         ("acc_m_s2", "acc", "m/s²"),
         ("time_s", "time", "s"),
         ("A1", "A1", ""),

@@ -108,10 +108,10 @@ def test_groups_of_the_same_time_are_one_and_texts_are_left_out(tmp_path):
 def test_a_header_that_describes_other_channels_is_noticed(tmp_path):
     path, time_s = tmp_path / "run.mf4", np.arange(4) / 100
     text = to_text(recording(rows=4, gaps=(), channels=2)).encode()
-    for names in (("A1", "B1"), ("A1", "A2")):
+    for names, later in ((("A1", "B1"), 0.0), (("A1", "A2"), 1.0)):
         with asammdf.MDF(version="4.10") as mdf:
-            for late, name in enumerate(names):
-                mdf.append([asammdf.Signal(np.arange(4.0), time_s + late, name=name)])
+            for k, name in enumerate(names):
+                mdf.append([asammdf.Signal(np.arange(4.0), time_s + k * later, name=name)])
             mdf.attach(text, file_name="wheelhop.toml", mime="text/toml")
             mdf.save(path, overwrite=True)
         with pytest.raises(ExchangeError, match=r"its wheelhop\.toml does not describe its chan"):

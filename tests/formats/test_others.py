@@ -1,40 +1,11 @@
 """Binary files of other programs beside what they must give, and ours before theirs."""
 
-from datetime import UTC, datetime
-
 import numpy as np
 import pytest
 
 from tests.formats.foreign import G
 from tests.formats.recordings import recording
 from wheelhop.formats import ExchangeError, Map, read, write
-
-
-def test_tdms_waveforms(tmp_path):
-    nptdms = pytest.importorskip("nptdms")
-    path = tmp_path / "run.tdms"
-    start = datetime(2026, 5, 1, 12, tzinfo=UTC)
-
-    def wave(group, name, values, step, unit):
-        timing = {"wf_increment": step, "wf_start_offset": 0.25, "unit_string": unit}
-        timing["wf_start_time"] = np.datetime64(start.replace(tzinfo=None))
-        return nptdms.ChannelObject(group, name, np.asarray(values), properties=timing)
-
-    one = [wave("car", "A1", [1.0, 2.0], 0.005, "g"), wave("car", "B1", [3, 4], 0.005, "m/s^2")]
-    with nptdms.TdmsWriter(path) as writer:
-        writer.write_segment(one)
-        writer.write_segment(
-            [wave("car", "A1", [5.0], 0.005, "g"), wave("car", "B1", [6], 0.005, "")]
-        )
-    found = read(path)
-    assert found.values == pytest.approx(np.array([[G, 3], [2 * G, 4], [5 * G, 6]]))
-    assert (found.rate_hz, found.start_s) == (200.0, 0.25)
-    assert found.start_unix_s == start.timestamp()
-    with nptdms.TdmsWriter(path) as writer:
-        writer.write_segment([*one, wave("engine", "rpm", [700.0], 1.0, "1/min")])
-    with pytest.raises(ExchangeError, match=r'"car" \(2 channels\), "engine" \(1 channels\)'):
-        read(path)
-    assert read(path, Map(group="car")).values.shape == (2, 2)
 
 
 def test_mdf_of_others_with_two_rates_and_invalid_samples(tmp_path):
@@ -60,19 +31,6 @@ def test_mdf_of_others_with_two_rates_and_invalid_samples(tmp_path):
     speed = read(path, Map(group="1"))
     assert speed.values[:, 0] == pytest.approx(np.arange(5) / 3.6)
     assert speed.channels[0].unit == "m/s"
-
-
-def test_a_tdms_whose_end_is_missing_says_so(tmp_path):
-    nptdms = pytest.importorskip("nptdms")
-    path = tmp_path / "run.tdms"
-    timing = {"wf_increment": 0.01, "wf_start_offset": 0.0}
-    channel = nptdms.ChannelObject("car", "A1", np.arange(100.0), properties=timing)
-    with nptdms.TdmsWriter(path) as writer:
-        writer.write_segment([channel])
-    path.write_bytes(path.read_bytes()[:-80])
-    found = read(path)
-    assert found.values[:, 0].tolist() == list(range(90))
-    assert any("less data than expected" in step for step in found.history)
 
 
 def test_what_is_written_is_what_other_programs_read(tmp_path):

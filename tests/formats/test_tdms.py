@@ -1,0 +1,138 @@
+"""National Instruments TDMS, as npTDMS writes it."""
+
+import io
+import logging
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+from tests.formats.foreign import G
+from wheelhop.formats import ExchangeError, Map, read
+
+nptdms = pytest.importorskip("nptdms")
+START = datetime(2026, 5, 1, 12, tzinfo=UTC)
+
+
+def channel(name, values, group="car", **properties):
+    return nptdms.ChannelObject(group, name, np.asarray(values), properties=properties)
+
+
+def wave(name, values, step=0.005, start=0.25, **properties):
+    timing = {"wf_increment": step, "wf_start_offset": start}
+    return channel(name, values, **timing, **properties)
+
+
+def saved(tmp_path, *segments):
+    path = tmp_path / "run.tdms"
+    with nptdms.TdmsWriter(path) as writer:
+        for segment in segments:
+            writer.write_segment(segment)
+    return path
+
+
+def test_waveforms_go_on_from_segment_to_segment(tmp_path):
+    since = {"wf_start_time": np.datetime64(START.replace(tzinfo=None))}
+    one = [
+        wave("A1", [1.0, 2.0], unit_string="g", **since),
+        wave("B1", [3, 4], unit_string="m/s^2", **since),
+    ]
+    more = [
+        wave("A1", [5.0], unit_string="g", **since),
+        wave("B1", [6], unit_string="", **since),
+    ]
+    found = read(saved(tmp_path, one, more))
+    assert found.values == pytest.approx(np.array([[G, 3], [2 * G, 4], [5 * G, 6]]))
+    assert (found.rate_hz, found.start_s) == (200.0, 0.25)
+    assert found.start_unix_s == START.timestamp()
+
+
+def test_groups_and_timings_are_told_apart(tmp_path):
+    car = [wave("A1", [1.0, 2.0]), wave("B1", [3, 4])]
+    engine = wave("rpm", [700.0], step=1.0, group="engine")
+    path = saved(tmp_path, [*car, engine])
+    with pytest.raises(ExchangeError, match=r'"car" \(2 channels\), "engine" \(1 channels\)'):
+        read(path)
+    assert read(path, Map(group="car")).values.shape == (2, 2)
+    assert read(path, Map(group="engine")).rate_hz == 1.0
+    path = saved(tmp_path, [*car, wave("speed", [1.0, 2.0], step=0.1)])
+    with pytest.raises(ExchangeError, match=r'"car 1" \(2 channels\), "car 2" \(1 channels\)'):
+        read(path)
+    assert read(path, Map(group="car 2")).rate_hz == 10.0
+
+
+def test_what_is_no_number_or_empty_is_left_out(tmp_path):
+    texts = channel("note", ["bump", "kerb"])
+    path = saved(tmp_path, [wave("A1", [1.0, 2.0]), texts, channel("none", np.empty(0))])
+    assert [found.name for found in read(path).channels] == ["A1"]
+
+
+@pytest.mark.parametrize(
+    ("properties", "unit"),
+    [
+        ({"unit_string": "V"}, "V"),
+        ({"NI_UnitDescription": "V", "unit": "g"}, "V"),
+        ({"unit_string": 3, "Unit": "V"}, "V"),
+        ({"unit_string": "", "unit": "V"}, "V"),
+        ({}, ""),
+    ],
+)
+def test_the_unit_is_the_first_text_that_is_one(properties, unit, tmp_path):
+    (found,) = read(saved(tmp_path, [wave("x", [1.0, 2.0], **properties)])).channels
+    assert found.unit == unit
+
+
+def test_without_timing_a_mapping_gives_the_rate(tmp_path):
+    path = saved(tmp_path, [channel("A1", [1.0, 2.0])])
+    with pytest.raises(ExchangeError, match="has no time: give time or rate_hz in a mapping"):
+        read(path)
+    found = read(path, Map(rate_hz=50.0))
+    assert (found.rate_hz, found.start_s, found.start_unix_s) == (50.0, 0.0, None)
+    assert read(saved(tmp_path, [channel("A1", [1.0, 2.0], wf_increment=0.02)])).start_s == 0.0
+
+
+STAMPS = np.datetime64("2026-05-01T12:00:00") + np.arange(3) * np.timedelta64(10, "ms")
+
+
+@pytest.mark.parametrize(
+    ("stamps", "unit", "start"),
+    [
+        (np.arange(3.0) * 10 + 500, "ms", 0.5),
+        (np.arange(3.0) / 100 + 0.5, "s", 0.5),
+        (STAMPS, "clock", 0.0),
+    ],
+)
+def test_a_channel_may_be_time(stamps, unit, start, tmp_path):
+    """Of those that are as long as it."""
+    sets = [channel("when", stamps), channel("A1", [1.0, 2.0, 3.0]), channel("once", [7.0])]
+    path = saved(tmp_path, sets)
+    found = read(path, Map(time="when", time_unit=unit, group="car 1"))
+    assert [channel.name for channel in found.channels] == ["A1"]
+    assert (found.rate_hz, found.start_s) == (pytest.approx(100.0), start)
+    with pytest.raises(ExchangeError, match="has no time"):
+        read(path, Map(time="when", time_unit=unit, group="car 2"))
+
+
+@pytest.mark.parametrize(
+    ("step", "start"), [(-0.01, 0.0), (1e15, 0.0), (0.01, 1e15), (0.01, -1e15), (1e-15, 0.0)]
+)
+def test_absurd_timings_are_refused(step, start, tmp_path):
+    path = saved(tmp_path, [wave("A1", [1.0, 2.0], step=step, start=start)])
+    with pytest.raises(ExchangeError, match=r"run\.tdms: A1: from .* in steps of .* is no time"):
+        read(path)
+
+
+def test_a_file_whose_end_is_missing_says_so_in_its_history_and_nowhere_else(tmp_path):
+    path = saved(tmp_path, [wave("A1", np.arange(100.0), step=0.01, start=0.0)])
+    path.write_bytes(path.read_bytes()[:-80])
+    console, printed = nptdms.log.log_manager.console_handler, io.StringIO()
+    before, listeners = console.setStream(printed), list(logging.getLogger("nptdms").handlers)
+    console.setLevel(logging.WARNING)
+    try:
+        found = read(path)
+    finally:
+        console.setStream(before)
+    assert found.values[:, 0].tolist() == list(range(90))
+    assert any("less data than expected" in step for step in found.history)
+    assert printed.getvalue() == ""
+    assert logging.getLogger("nptdms").handlers == listeners
