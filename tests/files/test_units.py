@@ -83,6 +83,7 @@ def test_gravity_is_what_was_defined():
         ("tyre_stiffness_N_mm", "tyre_stiffness", "N_mm"),
         ("pitch_inertia_kg_m2_uncertainty", "pitch_inertia_uncertainty", "kg_m2"),
         ("gap_m", "gap", "m"),
+        ("front_left_gap_mm", "front_left_gap", "mm"),
         ("speed_kmph", "speed", "kmph"),
         ("rebound_ratio", "rebound_ratio", None),
         ("shape_uncertainty", "shape_uncertainty", None),

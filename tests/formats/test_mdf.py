@@ -11,6 +11,7 @@ from tests.formats.foreign import G
 from tests.formats.recordings import recording
 from wheelhop.formats import ExchangeError, read, write
 from wheelhop.formats.header import to_text
+from wheelhop.formats.registry import load
 
 asammdf = pytest.importorskip("asammdf")
 ROWS = 400
@@ -76,11 +77,15 @@ def test_more_samples_than_a_file_can_hold_are_refused(healthy, tmp_path):
         assert refused(tmp_path, damaged(healthy, group, "Q8", lambda _, n=cycles: n)) == said
 
 
-def test_a_channel_that_is_counted_is_not_looked_for_in_its_record(healthy, tmp_path):
-    last = channels(healthy)[-1]
-    data = damaged(damaged(healthy, last, TYPE, lambda _: 6), last, OFFSET, lambda at: at + 64)
+@pytest.mark.parametrize(("which", "kind"), [(0, 3), (-1, 6)])
+def test_what_is_counted_is_not_looked_for_in_a_record(which, kind, healthy, tmp_path):
+    """Time or values that are a sample's number are not stored."""
+    at = channels(healthy)[which]
+    data = damaged(damaged(healthy, at, TYPE, lambda _: kind), at, OFFSET, lambda old: old + 64)
     (tmp_path / "run.mf4").write_bytes(data)
-    assert read(tmp_path / "run.mf4").values.shape == (ROWS, 3)
+    (table,) = load(tmp_path / "run.mf4")
+    assert [channel.name for channel in table.channels] == ["A1", "A2", "A3"]
+    assert len(table.values) == ROWS
 
 
 def test_what_others_find_in_a_file_of_ours(tmp_path):

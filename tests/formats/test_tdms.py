@@ -111,6 +111,9 @@ def test_a_channel_may_be_time(stamps, unit, start, tmp_path):
     assert (found.rate_hz, found.start_s) == (pytest.approx(100.0), start)
     with pytest.raises(ExchangeError, match="has no time"):
         read(path, Map(time="when", time_unit=unit, group="car 2"))
+    if unit != "clock":
+        with pytest.raises(ExchangeError, match="when holds numbers, not dates: give their time_"):
+            read(path, Map(time="when", time_unit="clock", group="car 1"))
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,9 @@ def test_units_stand_behind_names_or_below_them(tmp_path):
     assert recording.values.tolist() == [[1.0, 2 * G]]
 
 
-@pytest.mark.parametrize("text", ["x;y\n1;2;\n3;4;\n", "x;y;\n1;2;\n3;4;\n", "x;y\n1;2\n3;4; \n"])
+@pytest.mark.parametrize(
+    "text", ["x;y\n1;2;\n3;4;\n", "x;y;\n1;2;\n3;4;\n", "x;y;\n1;2\n3;4\n", "x;y\n1;2\n3;4; \n"]
+)
 def test_a_separator_may_end_a_line(text, tmp_path):
     recording = found(tmp_path, text)
     assert [channel.name for channel in recording.channels] == ["x", "y"]

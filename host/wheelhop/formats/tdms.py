@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import LONGEST_REASON, ExchangeError, need
-from wheelhop.formats.mapping import Map
+from wheelhop.formats.mapping import CLOCK, Map
 from wheelhop.formats.table import Table, plain_channel
 
 UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
@@ -48,14 +48,14 @@ class _Listener(logging.Handler):
 
 
 def _tables(group: Any, mapping: Map | None, path: Path) -> list[Table]:
-    clock = str(mapping.time) if mapping is not None else ""
+    clock, unit = (str(mapping.time), mapping.time_unit) if mapping is not None else ("", CLOCK)
     time_s = None
     gathered: dict[tuple[int, float, float], list[Any]] = {}
     for channel in group.channels():
         if not len(channel) or channel.dtype.kind not in "iufM":
             continue
         if clock and channel.name == clock:
-            time_s = _seconds(channel[:], mapping)
+            time_s = _seconds(channel[:], unit, f"{path}: {clock}")
         elif channel.dtype.kind != "M":
             gathered.setdefault((len(channel), *_timing(channel, path)), []).append(channel)
     return [
@@ -96,9 +96,10 @@ def _start(channel: Any) -> float | None:
     return float(start.astype("datetime64[ns]").astype(np.int64)) / 1e9 if start else None
 
 
-def _seconds(stamps: NDArray[Any], mapping: Map | None) -> NDArray[np.float64]:
+def _seconds(stamps: NDArray[Any], unit: str, place: str) -> NDArray[np.float64]:
     if stamps.dtype.kind == "M":
         since: NDArray[np.float64] = (stamps - stamps[0]) / np.timedelta64(1, "s")
         return since
-    unit = mapping.time_unit if mapping is not None else "s"
-    return stamps.astype(np.float64) * SECONDS.get(unit, 1.0)
+    if unit not in SECONDS:
+        raise ExchangeError(f"{place} holds numbers, not dates: give their time_unit")
+    return stamps.astype(np.float64) * SECONDS[unit]
