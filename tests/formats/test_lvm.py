@@ -186,6 +186,13 @@ def test_a_header_that_nothing_follows_is_found_by_its_line(tmp_path):
     assert refused(tmp_path, header) == "line 22: no columns are named behind this header"
 
 
+def test_a_segment_without_samples_is_found_by_its_line(tmp_path):
+    empty, _, _ = part().partition("\n0,000000\t")
+    said = "the segment that begins here has no samples"
+    assert refused(tmp_path, lvm(empty)) == f"line 14: {said}"
+    assert refused(tmp_path, lvm(part(), empty)) == f"line 28: {said}"
+
+
 def test_segments_whose_x_goes_on_need_no_clock(tmp_path):
     text = lvm(part(), going_on(3 * STEP), going_on(8 * STEP)).replace("Time\t", "When\t")
     found = read(save(tmp_path, "run.lvm", text))

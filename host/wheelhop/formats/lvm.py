@@ -80,13 +80,12 @@ def _tags(
 
 def _segments(lines: list[str], at: int, style: _Style) -> Iterator[tuple[int, int]]:
     """First and last line index (exclusive) of each segment; blank lines lie between them."""
-    ends = [k for k in range(at, len(lines)) if lines[k].split(style.separator)[0].strip() == END]
-    starts = []
-    for end in ends:
-        start = end
-        while start > at and lines[start - 1].strip():
-            start -= 1
-        starts.append(start)
+    starts, begins = [], at
+    for k in range(at, len(lines)):
+        if not lines[k].strip():
+            begins = k + 1
+        elif lines[k].split(style.separator)[0].strip() == END:
+            starts.append(begins)
     return pairwise([*starts, len(lines)])
 
 
@@ -97,13 +96,11 @@ def _segment(
     if at >= stop:
         raise ExchangeError(f"{path}: line {at}: no columns are named behind this header")
     heads = [name.strip() for name in lines[at].split(style.separator)]
-    while heads and heads[-1] in ("", "Comment"):
-        heads.pop()
-    names = [head or f"column {k}" for k, head in enumerate(heads, start=1)]
+    width = max((k for k, head in enumerate(heads, 1) if head not in ("", "Comment")), default=0)
+    names = [head or f"column {k}" for k, head in enumerate(heads[:width], start=1)]
     first = at + 1
-    while not lines[stop - 1].strip():
-        stop -= 1
-    body = [line.split(style.separator) for line in lines[first:stop]]
+    last = next(k for k in range(stop - 1, 0, -1) if lines[k].strip())
+    body = [line.split(style.separator) for line in lines[first : last + 1]]
 
     def where(row: int) -> str:
         return f"{path}: line {first + row + 1}"
