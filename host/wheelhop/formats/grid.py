@@ -150,4 +150,4 @@ def _rate(time_s: NDArray[np.float64], index: NDArray[np.int64]) -> float:
 
 def _spread(time_s: NDArray[np.float64], index: NDArray[np.int64], rate_hz: float) -> float:
     """How far apart the stamps are on a grid of this rate, seconds, wherever it starts."""
-    return float(np.ptp(time_s - index / rate_hz))
+    return float(np.ptp(time_s - time_s[0] - index / rate_hz))  # clocks hold large numbers
