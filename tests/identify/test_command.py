@@ -1,11 +1,13 @@
 """wheelhop identify and wheelhop thesis, and the files they write."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import control
 import numpy as np
+import pandas as pd
 import pytest
 import skrf
 from scipy.io import loadmat
@@ -28,6 +30,17 @@ from wheelhop.vehicle import read_vehicle
 
 CLEAN = Path(__file__).parents[2] / "examples/clean"
 S = 2j * np.pi * np.array([0.7, 3.0, 12.0])
+
+
+def with_a_dead_axle(folder):
+    """The clean example, its third axle's sensor unplugged: it tells of its own noise."""
+    shutil.copytree(CLEAN, folder)
+    rng = np.random.default_rng(1)
+    for file in (folder / "runs").glob("*.csv"):
+        table = pd.read_csv(file)
+        table["A3"] = rng.normal(0.0, 0.02, len(table)).round(4)
+        table.to_csv(file, index=False)
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -138,6 +151,14 @@ def test_frequency_responses_without_a_model(tmp_path, capsys):
     exported = loadmat(files[1])
     assert exported["H"].transpose(2, 0, 1) == pytest.approx(matrix)
     assert files[2].stat().st_size > 20_000
+
+
+def test_a_dead_sensor_is_no_input(tmp_path, capsys):
+    """Its noise would be taken for motion of the axle, and the body for moved by nothing."""
+    folder, file = with_a_dead_axle(tmp_path / "c"), tmp_path / "x.json"
+    assert main(["identify", str(folder), "--order", "6", "--json", str(file)]) == 0
+    assert "left out: the channel A3" in capsys.readouterr().out
+    assert json.loads(file.read_text())["inputs"] == ["A1", "A2", "A4"]
 
 
 def test_frf_of_too_few_lines(capsys):

@@ -16,7 +16,9 @@ from wheelhop.cli.identify_frf import run_frf
 from wheelhop.cli.identify_steps import run_steps
 from wheelhop.cli.identify_study import print_study
 from wheelhop.cli.output import open_console, write_json
+from wheelhop.cli.show import print_findings
 from wheelhop.fit import initial_model
+from wheelhop.gate import gate
 from wheelhop.identify import (
     Candidate,
     Judged,
@@ -55,16 +57,18 @@ def run(arguments: Namespace) -> int:
         raise CampaignError(
             f"{campaign.vehicle_file}: has no four wheels; a transfer matrix is that of a full car"
         )
+    gated, console = gate(campaign, vehicle), open_console()
+    print_findings(gated.findings, console)
+    campaign = gated.campaign
     measured = measure(campaign)
     if arguments.frf:
-        return run_frf(arguments, campaign, measured, open_console())
+        return run_frf(arguments, campaign, measured, console)
     belief = suspensions(vehicle.values, vehicle.uncertainty)
     structure = Structure(
         arguments.structure, arguments.left_right, arguments.rigid, arguments.stable
     )
     candidates = _candidates(arguments, measured, structure, belief)
     chosen = best(candidates)
-    console = open_console()
     _print_model(chosen, candidates, measured, console)
     _print_tracks(campaign, chosen, console)
     physics = _physics(measured, chosen, belief) if arguments.physics else {}
