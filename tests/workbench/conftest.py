@@ -113,6 +113,9 @@ def friction(tmp_path_factory):
     return a_few_runs(tmp_path_factory.mktemp("friction"), kept, hidden, seed=101, seconds=5.0)
 
 
+LONG = "a campaign whose name is as long as people make them, so that no line holds it"
+
+
 @pytest.fixture(scope="session")
 def small(tmp_path_factory):
     """Three runs, nothing hidden: for tests of the page, where a fit is only to be there soon."""
@@ -123,7 +126,7 @@ def small(tmp_path_factory):
 @pytest.fixture(scope="session")
 def small_open(small, tmp_path_factory):
     """The address of a workbench on a copy of it that is fitted but once."""
-    folder = shutil.copytree(small, tmp_path_factory.mktemp("open") / "small")
+    folder = shutil.copytree(small, tmp_path_factory.mktemp("open") / LONG)
     with workbench(folder) as (address, _):
         yield address
 

@@ -14,7 +14,7 @@ from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
 from wheelhop.workbench.own_effects import OwnEffects
 from wheelhop.workbench.shown import Card, Law, Ranking, Row, Trace, Verdict
-from wheelhop.workbench.view import Looking, acting
+from wheelhop.workbench.view import Looking, acting, verbatim
 
 SHOWN_S = 2.5
 """So much of a run is drawn on a card, around the largest signature."""
@@ -198,9 +198,9 @@ class MissingView:
 
 
 def _law_html(law: Law) -> str:
-    words = escape("\n".join(law.lines))
+    words = verbatim("\n".join(law.lines))
     figure = f"<figure>{law.figure}</figure>" if law.figure else ""
-    return f"<section><h2>The force that is missing</h2><pre>{words}</pre>{figure}</section>"
+    return f"<section><h2>The force that is missing</h2>{words}{figure}</section>"
 
 
 def _not_applicable(rows: list[Row]) -> str:

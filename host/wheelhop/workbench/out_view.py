@@ -21,7 +21,7 @@ from wheelhop.workbench.takeaway import (
     commands,
     script,
 )
-from wheelhop.workbench.view import Looking
+from wheelhop.workbench.view import Looking, verbatim
 
 REPORT_ADDRESS = "/report"
 WRITTEN = {
@@ -65,9 +65,9 @@ class OutView:
         if desk.choice != self._seen:
             self._seen = desk.choice
             lines = commands(desk.campaign, desk.choice)
-            body = "\n".join(map(escape, lines))
+            body = verbatim("\n".join(lines))
             self._commands.set_content(
-                f"<h2>The same from the command line</h2><pre>{body}</pre>{_left(desk.choice)}"
+                f"<h2>The same from the command line</h2>{body}{_left(desk.choice)}"
             )
 
     def _script(self) -> None:

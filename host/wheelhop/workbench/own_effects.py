@@ -10,6 +10,7 @@ from nicegui import ui
 from wheelhop.campaign import CampaignError
 from wheelhop.files import InputError, read_text
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.view import verbatim
 
 SHOWN = 20_000  # characters
 ASKED = (
@@ -41,7 +42,7 @@ class OwnEffects:
         with ui.dialog() as dialog, ui.card().classes("bench-dialog"):
             ui.html(escape(str(file)), sanitize=False, tag="h3")
             ui.label(ASKED)
-            ui.html(f"<pre>{escape(text[:SHOWN])}{more}</pre>", sanitize=False)
+            ui.html(verbatim(text[:SHOWN] + more), sanitize=False)
 
             def load() -> None:
                 dialog.close()

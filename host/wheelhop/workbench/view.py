@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
+from html import escape
 from typing import Protocol
 
 from nicegui import ui
@@ -21,6 +22,12 @@ PRESSED = """(event) => {
   emit({...target.dataset});
 }"""
 """The same from the keyboard, for what the browser does not take for a button."""
+
+
+def verbatim(text: str) -> str:
+    """HTML of text as it is written. Where a line is longer than the page is wide, keys scroll it,
+    too."""
+    return f'<pre tabindex="0">{escape(text)}</pre>'
 
 
 @dataclass
