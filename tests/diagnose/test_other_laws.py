@@ -20,7 +20,7 @@ from wheelhop.vehicle import read_nominal
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_machine_is_called_by_its_name(name, tmp_path):
     hidden = make_effect(name, MACHINES[name])
-    write_campaign(tmp_path, PRESETS["atv"], [hidden], seed=101, short=True)
+    write_campaign(tmp_path, PRESETS["atv"], [hidden], seed=101, short=True, seconds=6.4)
     diagnosis = diagnosed(tmp_path, rivals(name))
     assert diagnosis.verdict == (name,)
     assert diagnosis.confidence > 0.9

@@ -55,7 +55,13 @@ def test_one_hidden_effect_is_named(name, tmp_path):
     assert_reasons_follow(diagnosis)
 
 
-@pytest.mark.parametrize("name", OPEN)
+@pytest.mark.parametrize(
+    "name",
+    [  # make demo diagnoses the one that is slow
+        pytest.param(name, marks=pytest.mark.slow) if name == "open-dry-friction" else name
+        for name in OPEN
+    ],
+)
 def test_the_open_campaigns(name):
     """Eighteen runs each, from a third simulator."""
     truth_file = ROOT / "tests" / "data" / "open_truth" / f"{name}.toml"
