@@ -45,6 +45,17 @@ def build(source, target, out):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="a copy without its history")
+def test_the_version_is_that_of_the_tag(tmp_path):
+    pytest.importorskip("hatch_vcs")
+    for command in (["clone", "-q", str(ROOT), str(tmp_path / "c")], ["tag", "v7.8.9"]):
+        folder = tmp_path / "c" if command[0] == "tag" else tmp_path
+        subprocess.run(["git", *command], cwd=folder, check=True)
+    command = [sys.executable, "-m", "hatchling", "version"]
+    told = subprocess.run(command, cwd=tmp_path / "c", capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "7.8.9"
+
+
 def files_in_the_repository():
     for portion in ("host", "calibration", "hil_sim"):
         folder = ROOT / portion
