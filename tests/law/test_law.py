@@ -60,11 +60,13 @@ def block_in_compression(x, v):
     return 20000.0 * x + 1500.0 * v + 60000.0 * min(x + 0.0083, 0.0)
 
 
-def campaign_of(folder, special=None, hidden="", numbers=None, noise=0.005):
+def campaign_of(folder, special=None, hidden="", numbers=None, noise=0.005, seconds=5.0):
     component = (
         Special(special=special) if special else rig.Component(hidden=hidden, numbers=numbers or {})
     )
-    return rig.make_campaign(folder, "displacement", component, seed=3, noise=noise)
+    return rig.make_campaign(
+        folder, "displacement", component, seed=3, noise=noise, seconds=seconds
+    )
 
 
 def found_in(folder):
@@ -231,7 +233,7 @@ def test_a_gap_that_was_fitted_is_told_with_its_interval(tmp_path):
 
 
 def test_the_formula_that_is_kept_is_an_effect_that_diagnose_finds(tmp_path, capsys):
-    folder = campaign_of(tmp_path / "c", orifice_and_cubic)
+    folder = campaign_of(tmp_path / "c", orifice_and_cubic, seconds=3.0)
     kept, picture, page = (tmp_path / name for name in ("my_law.py", "law.png", "law.html"))
     asked = ["--save", str(kept), "--figure", str(picture), "--report", str(page)]
     assert main(["law", str(folder), *asked]) == 0

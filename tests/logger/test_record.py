@@ -242,7 +242,7 @@ def test_a_full_disk_is_told_and_harms_nothing(card, out):
         told = process.communicate(timeout=30)[0]
         assert process.returncode == 2
         time.sleep(0.1)
-        assert double.totals["due"] > double.totals["written"] > 16 * 37  # it goes on on its card
+        assert double.totals["due"] >= double.totals["written"] > 16 * 37  # it goes on on its card
     file = out / "HOP00001.HOP"
     assert told.startswith(f"{file}: ") and "wheelhop download" in told and told.count("\n") == 1
     log = read_log(file.read_bytes())
