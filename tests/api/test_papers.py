@@ -5,21 +5,20 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+SETUP = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = SETUP["project"]
 
 
 def text_of(name):
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-def test_the_citation_is_of_this_version():
+def test_the_papers_and_a_copy_without_history_name_one_version():
+    newest = re.findall(r"^## (\S+),", text_of("CHANGELOG.md"), re.M)[0]
     facts = dict(re.findall(r"^([\w-]+): (.+)$", text_of("CITATION.cff"), re.M))
-    assert facts["version"] == PROJECT["version"] and facts["license"] == PROJECT["license"]
+    assert facts["version"] == newest and facts["license"] == PROJECT["license"]
     assert facts["cff-version"] == "1.2.0" and facts["title"].startswith('"wheelhop')
-
-
-def test_the_newest_entry_of_the_changes_is_this_version():
-    assert re.findall(r"^## (\S+),", text_of("CHANGELOG.md"), re.M)[0] == PROJECT["version"]
+    assert SETUP["tool"]["hatch"]["version"]["fallback-version"] == f"{newest}.dev0"
 
 
 def test_contributors_are_told_commands_that_exist():
