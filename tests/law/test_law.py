@@ -14,6 +14,7 @@ from wheelhop.campaign import read_campaign
 from wheelhop.cli.main import main
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
+from wheelhop.law.along import follow_all
 from wheelhop.law.formula import Formula, source_of
 from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
@@ -95,6 +96,16 @@ def test_a_slider_turns_a_closed_loop_of_known_area():
         force[t], stretch = slip(x[t], 0.0, dx, 0.0, stretch, p)
     area = np.trapezoid(force[20000:], x[20000:])
     assert area == pytest.approx(4 * 300.0 * (0.02 - 0.005), rel=1e-3)
+
+
+def test_stretches_know_nothing_of_what_came_before_them():
+    rng = np.random.default_rng(8)
+    x = np.cumsum(rng.normal(0.0, 0.01, (60, 1)), axis=0)
+    laws, v = [(0, slip, (300.0, 0.005))], np.zeros_like(x)
+    each = [follow_all(laws, x[a:b], v[a:b], 0.01) for a, b in ((0, 25), (25, 26), (26, 60))]
+    together = follow_all(laws, x, v, 0.01, stretches=(25, 1, 34))
+    assert np.array_equal(together, np.concatenate(each))
+    assert not np.allclose(together, follow_all(laws, x, v, 0.01))
 
 
 def test_a_valve_opens_at_one_speed_and_shuts_at_another():

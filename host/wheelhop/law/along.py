@@ -72,11 +72,8 @@ def _each_along(
     if not acting:
         return np.zeros((len(moved.extension), 0))
     laws = [(0, law, numbers) for law, numbers, _ in acting]
-    ends = np.cumsum(moved.stretches)[:-1]
-    ways = zip(np.split(moved.extension, ends), np.split(moved.rate, ends), strict=True)
-    own = np.concatenate(
-        [follow_all(laws, x[:, None], v[:, None], step_s, moved.before_s) for x, v in ways]
-    )
+    x, v = moved.extension[:, None], moved.rate[:, None]
+    own = follow_all(laws, x, v, step_s, moved.before_s, moved.stretches)
     for j, (_, _, by) in enumerate(acting):
         if by:
             own[:, j] *= moved.inputs[by]
@@ -93,26 +90,32 @@ def follow_all(
     v: Array,
     dt: float,
     before_s: float = 0.0,
+    stretches: Sequence[int] = (),
 ) -> Array:
-    """Forces (T, j) of laws, each along the motion (T, p) of the port of its number."""
+    """Forces (T, j) of laws, each along the motion (T, p) of the port of its number; of several
+    motions one after the other if the samples of each are given."""
     kinds = tuple(dict.fromkeys(law for _, law, _ in laws))
     which = np.array([(kinds.index(law), port) for port, law, _ in laws], dtype=np.int64)
     numbers = np.zeros((len(laws), max(len(p) for *_, p in laws) or 1))
     for row, (*_, p) in zip(numbers, laws, strict=True):
         row[: len(p)] = p
     ways = np.ascontiguousarray(x.T), np.ascontiguousarray(v.T)
-    return np.asarray(_follow(padded(kinds), which, *ways, dt, numbers, before_s)).T
+    ends = np.cumsum(stretches or (len(x),), dtype=np.int64)
+    return np.asarray(_follow(padded(kinds), which, *ways, ends, dt, numbers, before_s)).T
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _follow(laws, which, x, v, dt, numbers, before_s):  # type: ignore[no-untyped-def]
+def _follow(laws, which, x, v, ends, dt, numbers, before_s):  # type: ignore[no-untyped-def]
     total = np.zeros((len(which), x.shape[1]))
     for j in range(len(which)):
         k, i = which[j]
         law, x_j, v_j, p, f = laws[k], x[i], v[i], numbers[j], total[j]
-        still = x_j[0]
-        _, memory = law(still, 0.0, 0.0, before_s, 0.0, p)
-        for t in range(len(x_j)):
-            f[t], memory = law(x_j[t], v_j[t], x_j[t] - still, dt * min(t, 1), memory, p)
-            still = x_j[t]
+        first = 0
+        for end in ends:
+            still = x_j[first]
+            _, memory = law(still, 0.0, 0.0, before_s, 0.0, p)
+            for t in range(first, end):
+                f[t], memory = law(x_j[t], v_j[t], x_j[t] - still, dt * (t > first), memory, p)
+                still = x_j[t]
+            first = end
     return total
