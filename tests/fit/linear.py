@@ -85,6 +85,9 @@ class Shop(SimpleNamespace):
     def each(self, function, items):
         return [function(item) for item in items]
 
+    def ahead(self, model, systems, benches):
+        """Nothing is integrated."""
+
 
 def benches_of(seed, speed=SPEED, count=3, names=("stiffness", "mass"), noise=SIGMA, faint=1.0):
     """Runs of numbers that are off by about as much as is believed; of their speed they show little

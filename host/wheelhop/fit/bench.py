@@ -19,7 +19,8 @@ from wheelhop.compare.band import InBand
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit.measured_axles import doubt, led_astray
 from wheelhop.fit.spread import cost, spread
-from wheelhop.simulate import Model, Response, Simulator, drive_of, make_simulator
+from wheelhop.simulate import Model, Response, RunSimulator, Simulator, drive_of, make_simulator
+from wheelhop.simulate.abreast import integrate_jobs, shared_out
 from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
@@ -141,7 +142,8 @@ class Workshop:
         self.nominal = model.values
         self.watch: Watch = lambda iteration, error: None
         self._threads = f"workshop-{id(self)}"
-        self._pool = ThreadPoolExecutor(jobs or min(processors(), 8), self._threads)
+        self._workers = jobs or min(processors(), 8)
+        self._pool = ThreadPoolExecutor(self._workers, self._threads)
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
         nominal = self.systems(model)
         self._run_up_s = 0.0 if "rig" in self.drives else run_up(nominal)
@@ -180,10 +182,23 @@ class Workshop:
             return [function(item) for item in given]
         return list(self._pool.map(function, given))
 
+    def ahead(self, model: Model, systems: dict[Drive, System], benches: Sequence[Bench]) -> None:
+        """Integrate what the records of a model in these runs ask for, runs side by side; what is
+        asked for next of each is its record."""
+        rolling = [b.simulator for b in benches if isinstance(b.simulator, RunSimulator)]
+        if len(rolling) < 2:
+            return
+        due = self.each(RUNS_AWAY(lambda s: s.due(model, systems[s.drive])), rolling)
+        asked = [(s, job) for s, job in zip(rolling, due, strict=True) if job is not None]
+        self.each(RUNS_AWAY(integrate_jobs), shared_out(asked, self._workers))
+        for simulator, job in asked:
+            simulator.keep(job)
+
     def responses(self, model: Model) -> list[Response]:
         """Responses of all runs, in the campaign's order."""
-        systems = self.systems(model)
-        return self.each(lambda b: b.response(model, systems), self.benches.values())
+        systems, benches = self.systems(model), list(self.benches.values())
+        self.ahead(model, systems, benches)
+        return self.each(lambda b: b.response(model, systems), benches)
 
     @cached_property
     def astray(self) -> dict[str, Bench]:

@@ -204,6 +204,7 @@ class _Problem:
     def linearise(self, model: Model) -> Fit:
         """Residuals, derivatives, noise and cost at a model; infinite if it is not stable."""
         systems = self.workshop.systems(model)
+        self.workshop.ahead(model, systems, self.benches)
         moved = {}
         for free in self.shared:
             if free.name not in self.column:
@@ -212,6 +213,9 @@ class _Problem:
 
         @RUNS_AWAY
         def linearise_run(bench: Bench) -> RunFit:
+            # Before the derivatives: the record is there already.
+            residual = bench.residual(model, systems)
+            residual[~np.isfinite(residual)] = np.inf
             own = self.own(bench, model)
             old = self.known.get(bench.run.id)
             held = {} if old is None else {f.name: i for i, f in enumerate(old.own)}
@@ -237,8 +241,6 @@ class _Problem:
                 for k, part in move.parts(bench, change):
                     matrix[:, new[k]] = part / free[new[k]].step
             matrix[:, ~np.isfinite(matrix).all(axis=0)] = 0.0  # where this way lies no stable model
-            residual = bench.residual(model, systems)
-            residual[~np.isfinite(residual)] = np.inf
             heights = None
             if model.random_heights is not None and bench.simulator.series is not None:
                 ground = Ground(bench, model, systems[bench.drive])
@@ -287,6 +289,7 @@ class _Problem:
         new, derivatives old."""
         model = self._moved(state, damping)
         systems = self.workshop.systems(model)
+        self.workshop.ahead(model, systems, self.benches)
 
         def moved(run: RunFit) -> RunFit:
             residual = run.bench.residual(model, systems)

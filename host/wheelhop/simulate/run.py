@@ -12,8 +12,9 @@ from scipy.fft import next_fast_len
 
 from wheelhop.campaign import Campaign, Run
 from wheelhop.effects import Effect, RunSetting
+from wheelhop.simulate.abreast import Sampling, integrate_jobs
 from wheelhop.simulate.frequency import ForceResponse
-from wheelhop.simulate.integrator import Task, integrate
+from wheelhop.simulate.integrator import Task
 from wheelhop.simulate.job import Job, calibrations, heights_of, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
@@ -46,12 +47,8 @@ FADE_S = 1.0
 """The road rises from flat over this time at the beginning of the run-up."""
 
 PATH_KEYS = (
-    "geometry.wheelbase_m",
-    "geometry.track_width_m",
-    "wheel.front.radius_m",
-    "wheel.rear.radius_m",
-    "wheel.front.width_m",
-    "wheel.rear.width_m",
+    *("geometry.wheelbase_m", "geometry.track_width_m"),
+    *(f"wheel.{axle}.{size}_m" for axle in ("front", "rear") for size in ("radius", "width")),
 )
 """The vehicle's numbers on which the wheels' path depends."""
 
@@ -253,33 +250,38 @@ class RunSimulator:
         height, rate = self._motion(model, stride)
         return Job(model, system, height, rate, stride, per_sample, key)
 
+    def due(self, model: Model, system: System) -> Job | None:
+        """What has to be integrated for the record of a model, if anything has: then it may be done
+        beside that of other runs, and kept."""
+        if self.drive == "axles":
+            return None
+        job = self._job(model, system, self._stride(model), self._done)
+        superposed = not system.laws and job.base in [other.base for other in self._done]
+        return None if superposed or job.acceleration is not None else job
+
+    def keep(self, job: Job) -> None:
+        """The next record is that of this job."""
+        self._done.append(job)
+
     def _integrate(self, waiting: list[Job]) -> None:
-        """Integrate the jobs that wait, those of one make together, and let none wait any more."""
-        while waiting:
-            jobs = [job for job in waiting if job.make == waiting[0].make]
-            waiting[:] = [job for job in waiting if job not in jobs]
-            stride, per_sample = jobs[0].stride, jobs[0].per_sample
-            time_s = self._times(stride, 2)
-            tasks = [
-                Task(
-                    job.system,
-                    job.height,
-                    job.rate,
-                    self._forces(job.model, job.system, time_s),
-                    self._initial(job.model, job.system),
-                )
-                for job in jobs
-            ]
-            found = integrate(
-                tasks,
-                step_s=1.0 / (self.campaign.sample_rate_hz * stride),
-                first=(self._lead - self._before) * stride,
-                stride=stride // per_sample,
-                averaging=self.campaign.averaging,
-                n_samples=(self._before + len(self.run.time_s) + self._after) * per_sample,
-            )
-            for job, acceleration in zip(jobs, found, strict=True):
-                job.acceleration = acceleration
+        integrate_jobs((self, job) for job in waiting)
+        waiting.clear()
+
+    def task(self, job: Job) -> Task:
+        """What the integrator is told of a job."""
+        forces = self._forces(job.model, job.system, self._times(job.stride, 2))
+        initial = self._initial(job.model, job.system)
+        return Task(job.system, job.height, job.rate, forces, initial)
+
+    def sampling(self, job: Job) -> Sampling:
+        """Which of its steps are sampled."""
+        step_s = 1.0 / (self.campaign.sample_rate_hz * job.stride)
+        first = (self._lead - self._before) * job.stride
+        return Sampling(step_s, first, job.stride // job.per_sample, self.campaign.averaging)
+
+    def samples(self, job: Job) -> int:
+        """How often."""
+        return (self._before + len(self.run.time_s) + self._after) * job.per_sample
 
     def _superposed(self, base: Job, job: Job) -> Array:
         """What is known of `base` plus the response to the change of the applied forces, all that
