@@ -7,6 +7,7 @@ so several places on the track are tried, each run by itself.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from math import inf, isclose, isfinite
 
@@ -101,7 +102,11 @@ def confirm(
         if saturated is not None:
             found, _ = _fitted_from(workshop, base, saturated, bar)
             best = max(best, found, key=lambda one: one.evidence)
-    rough = validate(workshop, best, base.update)
+    # A run held out took no part in the fit: it begins about the numbers found.
+    effect = screened.variant.effect
+    shapes, held_out = best.model.theta(effect), workshop.of_role("validate")
+    foreseeing = begun(workshop, base.model, best.model, effect, shapes, held_out)
+    rough = validate(workshop, replace(best, model=foreseeing), base.update)
     worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
     if worse:
         return min(rough, refit(workshop, rough, base), key=lambda rung: rung.fit.cost)
@@ -215,7 +220,8 @@ def _starts_of(
 ) -> Iterator[Model]:
     variant = screened.variant
     absent = with_variant(base.model, variant, {})
-    begins = begun(workshop, base.model, absent, variant.effect, variant.shapes)
+    everywhere = list(workshop.benches.values())
+    begins = begun(workshop, base.model, absent, variant.effect, variant.shapes, everywhere)
     for share in shares:
         amplitudes = {}
         for p in variant.amplitudes:
@@ -262,10 +268,17 @@ def with_starts(model: Model, effect: Effect, run_id: str, start: Values) -> Mod
     )
 
 
-def begun(workshop: Workshop, base: Model, model: Model, effect: Effect, shapes: Values) -> Model:
-    """`model`, which is `base` with the effect in these shapes, every run where it may best
+def begun(
+    workshop: Workshop,
+    base: Model,
+    model: Model,
+    effect: Effect,
+    shapes: Values,
+    benches: Sequence[Bench],
+) -> Model:
+    """`model`, which is `base` with the effect in these shapes, these runs where they may best
     begin."""
-    probe = FitProbe(workshop, base, list(workshop.benches.values()))
+    probe = FitProbe(workshop, base, benches)
     systems = workshop.systems(model)
 
     def best(bench: Bench) -> Values:
@@ -278,7 +291,6 @@ def begun(workshop: Workshop, base: Model, model: Model, effect: Effect, shapes:
         residuals = [measured - bench.coefficients(record) for record in records]
         return starts[int(np.argmin([float(r @ r) for r in residuals]))]
 
-    benches = list(workshop.benches.values())
     for bench, start in zip(benches, workshop.each(best, benches), strict=True):
         model = with_starts(model, effect, bench.run.id, start)
     return model

@@ -52,8 +52,10 @@ class EngineVibration(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The frequency about which all runs' own lie; `shape_starts` finds it."""
+        # Its line tells it as well as one run's own: a fit must not trade it for theirs.
+        scale = 10.0 * SPREAD
         return (
-            Parameter("freq_hz", "Hz", "frequency of the force", 10.0, lower=1.0, starts=(20.0,)),
+            Parameter("freq_hz", "Hz", "frequency of the force", scale, lower=1.0, starts=(20.0,)),
         )
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
