@@ -12,6 +12,7 @@ from wheelhop.vehicle import read_nominal
 DATA = Path(__file__).parents[1] / "data/friction-damper"
 
 
+@pytest.mark.slow  # half a minute
 def test_friction_with_play_is_named_and_a_cubic_spring_is_not():
     """As the authors describe it: after every reversal the force rests near zero. Residual over
     force by least squares, fitted and held-out runs, as the data's README has them: spring and

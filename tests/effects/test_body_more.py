@@ -13,7 +13,7 @@ from tests.simulate.setup import ATV, TIME, campaign_of, model_of, relative, sim
 from tests.truth.closed_form import matrices
 from wheelhop.effects.acceleration_moment import KNOT_S
 from wheelhop.effects.history import History
-from wheelhop.simulate import RunSimulator, frequency_response, run
+from wheelhop.simulate import RunSimulator, abreast, frequency_response
 
 TWIST = truth.Track("chassis-twist", {"amplitude_mm": 100.0, "pitch_mm": 3000.0})
 MASS, HEIGHT = ATV["body.mass_kg"], ATV["geometry.cg_height_m"]
@@ -115,13 +115,13 @@ def test_a_free_history_does_what_it_does_in_mujoco(name):
 def test_other_forces_need_no_new_integration(monkeypatch):
     """Where the vehicle is linear, responses to forces add up; the road is the same."""
     count = []
-    integrate = run.integrate
+    integrate = abreast.integrate
 
     def counted(*args, **kwargs):
         count.append(1)
         return integrate(*args, **kwargs)
 
-    monkeypatch.setattr(run, "integrate", counted)
+    monkeypatch.setattr(abreast, "integrate", counted)
     names = History(SETTING_OF_ONE, KNOT_S, "m_s2").names
     shares = np.random.default_rng(3).normal(size=len(names))
     own = dict(zip(names, shares.tolist(), strict=True))
