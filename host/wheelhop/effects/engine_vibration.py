@@ -52,7 +52,8 @@ class EngineVibration(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The frequency about which all runs' own lie; `shape_starts` finds it."""
-        # Its line tells it as well as one run's own: a fit must not trade it for theirs.
+        # The line that was found tells it to a run's spread. A wider belief would let a fit shift
+        # it against the shares of all runs, which changes no record.
         scale = 10.0 * SPREAD
         return (
             Parameter("freq_hz", "Hz", "frequency of the force", scale, lower=1.0, starts=(20.0,)),

@@ -280,7 +280,7 @@ class RunSimulator:
         return Sampling(step_s, first, job.stride // job.per_sample, self.campaign.averaging)
 
     def samples(self, job: Job) -> int:
-        """How often."""
+        """How many samples."""
         return (self._before + len(self.run.time_s) + self._after) * job.per_sample
 
     def _superposed(self, base: Job, job: Job) -> Array:
