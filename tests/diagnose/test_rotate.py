@@ -49,7 +49,7 @@ def test_left_out_as_a_fit_without_the_run(seed, own_sigmas):
     for k, (design, datum) in enumerate(zip(designs, data, strict=True)):
         mine = x[SHARED + k * own : SHARED + (k + 1) * own]
         residual = datum - design @ np.concatenate([x[:SHARED], mine])
-        runs.append(RunFit(None, names, residual, Derivatives(design, SHARED), np.ones(SIZE)))
+        runs.append(RunFit(None, names, residual, Derivatives(design.T, SHARED), np.ones(SIZE)))
     shared = tuple(free(f"shared{i}", 2.0) for i in range(SHARED))
     fit = Fit(None, shared, tuple(runs), precision, NOISE, 0.0, 0.0)
     for k, run in enumerate(left_out(fit)):
@@ -66,9 +66,9 @@ def test_a_number_that_one_run_alone_tells_is_not_foreseen():
     """Without that run nothing but the belief says what it is: the run is left as unexplained."""
     datum = np.full(SIZE, 1.0)
     design = np.zeros((SIZE, 1))
-    others = RunFit(None, (), np.zeros(SIZE), Derivatives(design, 1), np.ones(SIZE))
+    others = RunFit(None, (), np.zeros(SIZE), Derivatives(design.T, 1), np.ones(SIZE))
     # Of the number nothing is believed: the run has explained itself to the last.
-    alone = RunFit(None, (), datum * 1e-6, Derivatives(design + 1.0, 1), np.ones(SIZE))
+    alone = RunFit(None, (), datum * 1e-6, Derivatives(design.T + 1.0, 1), np.ones(SIZE))
     told = np.array([[SIZE * (1.0 + 1e-6)]])
     fit = Fit(None, (free("x", 1e3),), (alone, others), told, 1.0, 0.0, 0.0)
     assert left_out(fit)[0].residual == pytest.approx(datum, rel=0.05)

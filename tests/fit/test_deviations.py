@@ -32,7 +32,7 @@ def fitted(rng, astray):
     for i, (column, y) in enumerate(zip(columns, measured, strict=True)):
         run = SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / RATE_HZ)
         bench = SimpleNamespace(run=run, band=BAND, size=len(y))
-        kept = Derivatives(column[:, None], 1)
+        kept = Derivatives([column], 1)
         runs.append(RunFit(bench, (), y - best * column, kept, np.ones(len(y))))
     precision = np.array([[square / SIGMA**2]])
     model = Model({FREE.name: FREE.scale * best}, ())
@@ -55,9 +55,7 @@ def test_what_runs_share_with_their_own_numbers_is_not_known_twice():
     """A number of the run that does the same leaves nothing to tell the shared one by."""
     fit = fitted(np.random.default_rng(4), 0.3)
     twice = [
-        RunFit(
-            r.bench, (FREE,), r.residual, Derivatives(np.tile(r.derivatives.kept, 2), 1), r.spread
-        )
+        RunFit(r.bench, (FREE,), r.residual, Derivatives([*r.derivatives.columns] * 2, 1), r.spread)
         for r in fit.runs
     ]
     assert max(abs(run.followed()).max() for run in twice) < 1e-12

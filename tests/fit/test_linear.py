@@ -97,7 +97,8 @@ def test_what_a_fit_left_uncertain_is_believed_of_other_runs():
 
 
 def test_derivatives_of_a_similar_model_are_not_taken_again():
-    """Whatever the order of the numbers; only of what the other model lacked are they new."""
+    """Whatever the order of the numbers; only of what the other model lacked are they new, and
+    there is one copy of them in memory, however many models borrow them."""
     names = ("stiffness", "mass", "extra")
     more = (Free("extra", 0.0, np.inf, 2.0), *reversed(SHARED))
     benches = benches_of(5, names=names)
@@ -112,6 +113,9 @@ def test_derivatives_of_a_similar_model_are_not_taken_again():
     np.testing.assert_allclose(borrowed.precision, plain.precision, rtol=1e-4)
     for bench in benches:
         assert borrowed.model.runs[bench.run.id] == pytest.approx(plain.model.runs[bench.run.id])
+    for run, owner in zip(borrowed.runs, known.runs, strict=True):
+        _, *shared = run.derivatives.columns
+        assert {id(column) for column in shared} == {id(c) for c in owner.derivatives.columns}
 
 
 def test_runs_nobody_has_driven_tell_as_much_as_those_that_leave_the_noise():

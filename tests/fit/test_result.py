@@ -38,7 +38,7 @@ def test_heights_that_take_up_a_number_leave_it_less_certain(fitted):
 
 def test_of_a_number_that_no_datum_tells_the_belief_is_left(fitted):
     (run, *_) = fitted.runs
-    blind = replace(run, derivatives=Derivatives(np.zeros((SIZE, 4)), 2))
+    blind = replace(run, derivatives=Derivatives(np.zeros((4, SIZE)), 2))
     assert blind.uncertainties(SIGMA)["speed_m_s"] == pytest.approx(OWN_SIGMAS[0])
 
 
@@ -47,7 +47,7 @@ def test_an_uncertain_datum_weighs_less(fitted):
     spread = np.linspace(1.0, 4.0, SIZE)
     doubted = replace(run, spread=spread)
     np.testing.assert_allclose(doubted.surprise * spread, run.residual)
-    np.testing.assert_allclose(doubted.weighed * spread[:, None], run.derivatives.matrix)
+    np.testing.assert_allclose(doubted.weighed * spread[:, None], run.jacobian)
     np.testing.assert_array_equal(doubted.residual, run.residual)
 
 

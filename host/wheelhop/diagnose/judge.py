@@ -318,8 +318,9 @@ def _left_out(fit: Fit, run: RunFit) -> RunFit:
     g = len(fit.shared)
     if g == 0:
         return run
-    columns = run.freed(run.weighed)
-    square = columns.T @ run.weighed / fit.sigma**2
+    weighed = run.weighed
+    columns = run.freed(weighed)
+    square = columns.T @ weighed / fit.sigma**2
     # The run's own numbers are at their best: only the shared ones are still pulled.
     pull = columns.T[:g] @ run.surprise / fit.sigma**2
     prior = np.array([(f.scale / f.sigma) ** 2 for f in run.own]) + 1e-6
@@ -337,4 +338,4 @@ def _left_out(fit: Fit, run: RunFit) -> RunFit:
     along = vector[:, known].T @ (pull / unit)
     moved = -(vector[:, known] @ (along / value[known])) / unit
     step = np.concatenate([moved, -follow @ moved])
-    return replace(run, residual=run.residual - run.freed(run.derivatives.matrix) @ step)
+    return replace(run, residual=run.residual - run.freed(run.jacobian) @ step)

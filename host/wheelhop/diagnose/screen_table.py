@@ -59,7 +59,8 @@ class Known:
     @classmethod
     def of(cls, run: RunFit) -> Known:
         """Of a run as it is fitted."""
-        columns = np.hstack([run.own_jacobian, run.shared_jacobian, run.residual[:, None]])
+        shared, own = np.split(run.jacobian, [run.derivatives.shared], axis=1)
+        columns = np.hstack([own, shared, run.residual[:, None]])
         # The residual is free of heights already.
         free = np.hstack([run.freed(columns[:, :-1]), columns[:, -1:]])
         free = _by_channel(run, free)

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.fit.belief import Belief
-from wheelhop.fit.bench import RUNS_AWAY, Bench, Trial, Workshop
+from wheelhop.fit.bench import RUNS_AWAY, Bench, Workshop
 from wheelhop.fit.density import Noise, Spectrum, find_density
 from wheelhop.fit.derivatives import moves
 from wheelhop.fit.height_response import Ground
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import Free, run_parameters
-from wheelhop.fit.result import Derivatives, Fit, RunFit
+from wheelhop.fit.result import Derivatives, Fit, RunFit, kept
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
@@ -183,9 +183,8 @@ class _Problem:
     ) -> None:
         self.workshop, self.belief, self.benches = workshop, belief, benches
         self.shared, self.density_free = belief.free, density_free
-        self.known = {} if known is None else {run.bench.run.id: run for run in known.runs}
-        names = () if known is None else known.shared
-        self.column = {free.name: i for i, free in enumerate(names)}
+        self.known = {} if known is None else known.derivatives
+        self.borrowed = set[str]() if known is None else {f.name for f in known.shared}
 
     def own(self, bench: Bench, model: Model) -> tuple[Free, ...]:
         return tuple(run_parameters(bench.run, bench.simulator.setting, model))
@@ -207,7 +206,7 @@ class _Problem:
         self.workshop.ahead(model, systems, self.benches)
         moved = {}
         for free in self.shared:
-            if free.name not in self.column:
+            if free.name not in self.borrowed:
                 other = model.with_values(_stepped(free, model.values))
                 moved[free.name] = (other, self.workshop.systems(other))
 
@@ -217,37 +216,27 @@ class _Problem:
             residual = bench.residual(model, systems)
             residual[~np.isfinite(residual)] = np.inf
             own = self.own(bench, model)
-            old = self.known.get(bench.run.id)
-            held = {} if old is None else {f.name: i for i, f in enumerate(old.own)}
-            g, free = len(self.shared), (*self.shared, *own)
-            matrix = np.empty((bench.size, len(free)), np.float32)
-            trials, places, new = list[Trial](), list[int](), list[int]()
-            for i, one in enumerate(free):
-                if i < g and old is not None and one.name in self.column:
-                    matrix[:, i] = old.shared_jacobian[:, self.column[one.name]]
-                elif i >= g and old is not None and one.name in held:
-                    matrix[:, i] = old.own_jacobian[:, held[one.name]]
-                elif i < g:
-                    trials.append(moved[one.name])
-                    places.append(i)
-                else:
-                    new.append(i)
-            together = moves(bench, model, [free[i] for i in new], lambda f: f.step * f.scale)
+            columns = dict(self.known.get(bench.run.id, {}))
+            others = [f for f in self.shared if f.name not in columns]
+            new = [f for f in own if f.name not in columns]
+            together = moves(bench, model, new, lambda f: f.step * f.scale)
+            trials = [moved[f.name] for f in others]
             trials += [(move.model, systems) for move in together]
             changes = bench.changes((model, systems), trials)
-            for i, change in zip(places, changes, strict=False):
-                matrix[:, i] = bench.coefficients(change) / free[i].step
-            for move, change in zip(together, changes[len(places) :], strict=True):
+            for f, change in zip(others, changes, strict=False):
+                columns[f.name] = kept(bench.coefficients(change) / f.step)
+            for move, change in zip(together, changes[len(others) :], strict=True):
                 for k, part in move.parts(bench, change):
-                    matrix[:, new[k]] = part / free[new[k]].step
-            matrix[:, ~np.isfinite(matrix).all(axis=0)] = 0.0  # where this way lies no stable model
+                    columns[new[k].name] = kept(part / new[k].step)
+            free = (*self.shared, *own)
+            derivatives = Derivatives([columns[f.name] for f in free], len(self.shared))
             heights = None
             if model.random_heights is not None and bench.simulator.series is not None:
                 ground = Ground(bench, model, systems[bench.drive])
                 level = model.heights[bench.run.id].ravel()
                 heights = Heights(ground, level, np.zeros(len(level)), 1.0)
             even = np.ones(bench.size)
-            return RunFit(bench, own, residual, Derivatives(matrix, g), even, heights)
+            return RunFit(bench, own, residual, derivatives, even, heights)
 
         runs = tuple(self.workshop.each(linearise_run, self.benches))
         state = Fit(model, self.shared, runs, self.belief.precision, 1.0, np.inf, 0.0)
@@ -336,19 +325,20 @@ class _Problem:
 
     def normal(self, run: RunFit, state: Fit) -> _Normal:
         g, weight = len(self.shared), state.sigma**-2
-        square = run.weighed.T @ run.weighed * weight
-        slope = run.weighed.T @ run.surprise * weight
+        columns = run.weighed
+        square = columns.T @ columns * weight
+        slope = columns.T @ run.surprise * weight
         belief = Belief.of(run.own)
         heights = None
         if run.heights is not None:
-            cross = run.heights.ground.project(run.derivatives.matrix)
+            cross = run.heights.ground.project(run.jacobian)
             residual = run.heights.ground.project(run.residual[:, None])[:, 0]
             heights = run.heights.step(residual), run.heights.absorbed(cross)
             square = square - (cross.conj().T @ heights[1]).real * weight
             slope = slope - (cross.conj().T @ heights[0]).real * weight
         pull = belief.pull(state.model.runs[run.bench.run.id])
         # A shape means nothing while its amplitude vanishes: until then it stays where it began.
-        pull[~run.own_jacobian.any(axis=0)] = 0.0
+        pull[~columns[:, g:].any(axis=0)] = 0.0
         return _Normal(
             square[:g, :g],
             square[:g, g:],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,16 +25,19 @@ freedom, however many samples it holds (a second: one oscillation with amplitude
 @dataclass(frozen=True, eq=False)
 class Derivatives:
     """Of one run's model with respect to the shared parameters, the first `shared` columns, and
-    its own, per `Free.scale`. They are differences, good to five digits, and stay in memory with
-    every model that was tried: seven digits are kept."""
+    its own, per `Free.scale`.
 
-    kept: NDArray[np.floating]
+    They are differences, good to five digits, and stay in memory with every model that was tried:
+    seven digits are kept, and a model holds the columns it borrows in common with their owner.
+    """
+
+    columns: Sequence[NDArray[np.floating]]  #: g + r of them, each (size,)
     shared: int
 
-    @property
-    def matrix(self) -> Array:
-        """They (size, g + r)."""
-        return self.kept.astype(np.float64)
+
+def kept(column: Array) -> NDArray[np.floating]:
+    """A column of derivatives as it is kept; nothing moves where this way lies no stable model."""
+    return (column if np.isfinite(column).all() else np.zeros_like(column)).astype(np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,19 +54,15 @@ class RunFit:
     heights: Heights | None = None
 
     @property
-    def shared_jacobian(self) -> Array:
-        """Derivatives (size, g) with respect to the shared parameters, per `Free.scale`."""
-        return self.derivatives.matrix[:, : self.derivatives.shared]
-
-    @property
-    def own_jacobian(self) -> Array:
-        """Derivatives (size, r) with respect to the run's own parameters, per `Free.scale`."""
-        return self.derivatives.matrix[:, self.derivatives.shared :]
+    def jacobian(self) -> Array:
+        """Derivatives (size, g + r), the shared parameters first, per `Free.scale`."""
+        columns = self.derivatives.columns
+        return np.array(columns, np.float64).reshape(len(columns), len(self.residual)).T
 
     @property
     def weighed(self) -> Array:
-        """Derivatives (size, g + r) per spread."""
-        return np.asarray(self.derivatives.matrix / self.spread[:, None])
+        """The same per spread."""
+        return np.asarray(self.jacobian / self.spread[:, None])
 
     @property
     def surprise(self) -> Array:
@@ -160,6 +160,17 @@ class Fit:
     sigma: float
     cost: float
     log_volume: float
+
+    @property
+    def derivatives(self) -> dict[str, dict[str, NDArray[np.floating]]]:
+        """Columns of derivatives by run and by the name of the number."""
+        return {
+            run.bench.run.id: {
+                f.name: column
+                for f, column in zip((*self.shared, *run.own), run.derivatives.columns, strict=True)
+            }
+            for run in self.runs
+        }
 
     @property
     def evidence(self) -> float:
