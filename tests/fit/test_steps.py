@@ -73,10 +73,9 @@ def test_derivatives_serve_as_long_as_steps_gain_three_tenths(share, renewed):
     assert [simulated for _, _, simulated in seen[:3]] == ([1, 2, 3] if renewed else [1, 1, 1])
 
 
-@pytest.mark.parametrize(("bar", "steps"), [(0.1, 18), (0.5, 60), (-np.inf, 60)])
-def test_a_fit_ends_when_steps_as_good_as_the_last_would_not_do(bar, steps):
-    """Each takes a hundredth of the way, and sixty leave 30 % of the cost. To a tenth of it sixty
-    like the first would lead, forty-two like the eighteenth would not."""
+@pytest.mark.parametrize(("bar", "steps"), [(0.7, 1), (0.81, 60), (-np.inf, 60)])
+def test_a_fit_ends_when_ten_steps_as_good_as_the_last_would_not_do(bar, steps):
+    """Each of sixty takes 2 % of the cost. After the first, ten more like it would lead to 78 %."""
     bench, model = single(steepness=100.0, truth=1e3)
     start = float(bench.residual(model, {}) @ bench.residual(model, {})) / SIGMA**2
     found, seen = watched(bench, model, bar=bar * start)

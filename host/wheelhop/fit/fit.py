@@ -44,6 +44,11 @@ WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
 
 
+AHEAD = 10.0
+"""A fit has no hope to come where ten more steps as good as the last would not lead: on its way
+down a step gains less than the one before."""
+
+
 def fit(
     workshop: Workshop,
     model: Model,
@@ -56,8 +61,8 @@ def fit(
 
     Start values are those of `model`; with no `shared` parameters only the runs' own are fitted.
     Derivatives that a fit of a similar model, `known`, holds already are taken from there: much
-    faster, and a fit that ends a little above the minimum. A fit that would not come below the cost
-    `bar`, were each step still to come as good as the last, ends early.
+    faster, and a fit that ends a little above the minimum. A fit that has no hope to come below the
+    cost `bar` ends early.
     """
     belief = Belief.of(shared)
     if shared or len(benches) < 2 or model.random_heights is not None:
@@ -139,12 +144,11 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
         trial = problem.stepped(state, damping)
         drop = state.cost - trial.cost if np.isfinite(trial.cost) else -np.inf
         gain = drop / max(state.cost, state.size)
-        promised = (ITERATIONS - 1 - iteration) * drop
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
         if 0 <= gain < (CONVERGED_QUICK if problem.known else CONVERGED):
             break
-        if gain > 0 and state.cost - promised > bar > -np.inf:
+        if gain > 0 and state.cost - AHEAD * drop > bar > -np.inf:
             break
         if gain > WORTHWHILE:  # old derivatives still serve: new ones cost many simulations
             fresh = False
