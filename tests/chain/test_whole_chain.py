@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -30,11 +31,17 @@ def campaign(request, tmp_path_factory):
         pytest.skip("needs gcc-avr, arduino-core-avr and libsimavr-dev")
     folder = tmp_path_factory.mktemp(request.param) / "c"
     day = read_day()
-    for name, signals in ((field.TURNED, day.turning), (field.DRIVEN, day.driving)):
-        done = field.record(signals, folder, name, elf)
+    sessions = (field.TURNED, day.turning), (field.DRIVEN, day.driving)
+    with ThreadPoolExecutor() as boards:  # one each
+        recorded = [
+            boards.submit(field.record, signals, folder / f"board-{i}", name, elf)
+            for i, (name, signals) in enumerate(sessions)
+        ]
+    for done in (future.result() for future in recorded):
         log = read_log(done.file)
         assert done.lost == 0
         assert (log.written, log.missing, log.damage) == (done.due, 0, ())
+        done.file.replace(folder / done.file.name)
     field.calibrate(folder)
     field.make_campaign(folder, day)
     return folder
