@@ -10,6 +10,8 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline, to_json
+from wheelhop.diagnose.confirm import least_gain, worth_simulating
+from wheelhop.diagnose.screen import screen
 from wheelhop.effects.beliefs import beliefs
 from wheelhop.vehicle import read_vehicle
 
@@ -52,6 +54,25 @@ def test_a_kind_of_track_is_not_as_surveyed(clean, quantity, key, factor, within
     error = diagnosis.ladder[-1].rung.model.values[f"{name}.error"]
     assert error == pytest.approx(factor - 1.0, abs=within)
     assert any(f"washboard tracks times {factor}" in line for line in diagnosis.explanation)
+
+
+def test_of_many_beliefs_the_best_are_enough(clean):
+    """Recordings that are 3 % too large resemble each of them a little. Physics is simulated
+    however many promise as much."""
+    campaign, vehicle = clean
+    base = fit_baseline(
+        with_records(campaign, lambda y: 1.03 * y), vehicle, progress=lambda text: None
+    )
+    believed = beliefs(campaign, vehicle)
+    screened = screen(base.workshop, base.rung.fit, [*FEW.values(), *believed.values()])
+    least = least_gain(base.workshop, base.rung)
+    everything = [s for s in screened if s.score > 0 and s.gain > least]
+    chosen = worth_simulating(
+        base.workshop, base.rung, screened, at_least=2, reach=0.0, settled=True
+    )
+    further = everything[2:]
+    assert {s.variant.effect.is_belief for s in further} == {True, False}
+    assert chosen == everything[:2] + [s for s in further if not s.variant.effect.is_belief]
 
 
 def test_all_tracks_are_higher_than_surveyed(clean):

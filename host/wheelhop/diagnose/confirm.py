@@ -48,11 +48,16 @@ def worth_simulating(
 
     Effects that even by screening could take nothing material out of the residual are left alone:
     where it is `settled` that a model explains nearly all, they are no rivals of that one. Else
-    first order may mislead, and what it cannot judge is simulated all the same.
+    first order may mislead, and what it cannot judge is simulated all the same. What the campaign
+    believes acts in proportion: first order is the truth of it, and the best of these are enough.
     """
     promising = [s for s in screened if s.score > 0 and s.gain > least_gain(workshop, rung)]
     enough = reach * promising[0].gain if promising else 0.0
-    chosen = [s for i, s in enumerate(promising) if i < at_least or s.gain >= enough]
+    chosen = [
+        s
+        for i, s in enumerate(promising)
+        if i < at_least or (s.gain >= enough and not s.variant.effect.is_belief)
+    ]
     if settled:
         return chosen
     surprising = unforeseen(rung, workshop.noise)

@@ -158,9 +158,9 @@ def climb(
     """The diagnosis, from a fitted baseline on."""
     workshop, rung = base.workshop, base.rung
     steps = [step_of(workshop, rung)]
-    look = _look(workshop, steps[0], effects, progress, watch)
+    look = _look(workshop, steps[0], effects, max_effects, progress, watch)
     first = origin = look
-    looks = [look]
+    tried = [replace(look, screened=())]  # signatures are large, and serve but once
     alone = look.chosen is not None
     shorter: Mapping[str, Rung] = {}
     stands: Mapping[str, Stand] = {}
@@ -168,7 +168,7 @@ def climb(
         room = max_effects - len(rung.model.effects)
         better = look.chosen.rung if look.chosen is not None and room > 0 else None
         if better is None and len(rung.model.effects) > 1:
-            exchanged = exchange(workshop, rung, shorter, looks, effects, progress)
+            exchanged = exchange(workshop, rung, shorter, tried, effects, progress)
             stands, better = exchanged.stands, exchanged.rung
         if better is None and room > 1 and steps[-1].above_floor:
             look = look_for_several(workshop, look, effects, room, progress)
@@ -197,8 +197,9 @@ def climb(
         if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
             look = Look(rung, (), (), None)
             break
-        look = _look(workshop, step, effects, progress, watch)
-        looks.append(look)
+        room = max_effects - len(rung.model.effects)
+        look = _look(workshop, step, effects, room, progress, watch)
+        tried.append(replace(look, screened=()))
     return conclude(
         workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
     )
@@ -208,10 +209,12 @@ def _look(
     workshop: Workshop,
     step: Step,
     effects: Mapping[str, Effect],
+    room: int,
     progress: Progress,
     watch: Watch,
 ) -> Look:
-    """Screen what is not in the model yet, simulate the best in full, choose one or none."""
+    """Screen what is not in the model yet, simulate the best in full, choose one or none. Nothing
+    is simulated where the model has no room for more."""
     rung = step.rung
     done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
     if done and not step.above_floor:
@@ -220,7 +223,7 @@ def _look(
     left = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening {len(left)} effects")
     screened = screen(workshop, rung.fit, left)
-    if done:  # what is left has to be described, not explained
+    if done or (rung.model.effects and not room):  # to be described, not explained
         return Look(rung, tuple(screened), (), None)
     incumbent = Incumbent(workshop, rung)
     watch(Look(rung, tuple(screened), (), None))

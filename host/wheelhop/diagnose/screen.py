@@ -93,7 +93,7 @@ Array = NDArray[np.float64]
 ABSURD = 1e3
 """So many times its scale no amplitude is believed to be: one standard deviation."""
 
-AT_ONCE = 16
+AT_ONCE = 8
 """So many variants are held in memory together: each takes a table of every run."""
 
 NEAR, FEW = 0.6, 2

@@ -73,11 +73,12 @@ def look_for_several(
 def _best_pair(
     workshop: Workshop, look: Look, effects: Mapping[str, Effect], progress: Progress
 ) -> _Group | None:
-    found = []
+    found: list[_Group] = []
     for first, second in _promising(workshop, look, effects, progress):
         pair = _Group((first.screened, second), first.rung)
         progress(f"simulating {' with '.join(pair.ids)}")
-        found.append(pair._replace(rung=confirm(workshop, first.rung, second)))
+        beside = [group.rung for group in found]
+        found.append(pair._replace(rung=confirm(workshop, first.rung, second, beside)))
     return _fitted(workshop, found, progress)
 
 
@@ -111,11 +112,13 @@ def _grown(
     others = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening the others beside {' and '.join(group.ids)}")
     screened = screen(workshop, group.rung.fit, others)
-    found = []
+    found: list[_Group] = []
     # Where the best is no more than a part, many explain nearly as much: not all are simulated.
     for item in worth_simulating(workshop, group.rung, screened, reach=1.0):
         progress(f"simulating {item.variant.effect.id} with {' and '.join(group.ids)}")
-        found.append(_Group((*group.members, item), confirm(workshop, group.rung, item)))
+        beside = [grown.rung for grown in found]
+        rung = confirm(workshop, group.rung, item, beside)
+        found.append(_Group((*group.members, item), rung))
     return _fitted(workshop, found, progress)
 
 
