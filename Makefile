@@ -4,7 +4,7 @@
 
 bin := .venv/bin
 
-.PHONY: demo check test test-all docs lint wheels firmware firmware-budget clean
+.PHONY: demo check test pytest test-all docs lint wheels firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
@@ -15,7 +15,11 @@ slower := diagnose firmware chain workbench logger calibration api files compone
 check: lint
 	$(bin)/pytest -n auto --dist worksteal $(addprefix --ignore=tests/,$(slower))
 
-test: lint
+# Some tests wait for a browser or a board: types are looked at meanwhile.
+test: .venv/installed-test
+	$(MAKE) --no-print-directory --jobs=2 lint pytest
+
+pytest: .venv/installed-test
 	$(bin)/pytest -n auto --dist worksteal
 
 test-all: lint

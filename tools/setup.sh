@@ -33,7 +33,8 @@ if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
     can_make_venv "$python" || install_or_ask "python$version-venv" "Python's venv"
     "$python" -m venv --clear .venv
 fi
-.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable "$1"
+# Python compiles what it imports; most of what comes along is never imported.
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-compile --editable "$1"
 
 # The firmware's tests build it and run it on a simulated board; without these they are skipped.
 firmware="gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev libelf-dev dosfstools mtools"

@@ -14,7 +14,10 @@ from wheelhop.vehicle import read_vehicle
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-@pytest.fixture(scope="module", params=["open-driver-seat", "open-dry-friction"])
+SEAT = pytest.param("open-driver-seat", marks=pytest.mark.slow)  # half a minute
+
+
+@pytest.fixture(scope="module", params=[SEAT, "open-dry-friction"])
 def diagnosed(request):
     """With nothing to try, not even that a sensor sits elsewhere: the answer stands on the records
     alone."""

@@ -31,10 +31,9 @@ def campaign(folder, hidden, *, seed, severity=1.0):
 
 
 def fitted(folder, names):
-    """The baseline's workshop and the vehicle fitted with these effects."""
+    """The baseline, and the vehicle fitted with these effects."""
     base = baseline_of(folder)
-    rungs = fit_with(base, [LIBRARY[name] for name in names], lambda text: None)
-    return base.workshop, rungs[-1]
+    return base, fit_with(base, [LIBRARY[name] for name in names], lambda text: None)[-1]
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +51,8 @@ def test_a_prediction_is_no_better_than_its_numbers(explained):
     """The fitted runs know the static loads too little to say when a wheel lands; within their
     uncertainty nothing is left that two simulators' disagreement on a lifting wheel does not
     explain. What is reported as foreseen stays so."""
-    workshop, rung = explained
+    base, rung = explained
+    workshop = base.workshop
     assert all_noise(rung.fit, workshop.noise)
     foreseen = above_noise(rung.validation, workshop.noise)
     assert foreseen > 1.5 * material(rung)
@@ -62,11 +62,10 @@ def test_a_prediction_is_no_better_than_its_numbers(explained):
     assert rung.fit.posterior.distance(rung.update.model.values) < 80.0
 
 
-def test_a_rung_is_held_against_others_on_equal_terms(lifting, explained):
+def test_a_rung_is_held_against_others_on_equal_terms(explained):
     """Where a rival's numbers may move on the runs held out, so may those of the rung it is to
     replace: what the vehicle could do by itself speaks for no effect."""
-    base = baseline_of(lifting)
-    _, rival = explained
+    base, rival = explained
     incumbent = Incumbent(base.workshop, base.rung)
     assert incumbent.against(base.rung) is base.rung
     moved = incumbent.against(rival)
@@ -101,7 +100,8 @@ def test_no_flexible_effect_makes_up_for_uncertain_numbers(lifting):
 
 def test_a_second_effect_in_the_held_out_runs_is_not_made_up_for(tmp_path):
     """A driver who is unsteady in them: no number of the vehicle can make up for that."""
-    workshop, rung = fitted(campaign(tmp_path, UNSTEADY, seed=51), ["dry-friction"])
+    base, rung = fitted(campaign(tmp_path, UNSTEADY, seed=51), ["dry-friction"])
+    workshop = base.workshop
     assert all_noise(rung.fit, workshop.noise)
     assert rung.update is not None
     assert excess(rung, workshop.noise) > 0.8 * above_noise(rung.validation, workshop.noise)
@@ -110,7 +110,7 @@ def test_a_second_effect_in_the_held_out_runs_is_not_made_up_for(tmp_path):
 def test_the_baseline_foresees_or_fails(tmp_path):
     """A faint effect that only held-out runs show must not vanish in the vehicle's numbers."""
     folder = campaign(tmp_path, {"speed-fluctuation": UNSTEADY["speed-fluctuation"]}, seed=51)
-    workshop, rung = fitted(folder, [])
-    assert all_noise(rung.fit, workshop.noise)
-    assert excess(rung, workshop.noise) > material(rung)
+    base, rung = fitted(folder, [])
+    assert all_noise(rung.fit, base.workshop.noise)
+    assert excess(rung, base.workshop.noise) > material(rung)
     assert rung.update is None

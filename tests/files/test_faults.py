@@ -16,9 +16,9 @@ ROOT = HERE.parents[1]
 # health and frame, which compute for long and write as rates does.
 SCENARIOS = (
     *("campaign-new", "campaign-add", "convert-csv", "import", "compare", "add", "recover"),
-    *("decode", "thesis", "new", "road-csv", "simulate-campaign"),
+    *("decode", "thesis", "new", "road-csv"),
 )
-ALIKE = ("convert-uff", "convert-force", "calibrate", "rates", "road-crg")
+ALIKE = ("convert-uff", "convert-force", "calibrate", "rates", "road-crg", "simulate-campaign")
 """They write by the same means as some of those above."""
 
 
