@@ -318,7 +318,8 @@ def _without_idle(
     """Drop effects whose contribution vanished when the last one joined, the last one included:
     it may have done no more than help the others' fit out of a side valley.
 
-    Returns the models without one of the effects that stayed, too, as far as they were fitted.
+    Returns the models without one of the effects that stayed, too; quick fits where these leave so
+    much that a full one could not hold.
     """
     shorter: dict[str, Rung] = {}
     if len(rung.model.effects) < 2:
@@ -327,6 +328,7 @@ def _without_idle(
         progress(f"is {effect.id} still needed?")
         roughly = without(workshop, rung, effect.id, quick=True)
         if roughly.error_judging > HOPELESS * rung.error_judging:
+            shorter[effect.id] = roughly
             continue
         without_it = without(workshop, rung, effect.id)
         base = Incumbent(workshop, without_it).against(rung)

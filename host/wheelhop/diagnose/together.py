@@ -196,8 +196,9 @@ def exchange(
     progress: Progress,
 ) -> Exchange:
     """Try the library in the place of each effect of `rung`; `shorter` holds the models fitted
-    without one of them, as far as they are known. What one of the `looks` has tried beside the same
-    effects is not tried again."""
+    without one of them, as far as they are known: a quick fit is at its best for the derivatives it
+    borrows, and what screening takes off are these. What one of the `looks` has tried beside the
+    same effects is not tried again."""
     present = {effect.id for effect in rung.model.effects}
     absent = [effect for effect in effects.values() if effect.id not in present]
     stands: dict[str, Stand] = {}
