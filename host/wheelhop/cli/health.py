@@ -40,7 +40,8 @@ def run(arguments: Namespace) -> int:
     else:
         for file, recording in zip(arguments.recordings, recordings, strict=True):
             reports[str(file)] = examine(recording, relations=False)
-        reports[TOGETHER] = Health(*examine_relations(recordings))
+        known = [finding for health in reports.values() for finding in health.findings]
+        reports[TOGETHER] = Health(*examine_relations(recordings, known))
     for name, health in reports.items():
         _show(console, name, health)
     if arguments.figure is not None:

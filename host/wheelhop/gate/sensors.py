@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -26,10 +27,11 @@ Seen = tuple[Run | None, Symptom]
 def examined(campaign: Campaign) -> Iterator[Seen]:
     """What the sensors' own examination finds wrong."""
     recordings = [_recording(campaign, run) for run in campaign.runs]
-    for symptom in examine_relations(recordings)[0]:
+    found = [examine(recording, relations=False).findings for recording in recordings]
+    for symptom in examine_relations(recordings, chain.from_iterable(found))[0]:
         yield None, symptom
-    for run, recording in zip(campaign.runs, recordings, strict=True):
-        for symptom in examine(recording, relations=False).findings:
+    for run, symptoms in zip(campaign.runs, found, strict=True):
+        for symptom in symptoms:
             yield run, symptom
 
 

@@ -1,7 +1,8 @@
 """Is a recording fit for use? Everything that can be told from the samples alone."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from wheelhop.calibration.health.channel import channel_findings
 from wheelhop.calibration.health.finding import CERTAIN, LIKELY, POSSIBLE, Finding
@@ -38,25 +39,26 @@ def examine(
     inverted and which are exchanged is judged on all of them together, the rest on `recording`.
     Without `relations` that judgement is left out.
     """
-    findings = [*recorder_findings(recording), *channel_findings(recording)]
+    of_channels = tuple(channel_findings(recording))
+    findings = [*recorder_findings(recording), *of_channels]
     spoilt = {name for f in findings if f.kind in SPOILS_SPECTRA for name in f.channels}
     findings += spectrum_findings(recording, spoilt)
-    related, untold = examine_relations((recording, *others)) if relations else ((), ())
-    findings += related
+    untold: tuple[str, ...] = ()
+    if relations:
+        known = chain(of_channels, *map(channel_findings, others))
+        related, untold = examine_relations((recording, *others), known)
+        findings += related
     return Health(tuple(sorted(findings, key=lambda f: ORDER.index(f.sure))), untold)
 
 
 def examine_relations(
-    recordings: Sequence[Recording],
+    recordings: Sequence[Recording], known: Iterable[Finding] | None = None
 ) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
-    """Polarity and exchange of the eight points of a vehicle, and what cannot be told of them."""
-    spoilt = {
-        name
-        for recording in recordings
-        for finding in channel_findings(recording)
-        if finding.kind in SPOILS_RELATIONS
-        for name in finding.channels
-    }
+    """Polarity and exchange of the eight points of a vehicle, and what cannot be told of them;
+    `known` is what was found of each channel, if they were examined."""
+    if known is None:
+        known = chain.from_iterable(map(channel_findings, recordings))
+    spoilt = {name for f in known if f.kind in SPOILS_RELATIONS for name in f.channels}
     if spoilt:
         return (), (f"polarity and exchange: not judged while {_names(spoilt)} gives no signal",)
     driven = [recording for recording in recordings if not moves_in_phase(recording)]
