@@ -10,7 +10,7 @@ from tests.fit.linear import OWN, OWN_SCALES, OWN_SIGMAS, SHARED, SIGMA, SIZE, S
 from tests.fit.linear import benches_of as made
 from wheelhop.compare.band import InBand
 from wheelhop.fit import RunFit, fit
-from wheelhop.fit.result import Derivatives
+from wheelhop.fit.result import Derivatives, kept
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +40,14 @@ def test_of_a_number_that_no_datum_tells_the_belief_is_left(fitted):
     (run, *_) = fitted.runs
     blind = replace(run, derivatives=Derivatives(np.zeros((4, SIZE)), 2))
     assert blind.uncertainties(SIGMA)["speed_m_s"] == pytest.approx(OWN_SIGMAS[0])
+
+
+@pytest.mark.parametrize("absurd", [np.inf, np.nan, 1e300])
+def test_no_way_leads_to_a_model_that_runs_away(absurd):
+    """Nor to one whose derivatives are larger than the numbers that keep them."""
+    column = np.array([1.0, absurd, -2.0])
+    np.testing.assert_array_equal(kept(column), np.zeros(3))
+    np.testing.assert_array_equal(kept(column[::2]), column[::2])
 
 
 def test_an_uncertain_datum_weighs_less(fitted):

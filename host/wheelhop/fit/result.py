@@ -37,7 +37,9 @@ class Derivatives:
 
 def kept(column: Array) -> NDArray[np.floating]:
     """A column of derivatives as it is kept; nothing moves where this way lies no stable model."""
-    return (column if np.isfinite(column).all() else np.zeros_like(column)).astype(np.float32)
+    with np.errstate(over="ignore"):  # what no float holds is not finite either
+        short = column.astype(np.float32)
+    return short if np.isfinite(short).all() else np.zeros_like(short)
 
 
 @dataclass(frozen=True, eq=False)
