@@ -57,6 +57,18 @@ def loose(tmp_path_factory):
     )
 
 
+def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
+    """The sensor is still loose beside friction, and screening says so."""
+    library = {name: LIBRARY[name] for name in ("sensor-mount", "dry-friction")}
+    base = baseline_of(loose)
+    workshop, friction = base.workshop, ladder.fit_with(base, [library["dry-friction"]], quiet)[-1]
+    step = ladder.steps_of(workshop, [base.rung, friction])[-1]
+    assert step.above_floor
+    look = ladder._look(workshop, step, library, 0, quiet, lambda look: None)
+    assert [s.variant.effect.id for s in look.screened] == ["sensor-mount"]
+    assert look.screened[0].score > 0 and look.candidates == () and look.chosen is None
+
+
 def test_a_loose_sensor_that_magnifies_friction(loose):
     """The mount rings at 19 Hz, where friction excites the axle: without friction in the model no
     mount explains channel A2, and with A2 as it is no friction explains the car."""

@@ -48,8 +48,8 @@ def worth_simulating(
 
     Effects that even by screening could take nothing material out of the residual are left alone:
     where it is `settled` that a model explains nearly all, they are no rivals of that one. Else
-    first order may mislead, and what it cannot judge is simulated all the same. What the campaign
-    believes acts in proportion: first order is the truth of it, and the best of these are enough.
+    first order may mislead, and what it cannot judge is simulated all the same. About what the
+    campaign believes it hardly does, and the best of that are enough.
     """
     promising = [s for s in screened if s.score > 0 and s.gain > least_gain(workshop, rung)]
     enough = reach * promising[0].gain if promising else 0.0
