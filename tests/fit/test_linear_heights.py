@@ -44,6 +44,7 @@ class Even(Ground):
 
     def __init__(self, bench, model=None, system=None, coherent=True):
         self.bench, self.series, self.speed_m_s = bench, SERIES, SPEED
+        self._slowness = 1.0
         way = SPEED * np.arange(BAND.n) / BAND.rate_hz
         self._front = np.stack([way, way + 0.3], axis=1)
 
@@ -127,7 +128,7 @@ def test_heights_are_numbers_like_any_other(benches):
     assert found.evidence == pytest.approx(expected, abs=0.05)
     for run in found.runs[:RUNS]:  # what it spent is known, the large matrices are gone
         assert 0.0 < run.heights.freedom < 4.0 * SERIES.count
-        assert "square" not in vars(run.heights.ground)
+        assert "_waves" not in vars(run.heights.ground)
 
 
 def test_a_density_is_found_where_shared_numbers_are_and_stays_elsewhere(benches):

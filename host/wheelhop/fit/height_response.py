@@ -15,7 +15,7 @@ from scipy import fft
 
 from wheelhop.effects import Effect
 from wheelhop.fit.bench import Bench
-from wheelhop.simulate import HeightSeries, Model, frequency_response
+from wheelhop.simulate import HeightSeries, Model, frequency_response, slowness
 from wheelhop.vehicle import System, wheels
 
 Array = NDArray[np.float64]
@@ -47,6 +47,7 @@ class Ground:
         self._behind_m = float(np.mean(way[:, :2] - way[:, 2:]))
         self._coherent = coherent
         self.speed_m_s = float((way[-1] - way[0]).mean() / (time[-1] - time[0]))
+        self._slowness = slowness(model, bench.run)
         self._model, self._system = model, system
 
     def anew(self) -> Ground:
@@ -94,7 +95,7 @@ class Ground:
 
     @cached_property
     def _response(self) -> ComplexArray:
-        return self.response(self.series.wave_number_rad_m)
+        return self.response(self.wave_number_rad_m)
 
     @cached_property
     def _waves(self) -> list[ComplexArray]:
@@ -102,11 +103,19 @@ class Ground:
         sides = self._front.T
         if np.array_equal(sides[0], sides[1]):
             sides = sides[:1]
-        return [self._coefficients(np.exp(1j * np.outer(way, self._wave_number))) for way in sides]
+        return [
+            self._coefficients(np.exp(1j * np.outer(way, self.wave_number_rad_m))) for way in sides
+        ]
 
     @property
-    def _wave_number(self) -> Array:
-        return self.series.wave_number_rad_m
+    def wave_number_rad_m(self) -> Array:
+        """The wave numbers (k,) of the series, at the speed of the model."""
+        return self.series.wave_number_rad_m * self._slowness
+
+    @property
+    def step_rad_m(self) -> float:
+        """Their distance."""
+        return self.series.step_rad_m * self._slowness
 
     def _coefficients(self, signal: ComplexArray) -> ComplexArray:
         """In-band coefficients (f, k) of half of complex signals (n, k)."""
@@ -145,9 +154,8 @@ class Ground:
         signal = np.asarray(total).reshape(-1, m)
         return np.concatenate([signal.real, signal.imag])
 
-    @cached_property
     def square(self) -> ComplexArray:
-        """GᴴG (2k, 2k)."""
+        """GᴴG (2k, 2k), 20 MB and more: not kept."""
         waves, response = self._waves, self._response
         blocks = [
             [

@@ -44,9 +44,8 @@ class Heights:
 
     def believed(self, effect: Effect, theta: Values, sigma: float) -> Heights:
         """The same heights; what is believed of them is what the effect's density says."""
-        series = self.ground.series
-        density = effect.height_density(theta, series.wave_number_rad_m)
-        variance = np.maximum(density * series.step_rad_m, LEAST_VARIANCE_M2)
+        density = effect.height_density(theta, self.ground.wave_number_rad_m)
+        variance = np.maximum(density * self.ground.step_rad_m, LEAST_VARIANCE_M2)
         return replace(self, variance=np.tile(variance, 2), sigma=sigma)
 
     def settled(self) -> Heights:
@@ -104,8 +103,8 @@ class Heights:
         ground = self.ground
         wave = 2 * np.pi * ground.bench.band.frequency_hz / ground.speed_m_s
         count = ground.series.count
-        variance = np.interp(wave, ground.series.wave_number_rad_m, self.variance[:count])
-        density = variance / ground.series.step_rad_m
+        variance = np.interp(wave, ground.wave_number_rad_m, self.variance[:count])
+        density = variance / ground.step_rad_m
         gain = (ground.coefficient_variance * density / self.sigma**2)[:, None, None]
         response = ground.response(wave)
         adjoint = response.conj().transpose(0, 2, 1)
@@ -116,7 +115,8 @@ class Heights:
     def _factor(self) -> tuple[ComplexArray, bool]:
         """Cholesky factor of I + s GᴴG s / σ²."""
         deviation = np.sqrt(self.variance) / self.sigma
-        matrix = self.ground.square * np.outer(deviation, deviation)
+        matrix = self.ground.square()
+        matrix *= np.outer(deviation, deviation)
         matrix[np.diag_indices_from(matrix)] += 1.0
         lower: ComplexArray
         lower, flag = linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)

@@ -6,7 +6,7 @@ from wheelhop.simulate.model import Model
 from wheelhop.simulate.rig import RigSimulator
 from wheelhop.simulate.run import Response, RunSimulator
 from wheelhop.simulate.simulator import Simulator, drive_of, make_simulator
-from wheelhop.simulate.unevenness import HeightSeries
+from wheelhop.simulate.unevenness import HeightSeries, slowness
 
 __all__ = [
     "HeightSeries",
@@ -21,4 +21,5 @@ __all__ = [
     "linear_response",
     "make_simulator",
     "sample_of",
+    "slowness",
 ]

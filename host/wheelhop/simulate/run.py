@@ -29,7 +29,7 @@ from wheelhop.simulate.prescribed import (
     wheel_path,
 )
 from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
-from wheelhop.simulate.unevenness import HeightSeries
+from wheelhop.simulate.unevenness import HeightSeries, slowness
 from wheelhop.track import Wheel, make_track
 from wheelhop.vehicle import Drive, System, axle_name, corner_position, motions, wheels
 from wheelhop.vehicle.frame_modes import longest_step_s
@@ -128,13 +128,13 @@ class RunSimulator:
         self._motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
 
     def _series(self) -> HeightSeries | None:
-        """Heights for as long a way as the record shows, at any speed believed of the run."""
+        """Heights for as long a way as the record shows."""
         if not self.setting.on_road or self.run.speed_m_s <= 0:
             return None
         seconds = self.setting.end_s - self.setting.record_start_s + REMEMBERED_S
         speeds = [self.run.speed_m_s, *(self.run.course.speed_m_s if self.run.course else ())]
-        length = REACH * max(speeds) * seconds + REMEMBERED_M
-        waves = REACH * self.campaign.band_hz[1] * length / min(speeds)
+        length = max(speeds) * seconds + REACH * REMEMBERED_M
+        waves = self.campaign.band_hz[1] * length / min(speeds)
         return HeightSeries(length, math.ceil(waves))
 
     def _stride(self, model: Model, path_step_s: float | None = None) -> int:
@@ -361,10 +361,10 @@ class RunSimulator:
             height[:, j], slope = wheel_path(model, i, wheel).height_and_slope(x[:, i])
             rate[:, j] = slope * speed[:, i]
         if self.series is not None and self.run.id in model.heights:
-            # From the run's own start on: heights under the wheels stay where the start moves.
-            way = x - model.runs.get(self.run.id, {}).get("start_m", 0.0)
+            slow = slowness(model, self.run)
+            way = slow * (x - model.runs.get(self.run.id, {}).get("start_m", 0.0))
             more, slopes = self.series.at(model.heights[self.run.id], way)
-            height, rate = height + more[:, rolling], rate + (slopes * speed)[:, rolling]
+            height, rate = height + more[:, rolling], rate + (slow * slopes * speed)[:, rolling]
         ramp = np.clip((time_s - time_s[0]) / FADE_S, 0.0, 1.0)[:, None]
         fade, fade_rate = ramp**2 * (3 - 2 * ramp), 6 * ramp * (1 - ramp) / FADE_S
         return height * fade, rate * fade + height * fade_rate

@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import interpolate
 
+from wheelhop.campaign import Run
+from wheelhop.simulate.model import Model
+
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
@@ -15,12 +18,21 @@ POINTS_PER_WAVE = 16
 """Of the table on the shortest wave: cubic interpolation is then good to 1e-4 of it."""
 
 
+def slowness(model: Model, run: Run) -> float:
+    """The nominal speed of a run over its speed in a model."""
+    speed = model.runs.get(run.id, {}).get("speed_m_s", run.speed_m_s)
+    return float(np.divide(run.speed_m_s, speed))  # infinite where a fit runs away
+
+
 @dataclass(frozen=True)
 class HeightSeries:
-    """h(u) = Re Σ a_k exp(i κ_k u), κ_k = 2π k / length, k = 1 … count, at the way u of a run.
+    """h(u) = Re Σ a_k exp(i κ_k u), κ_k = 2π k / length, k = 1 … count.
 
-    Front and rear wheels of a side meet the same heights. ``coefficients`` are (2, count), m: left
-    and right. With E|a_k|² = 2 S(κ_k) Δκ the heights have the spectral density S.
+    u is the way since the start of the run times its `slowness`: the way at the nominal speed. So
+    a fit that corrects start or speed takes the heights along with the record that showed them,
+    and only the known track moves below the wheels. Front and rear wheels of a side meet the same
+    heights. ``coefficients`` are (2, count), m: left and right. With E|a_k|² = 2 S(κ_k) Δκ the
+    heights have the spectral density S, at the nominal speed.
     """
 
     length_m: float
