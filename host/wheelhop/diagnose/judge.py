@@ -112,6 +112,10 @@ NEARLY_ALL = 0.9
 AGREED = 0.01
 """No evidence makes up for leaving this share more of the runs than another model does."""
 
+HOPELESS = 2.0
+"""What leaves this many times the error of another won't catch up: in a full fit after a quick one,
+in any fit after both were screened."""
+
 
 def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     """Logarithm of the likelihood ratio of `rival` over `base` on the runs that judge.

@@ -22,6 +22,7 @@ from wheelhop.diagnose.forgets import (
     without_runs,
 )
 from wheelhop.diagnose.judge import (
+    HOPELESS,
     Rung,
     at_noise,
     best_first,
@@ -41,10 +42,6 @@ from wheelhop.fit import Workshop
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import linearity
 from wheelhop.vehicle import CORNERS, Vehicle, wheels
-
-HOPELESS = 2.0
-"""An effect that leaves this many times the leader's held-out error won't catch up in a refit; nor
-will a model that lacks an effect, if a quick fit leaves so much."""
 
 BETWEEN: tuple[Place, ...] = ("suspension", "body")
 """Places between the measured axles and the sensors on the body."""
@@ -318,8 +315,8 @@ def _without_idle(
     """Drop effects whose contribution vanished when the last one joined, the last one included:
     it may have done no more than help the others' fit out of a side valley.
 
-    Returns the models without one of the effects that stayed, too; quick fits where these leave so
-    much that a full one could not hold.
+    Returns the models without one of the effects that stayed, too, as far as they were fitted in
+    full: not where a quick fit leaves so much that a full one could not hold.
     """
     shorter: dict[str, Rung] = {}
     if len(rung.model.effects) < 2:
@@ -328,7 +325,6 @@ def _without_idle(
         progress(f"is {effect.id} still needed?")
         roughly = without(workshop, rung, effect.id, quick=True)
         if roughly.error_judging > HOPELESS * rung.error_judging:
-            shorter[effect.id] = roughly
             continue
         without_it = without(workshop, rung, effect.id)
         base = Incumbent(workshop, without_it).against(rung)

@@ -15,12 +15,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import comb
+from math import comb, inf
 from typing import NamedTuple
 
 from wheelhop.diagnose.baseline import Progress
-from wheelhop.diagnose.confirm import confirm, least_gain, refit, without, worth_simulating
+from wheelhop.diagnose.confirm import (
+    CONFIRMED,
+    confirm,
+    least_gain,
+    refit,
+    without,
+    worth_simulating,
+)
 from wheelhop.diagnose.judge import (
+    HOPELESS,
+    NEARLY_ALL,
     Rung,
     at_noise,
     best_first,
@@ -107,18 +116,29 @@ def _promising(
 def _grown(
     workshop: Workshop, group: _Group, effects: Mapping[str, Effect], progress: Progress
 ) -> _Group | None:
-    """The group with the effect that explains most beside it."""
+    """The group with the effect that explains most beside it; None where none makes it likelier."""
     present = {effect.id for effect in group.rung.model.effects}
     others = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening the others beside {' and '.join(group.ids)}")
     screened = screen(workshop, group.rung.fit, others)
+    fitted = group.rung.fit
+    above_noise = fitted.cost - fitted.size
+    hope = max((s.gain for s in screened), default=0.0) > (1.0 - NEARLY_ALL) * above_noise
     found: list[_Group] = []
     # Where the best is no more than a part, many explain nearly as much: not all are simulated.
-    for item in worth_simulating(workshop, group.rung, screened, reach=1.0):
+    # Where all are next to nothing, only what first order cannot judge is.
+    for item in worth_simulating(
+        workshop,
+        group.rung,
+        screened,
+        at_least=CONFIRMED if hope else 0,
+        reach=1.0 if hope else inf,
+    ):
         progress(f"simulating {item.variant.effect.id} with {' and '.join(group.ids)}")
         beside = [grown.rung for grown in found]
         rung = confirm(workshop, group.rung, item, beside)
         found.append(_Group((*group.members, item), rung))
+    found = [grown for grown in found if grown.rung.fit.evidence > fitted.evidence]
     return _fitted(workshop, found, progress)
 
 
@@ -196,9 +216,8 @@ def exchange(
     progress: Progress,
 ) -> Exchange:
     """Try the library in the place of each effect of `rung`; `shorter` holds the models fitted
-    without one of them, as far as they are known: a quick fit is at its best for the derivatives it
-    borrows, and what screening takes off are these. What one of the `looks` has tried beside the
-    same effects is not tried again."""
+    without one of them, as far as they are known. What one of the `looks` has tried beside the same
+    effects is not tried again."""
     present = {effect.id for effect in rung.model.effects}
     absent = [effect for effect in effects.values() if effect.id not in present]
     stands: dict[str, Stand] = {}
@@ -212,10 +231,11 @@ def exchange(
         else:
             progress(f"could another effect stand for {accepted.id}?")
             base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
-            found = screen(workshop, base.fit, absent)
+            found = screen(workshop, base.fit, [effects[accepted.id], *absent])
             settled = nearly_all(base, rung, workshop.noise)
+            near = _near(found, accepted)
             screened = worth_simulating(
-                workshop, base, found, at_least=RIVALS, reach=1.0, settled=settled
+                workshop, base, near, at_least=RIVALS, reach=1.0, settled=settled
             )
             rivals = [confirm(workshop, base, item, beside=[rung]) for item in screened]
         as_free = Incumbent(workshop, base).against(rung)
@@ -229,3 +249,10 @@ def exchange(
             return Exchange(best)
         stands[accepted.id] = Stand(as_free, best)
     return Exchange(None, stands)
+
+
+def _near(screened: Sequence[Screened], accepted: Effect) -> list[Screened]:
+    """What could stand for the accepted effect: not what leaves far more, both to first order."""
+    own = min(s.error for s in screened if s.variant.effect.id == accepted.id)
+    others = (s for s in screened if s.variant.effect.id != accepted.id)
+    return [s for s in others if s.error < HOPELESS * own]
