@@ -94,6 +94,6 @@ def test_windows_in_which_nothing_moves_tell_no_shift():
     run = RunSetting("r", 2.0, 0.0, 0.0, 10.0, True)
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
-        times, ahead = shift_along(StillAtTheEnd(), run, (0,))
+        times, (ahead,) = shift_along(StillAtTheEnd(), run, (0,))
     assert ahead[times < 4.5] == pytest.approx(0.1, abs=0.02)
     assert np.isfinite(ahead).all()

@@ -84,7 +84,7 @@ class LeftRightDrift(Effect):
         if not run.on_road or run.speed_m_s <= 0:
             return ({},)
         history = History(run, self._knot_s)
-        (time, left), (_, right) = (shift_along(probe, run, side) for side in SIDES)
+        time, (left, right) = shift_along(probe, run, *SIDES)
         followed = history.through(time, left - right)
         placed = [probe.placed(run.run_id, _axles(probe.channels, side)) for side in SIDES]
         if not all(placed):

@@ -77,4 +77,5 @@ class SpeedFluctuation(Effect):
         """Follow the phase of all channels along the track."""
         if not run.on_road or run.speed_m_s <= 0:
             return ({},)
-        return (History(run, self._knot_s).through(*shift_along(probe, run)),)
+        time, (ahead,) = shift_along(probe, run, range(4))
+        return (History(run, self._knot_s).through(time, ahead),)
