@@ -49,7 +49,8 @@ BETWEEN: tuple[Place, ...] = ("suspension", "body")
 Watch = Callable[[Look], None]
 
 LAST_RESORT = 3
-"""So many effects are fitted in full where none holds and something is left."""
+"""So many effects, those that the fitted runs favour, are fitted in full where none holds and
+something is left."""
 
 
 def diagnose(
@@ -266,7 +267,8 @@ def _refit_leaders(
     workshop, rung = incumbent.workshop, incumbent.rung
     leaders = sorted((c for c in candidates if c.holds), key=lambda c: c.rung.error_judging)[:2]
     if not leaders and above_floor:
-        leaders = list(candidates[:LAST_RESORT])
+        # What a fit that went astray makes of runs held out says nothing of the effect.
+        leaders = sorted(candidates, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
     refitted: list[Candidate] = []
     for leader in leaders:
         ahead = next((c.rung for c in refitted if c.holds), None)

@@ -253,6 +253,6 @@ def exchange(
 
 def _near(screened: Sequence[Screened], accepted: Effect) -> list[Screened]:
     """What could stand for the accepted effect: not what leaves far more, both to first order."""
-    own = min(s.error for s in screened if s.variant.effect.id == accepted.id)
+    own = min((s.error for s in screened if s.variant.effect.id == accepted.id), default=inf)
     others = (s for s in screened if s.variant.effect.id != accepted.id)
     return [s for s in others if s.error < HOPELESS * own]
