@@ -1,12 +1,14 @@
 """Effects that hide each other."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
-from wheelhop.diagnose import ladder
+from wheelhop.diagnose import confirm as confirming
+from wheelhop.diagnose import ladder, together
 from wheelhop.diagnose.confirm import confirm
 from wheelhop.diagnose.judge import at_noise, log_odds
 from wheelhop.diagnose.look import Candidate, Look
@@ -83,6 +85,30 @@ def test_a_loose_sensor_that_magnifies_friction(loose):
     assert theta["sensor-mount.freq_hz"] == pytest.approx(19.2, rel=0.01)
     assert theta["dry-friction.front_N"] == pytest.approx(34.0, rel=0.15)
     assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
+
+
+@pytest.mark.parametrize(("share", "simulated"), [(0.07, []), (0.14, ["spring"])])
+def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simulated, monkeypatch):
+    """Of a cost of 1000 above the noise, to first order."""
+    effects = {name: SimpleNamespace(id=name, place="body") for name in ("seat", "gain", "spring")}
+    variant = SimpleNamespace(effect=effects["spring"], parameters=())
+    spring = SimpleNamespace(variant=variant, gain=1000.0 * share, score=1.0, freedom=1.0)
+    fitted = SimpleNamespace(cost=6000.0, size=5000, evidence=0.0)
+    model = SimpleNamespace(effects=[effects["seat"], effects["gain"]])
+    group = together._Group((), SimpleNamespace(fit=fitted, model=model))
+    tried = []
+
+    def confirm(workshop, rung, screened, beside):
+        tried.append(screened.variant.effect.id)
+        return rung
+
+    monkeypatch.setattr(together, "screen", lambda workshop, base, others: [spring])
+    monkeypatch.setattr(together, "confirm", confirm)
+    monkeypatch.setattr(confirming, "least_gain", lambda workshop, rung: 0.0)
+    for name in ("unforeseen", "noticeable", "all_noise"):
+        monkeypatch.setattr(confirming, name, lambda rung, noise: False)
+    grown = together._grown(SimpleNamespace(noise=1.0), group, effects, quiet)
+    assert tried == simulated and grown is None  # none makes it likelier
 
 
 @pytest.mark.slow
