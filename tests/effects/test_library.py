@@ -207,6 +207,11 @@ MISTAKES = {
     "syntax": ("class X(:\n", "mine.py", ["does not run", "SyntaxError"]),
     "import": ("import no_such_module\n", "mine.py", ["does not run", "no_such_module"]),
     "leaves": ("raise SystemExit(3)\n", "mine.py", ["does not run"]),
+    "law": (
+        USERS.replace("return p[0]", "return 'a' + p[0]"),
+        "mine.py",
+        ["a law in line 7 does not compile", "add(Literal[str](a), float64); it"],
+    ),
     "empty": ("x = 1\n", "mine.py", ["holds no effect", "wheelhop.effects.Effect"]),
     "only imports one": (
         "from wheelhop.effects import Effect\n",

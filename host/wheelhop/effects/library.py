@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import get_args
+
+from numba.core.errors import NumbaError
 
 from wheelhop.campaign import CampaignError
 from wheelhop.effects.anti_roll_bar import AntiRollBar
@@ -142,6 +145,8 @@ def _from_file(path: Path) -> list[type[Effect]]:
     sys.modules[spec.name] = module  # where compiled laws kept from the last time look for it
     try:
         spec.loader.exec_module(module)
+    except NumbaError as error:
+        raise CampaignError(f"{path}: {_does_not_compile(error)}") from error
     except (Exception, SystemExit) as error:
         kind = type(error).__name__
         raise CampaignError(f"{path}: does not run: {kind}: {error}; mend the file") from error
@@ -157,3 +162,12 @@ def _from_file(path: Path) -> list[type[Effect]]:
             f"{path}: holds no effect; define a subclass of wheelhop.effects.Effect in it"
         )
     return found
+
+
+def _does_not_compile(error: NumbaError) -> str:
+    """What the compiler says of a law, without its colours, stages and candidates."""
+    lines = [re.sub(r"\x1b\[\d*m", "", line).strip() for line in str(error).splitlines()]
+    said = re.split(", defined at| During:", " ".join([line for line in lines if line][1:3]))[0]
+    place = re.search(r"line (\d+)", str(error))
+    where = f" in line {place[1]}" if place else ""
+    return f"a law{where} does not compile: {said}; it computes with numbers and returns two"
