@@ -230,3 +230,26 @@ def test_no_thread_is_left_behind():
     with SerialDouble(port=0) as double, connect(double.url) as link:
         link.info()
     assert threading.active_count() == before
+
+
+def test_waiting_ends_on_a_busy_machine(talk, monkeypatch):
+    """A wait so short that it is over before it has begun must not become one without end."""
+    monkeypatch.setattr(link_module, "LEAST_WAIT_S", 1e-7)
+    link, _ = talk()
+    busy, ended = threading.Event(), threading.Event()
+
+    def work():
+        while not busy.is_set():
+            sum(range(1000))
+
+    def listen():
+        until = time.monotonic() + 4.0
+        while time.monotonic() < until:
+            link._queue.put((0.0, b""))  # as if a byte had been read that makes no frame yet
+            link.receive(0.0)
+        ended.set()
+
+    for task in (work, work, work, listen):
+        threading.Thread(target=task, daemon=True).start()
+    assert ended.wait(20.0)
+    busy.set()

@@ -4,7 +4,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from queue import Empty, SimpleQueue
+from queue import Empty, Queue
 from threading import Event, Thread
 from types import TracebackType
 
@@ -61,7 +61,8 @@ class Link:
         self.port = port
         self.reader = FrameReader()
         self._reply_s = reply_s
-        self._queue: SimpleQueue[tuple[float, bytes] | PortLost] = SimpleQueue()
+        # SimpleQueue would wait for ever if a deadline passed in the middle of its own get().
+        self._queue: Queue[tuple[float, bytes] | PortLost] = Queue()
         self._arrived: deque[Frame] = deque()  # nobody has looked at these yet
         self._unasked: deque[Frame] = deque()  # for `receive`
         self._late_replies = False
