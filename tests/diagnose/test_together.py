@@ -102,7 +102,7 @@ def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simul
         tried.append(screened.variant.effect.id)
         return rung
 
-    monkeypatch.setattr(together, "screen", lambda workshop, base, others: [spring])
+    monkeypatch.setattr(together, "screen_best", lambda workshop, base, others: [spring])
     monkeypatch.setattr(together, "confirm", confirm)
     monkeypatch.setattr(confirming, "least_gain", lambda workshop, rung: 0.0)
     for name in ("unforeseen", "noticeable", "all_noise"):

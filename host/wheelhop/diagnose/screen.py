@@ -21,7 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.screen_table import Known, Table, beyond, run_table
+from wheelhop.diagnose.judge import all_noise
+from wheelhop.diagnose.screen_table import Columns, Known, Table, beyond, run_table
 from wheelhop.diagnose.signatures import Prepared, Variant, prepare, signatures, variants
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit import (
@@ -144,6 +145,39 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
         if effect.has_random_heights and (heights := _screened_heights(workshop, base, effect)):
             best[effect.id] = heights
     return sorted(best.values(), key=lambda s: -s.score)
+
+
+def screen_best(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Screened]:
+    """The same where only the best count, and switches, of which first order says little: what
+    explains less than half as much as another of the runs that hold half of what is left is not
+    simulated in the others."""
+    if not effects or all_noise(base, workshop.noise):
+        return screen(workshop, base, effects)
+    rough = replace(base, runs=telling(base))
+    alone = _vehicle_alone(rough, effects[0])
+    found = screen(workshop, rough, effects)
+    best = max((s.gain - alone for s in found), default=0.0)
+    kept = {s.variant.effect.id for s in found if s.gain - alone >= best / 2 or s.freedom == 0}
+    return screen(workshop, base, [effect for effect in effects if effect.id in kept])
+
+
+def telling(base: Fit) -> tuple[RunFit, ...]:
+    """The fewest runs that hold half of what is left above the noise."""
+    above = [run.bench.cost(run.residual, base.sigma) - run.bench.size for run in base.runs]
+    most_first = np.argsort(above)[::-1]
+    held = np.cumsum(np.maximum(above, 0.0)[most_first])
+    enough = most_first[: 1 + int(np.searchsorted(held, held[-1] / 2))]
+    return tuple(base.runs[i] for i in sorted(enough))
+
+
+def _vehicle_alone(base: Fit, effect: Effect) -> float:
+    """The gain of an effect without numbers, where the vehicle alone moves: a few of the runs that
+    it was fitted to do not hold it where it is."""
+    tables = []
+    for run in base.runs:
+        none = Columns(np.zeros((run.bench.size, 0)), np.zeros((run.bench.size, 0)))
+        tables.append(run_table(run, base, none, Known.of(run).with_columns(run, none)))
+    return solve(base, Variant(effect, "", {}, ()), tables).gain
 
 
 def tabulated(workshop: Workshop, base: Fit, chosen: Sequence[Variant]) -> list[list[Table]]:

@@ -39,7 +39,7 @@ from wheelhop.diagnose.judge import (
     nearly_all,
 )
 from wheelhop.diagnose.look import Candidate, Look, contradicted
-from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.screen import Screened, screen_best
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
@@ -102,7 +102,7 @@ def _promising(
     for first in firsts:
         progress(f"screening the others beside {first.id}")
         others = [e for e in effects.values() if e.id not in present | {first.id}]
-        screened = screen(workshop, first.rung.fit, others)
+        screened = screen_best(workshop, first.rung.fit, others)
         least = least_gain(workshop, first.rung)
         found += [(first, s) for s in screened if s.score > 0 and s.gain > least]
     seen = set[frozenset[str]]()
@@ -120,7 +120,7 @@ def _grown(
     present = {effect.id for effect in group.rung.model.effects}
     others = [effect for effect in effects.values() if effect.id not in present]
     progress(f"screening the others beside {' and '.join(group.ids)}")
-    screened = screen(workshop, group.rung.fit, others)
+    screened = screen_best(workshop, group.rung.fit, others)
     fitted = group.rung.fit
     above_noise = fitted.cost - fitted.size
     hope = max((s.gain for s in screened), default=0.0) > (1.0 - NEARLY_ALL) * above_noise
@@ -231,7 +231,7 @@ def exchange(
         else:
             progress(f"could another effect stand for {accepted.id}?")
             base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
-            found = screen(workshop, base.fit, [effects[accepted.id], *absent])
+            found = screen_best(workshop, base.fit, [effects[accepted.id], *absent])
             settled = nearly_all(base, rung, workshop.noise)
             near = _near(found, accepted)
             screened = worth_simulating(
