@@ -4,6 +4,9 @@
 
 bin := .venv/bin
 
+# Tests start hundreds of Pythons. Where these may not keep what they compile, each takes 3 s more.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: demo check test pytest test-all docs lint wheels firmware firmware-budget clean
 
 demo: .venv/installed

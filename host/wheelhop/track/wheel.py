@@ -200,4 +200,4 @@ class PathTables:
             return list(self._kept.values())
 
 
-_envelope = PathTables(5 << 25)  # the wheels of twenty runs of 50 m over random ground
+_envelope = PathTables(1 << 26)  # the wheels of eight runs of 50 m over random ground
