@@ -123,6 +123,7 @@ def test_short_records_and_narrow_bands_still_give_an_estimate(bench, n, band):
     records = in_band(replace(campaign, band_hz=band), responses)
     estimate = estimate_noise(records)
     assert np.all(np.isfinite(estimate)) and np.all(estimate > 0.0)
+    assert np.isfinite(estimate_noise(records[:1])).all()  # a tenth of one run's parts is one
     share = records[0].band.count / n  # of white noise
     assert 0.5 < np.sqrt(np.mean(estimate**2) / share) / 0.1 < 1.5
 
