@@ -7,7 +7,7 @@ bin := .venv/bin
 # Tests start hundreds of Pythons. Where these may not keep what they compile, each takes 3 s more.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo check test pytest test-all docs lint wheels firmware firmware-budget clean
+.PHONY: demo check test test-waiting test-computing test-all docs lint wheels firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
@@ -18,12 +18,17 @@ slower := diagnose firmware chain workbench logger calibration api files compone
 check: lint
 	$(bin)/pytest -n auto --dist worksteal $(addprefix --ignore=tests/,$(slower))
 
-# Some tests wait for a browser or a board: types are looked at meanwhile.
-test: .venv/installed-test
-	$(MAKE) --no-print-directory --jobs=2 lint pytest
+# Some tests wait for a browser or a board: they run beside those that compute.
+waiting := tests/workbench tests/firmware tests/chain
 
-pytest: .venv/installed-test
-	$(bin)/pytest -n auto --dist worksteal
+test: .venv/installed-test
+	$(MAKE) --no-print-directory --jobs=3 lint test-waiting test-computing
+
+test-waiting: .venv/installed-test
+	$(bin)/pytest $(waiting)
+
+test-computing: .venv/installed-test
+	$(bin)/pytest -n auto --dist worksteal $(addprefix --ignore=,$(waiting))
 
 test-all: lint
 	$(bin)/pytest -n auto --dist worksteal -m "slow or not slow"

@@ -4,11 +4,9 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
-from wheelhop.diagnose import together
 from wheelhop.diagnose.judge import lead
 from wheelhop.diagnose.ladder import fit_with
 from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.screen import screen
 from wheelhop.diagnose.together import exchange
 
 FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
@@ -16,31 +14,6 @@ FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
 
 def quiet(text):
     pass
-
-
-def test_what_leaves_far_more_to_first_order_is_no_rival(tmp_path, monkeypatch):
-    """Of strong friction first order explains a part, and of a digressive damper hardly less. An
-    engine and an asymmetric damper explain next to nothing."""
-    hidden = CASES["dry-friction"].hidden
-    base = baseline_of(truth.make_campaign(tmp_path, seed=104, effects=hidden, short=True))
-    friction = fit_with(base, [LIBRARY["dry-friction"]], quiet)[-1]
-    names = ("dry-friction", "digressive-damper", "engine-vibration", "asymmetric-damper")
-    library = {name: LIBRARY[name] for name in names}
-    error = {
-        s.variant.effect.id: s.error
-        for s in screen(base.workshop, base.rung.fit, list(library.values()))
-    }
-    assert error["dry-friction"] > 2.0 * friction.error_fit
-    assert error["digressive-damper"] < 2.0 * error["dry-friction"] < error["asymmetric-damper"]
-    simulated = []
-
-    def confirmed(workshop, rung, screened, beside):
-        simulated.append(screened.variant.effect.id)
-        return base.rung
-
-    monkeypatch.setattr(together, "confirm", confirmed)
-    exchange(base.workshop, friction, {}, [], library, quiet)
-    assert simulated == ["digressive-damper"]
 
 
 @pytest.mark.slow

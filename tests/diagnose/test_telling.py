@@ -1,4 +1,5 @@
-"""Where only the best effects count: the runs that tell most are asked first."""
+"""Where only the best effects count: the runs that tell most are asked first, and what leaves far
+more to first order is not simulated."""
 
 from collections import defaultdict
 from types import SimpleNamespace
@@ -8,7 +9,10 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose import screen as screening
+from wheelhop.diagnose import together
+from wheelhop.diagnose.ladder import fit_with
 from wheelhop.diagnose.screen import screen, screen_best, telling
+from wheelhop.diagnose.together import exchange
 
 
 def runs_that_leave(*above):
@@ -30,6 +34,10 @@ def runs_that_leave(*above):
 )
 def test_the_fewest_runs_that_hold_half(above, told):
     assert tuple(run.residual for run in telling(runs_that_leave(*above))) == told
+
+
+def quiet(text):
+    pass
 
 
 @pytest.fixture(scope="module")
@@ -71,3 +79,27 @@ def test_where_nothing_is_left_every_run_is_asked(strong_friction, monkeypatch):
     monkeypatch.setattr(screening, "all_noise", lambda fit, noise: True)
     found = screen_best(workshop, base, [LIBRARY["dry-friction"], LIBRARY["engine-vibration"]])
     assert {s.variant.effect.id for s in found} == {"dry-friction", "engine-vibration"}
+
+
+def test_what_leaves_far_more_to_first_order_is_no_rival(strong_friction, monkeypatch):
+    """Of strong friction first order explains a part, and of a digressive damper hardly less. An
+    engine and an asymmetric damper explain next to nothing."""
+    base = strong_friction
+    friction = fit_with(base, [LIBRARY["dry-friction"]], quiet)[-1]
+    names = ("dry-friction", "digressive-damper", "engine-vibration", "asymmetric-damper")
+    library = {name: LIBRARY[name] for name in names}
+    error = {
+        s.variant.effect.id: s.error
+        for s in screen(base.workshop, base.rung.fit, list(library.values()))
+    }
+    assert error["dry-friction"] > 2.0 * friction.error_fit
+    assert error["digressive-damper"] < 2.0 * error["dry-friction"] < error["asymmetric-damper"]
+    simulated = []
+
+    def confirmed(workshop, rung, screened, beside):
+        simulated.append(screened.variant.effect.id)
+        return base.rung
+
+    monkeypatch.setattr(together, "confirm", confirmed)
+    exchange(base.workshop, friction, {}, [], library, quiet)
+    assert simulated == ["digressive-damper"]
