@@ -148,9 +148,9 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
 
 
 def screen_best(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Screened]:
-    """The same where only the best count, and switches, of which first order says little: what
-    explains less than half as much as another of the runs that hold half of what is left is not
-    simulated in the others."""
+    """Screen `effects` where only the best count: first in the runs that tell most, and only what
+    explains at least half as much there as the best one does in all runs. Switches stay: first
+    order says little of them."""
     if not effects or all_noise(base, workshop.noise):
         return screen(workshop, base, effects)
     rough = replace(base, runs=telling(base))
