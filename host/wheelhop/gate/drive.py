@@ -149,19 +149,20 @@ class OnWaves:
         predicted, measured = self._predicted(speeds_m_s, rate)
         frequency = speeds_m_s[:, None] * np.arange(1, HARMONICS + 1) / self.pitch_m
         total = max(float(self.spectra.power.sum()), 1e-300)
+        r = predicted[:, :, [place.order for place in places]]
+        r *= np.array([place.gain for place in places])
+        late_s = np.array([place.late_s or np.zeros(len(place.order)) for place in places])
+        if late_s.any():
+            r *= np.exp(-2j * np.pi * frequency[..., None, None] * late_s)
+        along = ((r.conj() @ measured) * r).sum(axis=3).real  # |r|² |q|²: (v, k, p)
+        reach = np.sqrt(np.maximum(along, 0.0)).sum(axis=1)  # Σ |r| |q|
+        size = np.maximum((np.abs(r) ** 2).sum(axis=(1, 3)), 1e-300)
+        share = np.minimum(reach**2 / size / 2 / total, MOST)
         found = []
-        for place in places:
-            r = predicted[:, :, list(place.order)] * np.array(place.gain)
-            if place.late_s:
-                r = r * np.exp(-2j * np.pi * frequency[..., None] * np.array(place.late_s))
-            along = np.einsum("vkc,vkcd,vkd->vk", r.conj(), measured, r).real  # |r|² |q|²
-            reach = np.sqrt(np.maximum(along, 0.0)).sum(axis=1)  # Σ |r| |q|
-            size = np.maximum((np.abs(r) ** 2).sum(axis=(1, 2)), 1e-300)
-            share = np.minimum(reach**2 / size / 2 / total, MOST)
-            best = int(np.argmax(share))
-            likely = _log_likelihood(self.spectra, float(share[best]))
-            gain, speed = float(reach[best] / size[best]), float(speeds_m_s[best])
-            found.append(Match(float(share[best]), gain, speed, likely))
+        for p, best in enumerate(share.argmax(axis=0)):
+            explained, gain = float(share[best, p]), float(reach[best, p] / size[best, p])
+            likely = _log_likelihood(self.spectra, explained)
+            found.append(Match(explained, gain, float(speeds_m_s[best]), likely))
         return found
 
     def predicted_power(self, speed: float = 1.0) -> float:

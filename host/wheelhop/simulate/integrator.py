@@ -12,7 +12,7 @@ import warnings
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from itertools import groupby
 from types import FunctionType
 from typing import Any
@@ -296,6 +296,7 @@ def integrate(
     return found
 
 
+@lru_cache(maxsize=64)
 def _taps(averaging: Averaging, step_s: float) -> tuple[NDArray[np.int64], Array]:
     """What samples take of the motion: how many steps after a sample the steps end of which it
     takes something (m,), and so much of velocities and accelerations at their beginnings and ends,
@@ -322,16 +323,24 @@ def _taps(averaging: Averaging, step_s: float) -> tuple[NDArray[np.int64], Array
 
 def _arguments(tasks: Sequence[Task]) -> list[object]:
     """What the loop takes, the sampling left out."""
-    laws = tasks[0].system.laws
-    motion, extension, output = zip(*(task.system.explicit for task in tasks), strict=True)
     return [
-        *(_sparse(motion), _sparse(extension), _sparse(output)),
-        groups_of(tasks[0].system.port_law),
-        tuple(for_all_ports(law) for law in padded(laws)) if laws else None,
-        laws_side_by_side([task.system.law_parameters for task in tasks]),
+        *_mechanisms(tuple(task.system for task in tasks)),
         *(_alike([getattr(task, name) for task in tasks]) for name in ("height", "rate", "force")),
         side_by_side([task.initial for task in tasks]),
     ]
+
+
+@lru_cache(maxsize=64)
+def _mechanisms(systems: tuple[System, ...]) -> tuple[object, ...]:
+    """Their matrices and laws: a fit asks for the same ones side by side in every run."""
+    laws = systems[0].laws
+    motion, extension, output = zip(*(system.explicit for system in systems), strict=True)
+    return (
+        *(_sparse(motion), _sparse(extension), _sparse(output)),
+        groups_of(systems[0].port_law),
+        tuple(for_all_ports(law) for law in padded(laws)) if laws else None,
+        laws_side_by_side([system.law_parameters for system in systems]),
+    )
 
 
 def laws_side_by_side(parameters: Sequence[Array]) -> Array:

@@ -52,7 +52,7 @@ def between(upper: Node, lower: Node) -> Row:
     return ((1.0, upper), (-1.0, lower))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class System:
     """A mechanism ready for integration or for its frequency response (shapes: n free, m
     prescribed coordinates, k applied forces, p ports of force laws, c outputs)."""
