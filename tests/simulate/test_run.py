@@ -1,5 +1,6 @@
 """One run: time domain against the frequency domain, and measured axles that drive the body."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -103,6 +104,27 @@ def test_models_simulated_together_do_what_each_does_alone():
     for trial, found in zip(trials, together, strict=True):
         alone = RunSimulator(campaign, campaign.runs[0], 4.0).record(*trial)
         assert relative(found, alone) < 1e-6
+
+
+def test_hundreds_of_places_need_the_memory_of_some():
+    """Where a run may have begun is tried at hundreds of places at once, each of which moves the
+    wheels another way."""
+    run = {"run": truth.Run(WASHBOARD, 4.0, 30.0, TIME)}
+    campaign, model = campaign_of(run), model_of(ATV, run)
+    system = model.system(CHANNELS, "road")
+    peaks = []
+    for count in (40, 280):
+        places = [model.with_run("run", {"start_m": 30.0 + 0.01 * i}) for i in range(count)]
+        simulator = RunSimulator(campaign, campaign.runs[0], 4.0)
+        tracemalloc.start()
+        try:
+            records = simulator.records([(place, system) for place in places])
+            kept, peak = tracemalloc.get_traced_memory()
+        finally:
+            tracemalloc.stop()
+        assert len(records) == count
+        peaks.append(peak - kept)
+    assert peaks[1] < 2.0 * peaks[0]
 
 
 def test_any_channels_in_any_order():

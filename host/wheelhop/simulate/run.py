@@ -68,8 +68,9 @@ MOVING_PLACES = ("track", "speed", "wheel", "sensor")
 
 KEPT_MOTIONS = 4
 
-MOST_WAITING = 32
-"""So many jobs, each with its motion of the ground, wait for others to be integrated with."""
+AT_ONCE = 4 * LANES
+"""So many models, each with its motion of the ground, are held at once: the places a run may have
+begun at are hundreds."""
 
 
 @dataclass(frozen=True)
@@ -186,7 +187,9 @@ class RunSimulator:
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
         """The same for several models with their equations of motion; side by side, they cost
         little more than one."""
-        return self._integrated([(*trial, self._stride(trial[0])) for trial in trials])
+        steps = [(*trial, self._stride(trial[0])) for trial in trials]
+        parts = (steps[i : i + AT_ONCE] for i in range(0, len(steps), AT_ONCE))
+        return [record for part in parts for record in self._integrated(part)]
 
     def changes(
         self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
@@ -215,7 +218,7 @@ class RunSimulator:
                 if base is job or system.laws or self.drive == "axles":
                     waiting.append(job)
                     alike = sum(other.make == job.make for other in waiting)
-                    if alike == LANES or len(waiting) == MOST_WAITING:
+                    if alike == LANES:
                         self._integrate(waiting)
                 else:
                     if base in waiting:
@@ -365,9 +368,12 @@ class RunSimulator:
             way = slow * (x - model.runs.get(self.run.id, {}).get("start_m", 0.0))
             more, slopes = self.series.at(model.heights[self.run.id], way)
             height, rate = height + more[:, rolling], rate + (slow * slopes * speed)[:, rolling]
-        ramp = np.clip((time_s - time_s[0]) / FADE_S, 0.0, 1.0)[:, None]
+        rising = np.searchsorted(time_s, time_s[0] + FADE_S)
+        ramp = ((time_s[:rising] - time_s[0]) / FADE_S)[:, None]
         fade, fade_rate = ramp**2 * (3 - 2 * ramp), 6 * ramp * (1 - ramp) / FADE_S
-        return height * fade, rate * fade + height * fade_rate
+        rate[:rising] = rate[:rising] * fade + height[:rising] * fade_rate
+        height[:rising] *= fade
+        return height, rate
 
     def _axles(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         """Measured axle accelerations as they were before averaging, twice integrated and free of
