@@ -15,6 +15,8 @@ from wheelhop.vehicle import Assembly, axle_name, axles, static_tyre_load, tyre,
 def beyond_linear(x: float, stiffness: float, growth: float, bend: float) -> float:
     """What opposes the extension x of a tyre of stiffness k (1 − growth x + bend x²) beyond k x,
     N; the part that grows softens down to no stiffness, and no further."""
+    if growth == 0.0 and bend == 0.0:  # most models' tyres: what follows takes longer than no_pull
+        return 0.0
     slack = max(x - 1.0 / growth, 0.0) if growth > 0.0 else 0.0
     return stiffness * (bend * x * x * x / 3.0 - 0.5 * growth * (x * x - slack * slack))
 

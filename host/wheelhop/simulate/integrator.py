@@ -186,7 +186,8 @@ def _integrate(  # type: ignore[no-untyped-def]
             if stage > 0 and half > HALF_STEPS[stage - 1]:
                 _drive(z, 2 * n, u, du, w, 2 * t + half, dt)
             if laws is not None:
-                _apply(port, X * ports, extension, z)
+                if stage > 0:  # else they are still where the last step left them
+                    _apply(port, X * ports, extension, z)
                 elapsed = 0.5 * dt * half
                 for k in range(len(groups)):
                     laws[groups[k, 0]](port, elapsed, parameters, groups[k, 1], groups[k, 2])
