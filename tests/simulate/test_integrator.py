@@ -1,6 +1,8 @@
 """Time integration against closed forms: one mass on a spring, with and without force laws."""
 
+from importlib import import_module
 from math import pi
+from pkgutil import iter_modules
 
 import numpy as np
 import pytest
@@ -8,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from wheelhop import effects
 from wheelhop.campaign import Averaging
 from wheelhop.effects.dry_friction import elastic_slip
 from wheelhop.effects.progressive_spring import cubic
-from wheelhop.simulate.integrator import Task, integrate
+from wheelhop.simulate.integrator import Task, integrate, remembers
 from wheelhop.vehicle import Assembly, between, ground
 
 MASS, OMEGA, ZETA = 20.0, 2 * pi * 3.0, 0.15
@@ -196,6 +199,44 @@ def test_side_by_side_each_does_what_it_does_alone():
     }
     for task, found in zip(tasks, integrate(tasks, **sampling), strict=True):
         np.testing.assert_allclose(found, integrate([task], **sampling)[0], rtol=1e-9, atol=1e-9)
+
+
+def laws_of_the_library():
+    rooms = [f"wheelhop.effects.{room.name}" for room in iter_modules(effects.__path__)]
+    for name in (*rooms, "wheelhop.law.terms"):
+        for law in vars(import_module(name)).values():
+            code = getattr(getattr(law, "py_func", None), "__code__", None)
+            if code is not None and code.co_varnames[:6] == ("x", "v", "dx", "dt", "z", "p"):
+                yield law
+
+
+LAWS = {law.py_func.__name__: law for law in laws_of_the_library()}
+
+
+def test_the_library_has_laws_of_both_kinds():
+    assert {remembers(law) for law in LAWS.values()} == {True, False}
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_what_has_no_memory_leaves_it_alone(law):
+    """At the end of a step only laws with a memory are asked what they keep."""
+    rng = np.random.default_rng(1)
+    changed = False
+    for _ in range(50):
+        x, v, dx, z = rng.normal(0.0, [0.02, 0.5, 0.001, 0.3])
+        numbers = rng.uniform(0.5, 2.0, 64)
+        changed |= law(x, v, dx, 0.001, z, numbers)[1] != z
+    assert remembers(law) == changed
+
+
+def test_a_law_whose_text_is_lost_may_have_a_memory():
+    made = {}
+    exec("def slip(x, v, dx, dt, z, p):\n    return 0.0, z\n", made)
+
+    class Lost:
+        py_func = staticmethod(made["slip"])
+
+    assert remembers(Lost)
 
 
 def test_samples_must_lie_inside_the_span():

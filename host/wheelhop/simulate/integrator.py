@@ -8,6 +8,9 @@ processor's vector unit.
 
 from __future__ import annotations
 
+import ast
+import inspect
+import textwrap
 import warnings
 from collections import defaultdict
 from collections.abc import Callable, Sequence
@@ -87,12 +90,32 @@ def for_all_ports(single: Any) -> Callable[..., None]:
     return compiled
 
 
-def groups_of(port_law: tuple[int, ...]) -> NDArray[np.int64]:
-    """Neighbouring ports with the same law: rows of law, first port, and the one after the last."""
+def groups_of(port_law: tuple[int, ...], laws: tuple[Law, ...]) -> NDArray[np.int64]:
+    """Neighbouring ports with the same law: rows of law, first port, the one after the last, and
+    whether the law has a memory."""
     runs = [(law, len(list(ports))) for law, ports in groupby(port_law)]
     ends = np.cumsum([0, *(count for _, count in runs)])
-    rows = [(law, ends[i], ends[i + 1]) for i, (law, _) in enumerate(runs)]
-    return np.array(rows, dtype=np.int64).reshape(-1, 3)
+    rows = [(law, ends[i], ends[i + 1], remembers(laws[law])) for i, (law, _) in enumerate(runs)]
+    return np.array(rows, dtype=np.int64).reshape(-1, 4)
+
+
+@cache
+def remembers(single: Any) -> bool:
+    """Whether a law returns anything for its memory but what it was given."""
+    function: FunctionType = single.py_func
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    except (OSError, SyntaxError):
+        return True
+    given = function.__code__.co_varnames[4]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and node.id == given and not isinstance(node.ctx, ast.Load):
+            return True
+        if isinstance(node, ast.Return):
+            after = node.value.elts[-1] if isinstance(node.value, ast.Tuple) else None
+            if not (isinstance(after, ast.Name) and after.id == given):
+                return True
+    return False
 
 
 _compiled: Any = numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
@@ -215,7 +238,8 @@ def _integrate(  # type: ignore[no-untyped-def]
             # The motion at the end of the step is in z already.
             _apply(port, X * ports, extension, z)
             for k in range(len(groups)):
-                laws[groups[k, 0]](port, dt, parameters, groups[k, 1], groups[k, 2])
+                if groups[k, 3]:
+                    laws[groups[k, 0]](port, dt, parameters, groups[k, 1], groups[k, 2])
             for i in range(ports):
                 store(port, MEMORY * ports + i, load(port, AFTER * ports + i))
                 store(port, START * ports + i, load(port, X * ports + i))
@@ -338,7 +362,7 @@ def _mechanisms(systems: tuple[System, ...]) -> tuple[object, ...]:
     motion, extension, output = zip(*(system.explicit for system in systems), strict=True)
     return (
         *(_sparse(motion), _sparse(extension), _sparse(output)),
-        groups_of(systems[0].port_law),
+        groups_of(systems[0].port_law, laws),
         tuple(for_all_ports(law) for law in padded(laws)) if laws else None,
         laws_side_by_side([system.law_parameters for system in systems]),
     )

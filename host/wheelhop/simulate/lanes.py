@@ -101,9 +101,7 @@ def aligned(shape: tuple[int, ...]) -> Array:
 def side_by_side(given: Sequence[Array]) -> Array:
     """Arrays put side by side along a last axis; the first one fills empty lanes."""
     together = aligned((*given[0].shape, LANES))
-    together[...] = given[0][..., None]
-    for lane, one in enumerate(given[1:], start=1):
-        together[..., lane] = one
+    np.stack([*given, *[given[0]] * (LANES - len(given))], axis=-1, out=together)
     return together
 
 

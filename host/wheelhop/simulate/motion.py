@@ -48,7 +48,7 @@ class MotionSimulator(RunSimulator):
             _with_followers(system),
             height,
             rate,
-            self._forces(model, system, self._times(stride, 2)),
+            self._forces(model, system, self._times(2 * stride)),
             np.concatenate([self._initial(model, system)[:n], np.zeros(5 * n)]),
         )
         step_s = 1.0 / (self.campaign.sample_rate_hz * stride)
@@ -58,7 +58,7 @@ class MotionSimulator(RunSimulator):
             [task], step_s=step_s, first=1, stride=1, averaging=Averaging(0.0), n_samples=count
         )
         acceleration, displacement, velocity = found[:, :n], found[:, n : 2 * n], found[:, 2 * n :]
-        time_s, record = self._times(stride, 1)[steps], self.run.time_s
+        time_s, record = self._times(stride)[steps], self.run.time_s
         ground = height[steps], rate[steps]
         return Motion(
             time_s,

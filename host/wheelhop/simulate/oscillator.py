@@ -66,7 +66,7 @@ def displacements(
     found: list[Array] = []
     laws = systems[0].laws
     compiled = tuple(for_all_ports(law) for law in padded(laws)) if laws else None
-    groups = groups_of(systems[0].port_law)
+    groups = groups_of(systems[0].port_law, laws)
     for begin in range(0, len(systems), LANES):
         some = systems[begin : begin + LANES]
         out = aligned((len(force) // 2 // stride + 1, LANES))
@@ -144,7 +144,8 @@ def _integrate(  # type: ignore[no-untyped-def]
                 store(port, X * ports + i, plus(nothing, load(row, i), x))
                 store(port, V * ports + i, plus(nothing, load(row, i), v))
             for k in range(len(groups)):
-                laws[groups[k, 0]](port, dt, parameters, groups[k, 1], groups[k, 2])
+                if groups[k, 3]:
+                    laws[groups[k, 0]](port, dt, parameters, groups[k, 1], groups[k, 2])
             for i in range(ports):
                 store(port, MEMORY * ports + i, load(port, AFTER * ports + i))
                 store(port, START * ports + i, load(port, X * ports + i))

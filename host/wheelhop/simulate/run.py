@@ -126,6 +126,7 @@ class RunSimulator:
         self.series = self._series()
         self._done: list[Job] = []
         self._step_s: float | None = None
+        self._instants: dict[int, Array] = {}
         self._motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
 
     def _series(self) -> HeightSeries | None:
@@ -155,17 +156,18 @@ class RunSimulator:
         """Whether a rigid wheel's path has kinks on this track."""
         if self._track is None:
             return False
-        x = ways(model, self.setting, self._times(1, 1))[0]
+        x = ways(model, self.setting, self._times(1))[0]
         rolling = (self._wheel(model, i, x[:, i]) for i in wheels(model.values))
         return any(wheel.rigid().sharpest_kink > KINK for wheel in rolling)
 
-    def _times(self, stride: int, per_step: int) -> Array:
-        """The instants of the integration's steps, or of their halves (per_step = 2)."""
-        samples = self._lead + len(self.run.time_s) - 1 + self._after + self._margin
-        steps = samples * stride * per_step
-        period = 1.0 / self.campaign.sample_rate_hz
-        index = np.arange(steps + 1) / (stride * per_step) - self._lead
-        return np.asarray(self.run.time_s[0] + index * period)
+    def _times(self, per_sample: int) -> Array:
+        """The instants of so many steps per sample, from the run-up on."""
+        if per_sample not in self._instants:
+            samples = self._lead + len(self.run.time_s) - 1 + self._after + self._margin
+            index = np.arange(samples * per_sample + 1) / per_sample - self._lead
+            period = 1.0 / self.campaign.sample_rate_hz
+            self._instants[per_sample] = self.run.time_s[0] + index * period
+        return self._instants[per_sample]
 
     @property
     def period_m(self) -> float | None:
@@ -272,7 +274,7 @@ class RunSimulator:
 
     def task(self, job: Job) -> Task:
         """What the integrator is told of a job."""
-        forces = self._forces(job.model, job.system, self._times(job.stride, 2))
+        forces = self._forces(job.model, job.system, self._times(2 * job.stride))
         initial = self._initial(job.model, job.system)
         return Task(job.system, job.height, job.rate, forces, initial)
 
@@ -290,7 +292,7 @@ class RunSimulator:
         """What is known of `base` plus the response to the change of the applied forces, all that
         differs: derivatives of a force's history cost next to nothing."""
         assert base.acceleration is not None
-        per_sample, time_s = job.per_sample, self._times(job.per_sample, 1)
+        per_sample, time_s = job.per_sample, self._times(job.per_sample)
         change = self._forces(job.model, job.system, time_s)
         change = change - self._forces(base.model, base.system, time_s)
         if base.response is None:
@@ -314,7 +316,7 @@ class RunSimulator:
     def prescribed(self, model: Model, system: System) -> Prescribed:
         """What moves a model from the beginning of the run-up to after the record."""
         stride = self._stride(model, STEP_S)
-        force = self._forces(model, system, self._times(stride, 1))
+        force = self._forces(model, system, self._times(stride))
         return Prescribed(*self._motion(model, stride), force, stride, self._lead * stride)
 
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
@@ -325,7 +327,7 @@ class RunSimulator:
         motion = self._motions.pop(key, None)
         if motion is None:
             make = self._road if self.drive == "road" else self._axles
-            motion = make(model, self._times(stride, 1))
+            motion = make(model, self._times(stride))
             while len(self._motions) >= KEPT_MOTIONS:
                 del self._motions[next(iter(self._motions))]
         self._motions[key] = motion  # the last to go
