@@ -278,27 +278,25 @@ def _refit_leaders(
         progress(f"fitting the vehicle with {leader.id}")
         better = refit(workshop, leader.rung, ahead)
         if not at_noise(better, workshop.noise):
-            better = _best_form(workshop, rung, leader.screened, better, ahead)
+            better = _best_form(workshop, rung, leader.screened, better)
         refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
     return _best_first(refitted, workshop.noise) + others
 
 
-def _best_form(
-    workshop: Workshop, rung: Rung, screened: Screened, found: Rung, ahead: Rung | None
-) -> Rung:
+def _best_form(workshop: Workshop, rung: Rung, screened: Screened, found: Rung) -> Rung:
     """The effect in the form that explains most in full simulation: to first order a strong effect
-    shows little difference between its forms. A form with no hope to come as far as the one
-    `found`, and as another effect that is `ahead`, is fitted no further."""
+    shows little difference between its forms. One with no hope to come as far as the form `found`
+    in the runs fitted is fitted no further, and what held-out runs say of it means nothing."""
     tried = (screened, *screened.others)
     present = {s.variant.choice for s in tried if s.variant.effect in found.model.effects}
     for other in tried:
         if other.variant.choice not in present:
             present.add(other.variant.choice)
-            leader = min((found, ahead or found), key=lambda leading: leading.fit.cost)
-            rival = confirm(workshop, rung, replace(other, others=()), beside=[leader])
-            if rival.error_judging <= HOPELESS * leader.error_judging:
-                rival = refit(workshop, rival, ahead=leader)
+            rival = confirm(workshop, rung, replace(other, others=()), beside=[found])
+            if rival.error_judging <= HOPELESS * found.error_judging:
+                rival = refit(workshop, rival, ahead=found)
+            if rival.fit.cost < found.fit.cost:
                 found = best_first([found, rival], workshop.noise)[0]
     return found
 
