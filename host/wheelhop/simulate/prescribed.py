@@ -28,6 +28,10 @@ but it moves what is not linear: friction holds or slips as the whole stroke goe
 sensors' noise, twice integrated, is larger than the road."""
 
 
+FADE_S = 1.0
+"""The road rises from flat over this time at the beginning of the run-up."""
+
+
 @dataclass(frozen=True, eq=False)
 class Prescribed:
     """What moves a model at every step of a run: heights (T, m), m, under its wheels and their
@@ -143,6 +147,15 @@ def span(track: Track, x: Array) -> tuple[float, float]:
     if track.period_m is not None and track.period_m < high - low:
         return -math.inf, math.inf
     return low, high
+
+
+def rise(time_s: Array, height: Array, rate: Array) -> None:
+    """Let the road (T, m) begin flat, in place."""
+    rising = np.searchsorted(time_s, time_s[0] + FADE_S)
+    ramp = ((time_s[:rising] - time_s[0]) / FADE_S)[:, None]
+    fade, fade_rate = ramp**2 * (3 - 2 * ramp), 6 * ramp * (1 - ramp) / FADE_S
+    rate[:rising] = rate[:rising] * fade + height[:rising] * fade_rate
+    height[:rising] *= fade
 
 
 def wheel_path(model: Model, corner: int, wheel: Wheel) -> WheelPath:

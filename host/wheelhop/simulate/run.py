@@ -21,6 +21,7 @@ from wheelhop.simulate.model import Model
 from wheelhop.simulate.prescribed import (
     Prescribed,
     applied_forces,
+    rise,
     span,
     track_of,
     twice_integrated,
@@ -42,9 +43,6 @@ STEP_S = 0.0025
 KINK, KINKED_STEP_S = 0.05, 0.000625
 """Where the slope of the wheel's path jumps by more than this, no step hits the jump, and shorter
 steps are taken: 2.5 ms leave an error of 18 % of the noise on sharp washboards, these 2 %."""
-
-FADE_S = 1.0
-"""The road rises from flat over this time at the beginning of the run-up."""
 
 PATH_KEYS = (
     *("geometry.wheelbase_m", "geometry.track_width_m"),
@@ -69,8 +67,7 @@ MOVING_PLACES = ("track", "speed", "wheel", "sensor")
 KEPT_MOTIONS = 4
 
 AT_ONCE = 4 * LANES
-"""So many models, each with its motion of the ground, are held at once: the places a run may have
-begun at are hundreds."""
+"""Of hundreds of starts so many models, each with its motion of the ground, are held at once."""
 
 
 @dataclass(frozen=True)
@@ -164,9 +161,9 @@ class RunSimulator:
         """The instants of so many steps per sample, from the run-up on."""
         if per_sample not in self._instants:
             samples = self._lead + len(self.run.time_s) - 1 + self._after + self._margin
-            index = np.arange(samples * per_sample + 1) / per_sample - self._lead
             period = 1.0 / self.campaign.sample_rate_hz
-            self._instants[per_sample] = self.run.time_s[0] + index * period
+            since = (np.arange(samples * per_sample + 1) / per_sample - self._lead) * period
+            self._instants[per_sample] = self.run.time_s[0] + since
         return self._instants[per_sample]
 
     @property
@@ -370,11 +367,7 @@ class RunSimulator:
             way = slow * (x - model.runs.get(self.run.id, {}).get("start_m", 0.0))
             more, slopes = self.series.at(model.heights[self.run.id], way)
             height, rate = height + more[:, rolling], rate + (slow * slopes * speed)[:, rolling]
-        rising = np.searchsorted(time_s, time_s[0] + FADE_S)
-        ramp = ((time_s[:rising] - time_s[0]) / FADE_S)[:, None]
-        fade, fade_rate = ramp**2 * (3 - 2 * ramp), 6 * ramp * (1 - ramp) / FADE_S
-        rate[:rising] = rate[:rising] * fade + height[:rising] * fade_rate
-        height[:rising] *= fade
+        rise(time_s, height, rate)
         return height, rate
 
     def _axles(self, model: Model, time_s: Array) -> tuple[Array, Array]:
