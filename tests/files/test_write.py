@@ -204,8 +204,29 @@ def test_an_interruption_where_nothing_can_be_raised_is_not_lost():
         "import wheelhop.cli.main as command\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "def strike(): os.kill(os.getpid(), signal.SIGINT); time.sleep(0.01)\n"
-        "command._run = lambda words: (CFUNCTYPE(None)(strike)(), time.sleep(5))\n"
+        "command._run = lambda *given: (CFUNCTYPE(None)(strike)(), time.sleep(5))\n"
         "sys.exit(command.main([]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "wheelhop: interrupted\n")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
+def test_an_interruption_that_an_import_makes_nothing_of_is_not_lost():
+    """Libraries try what may be missing, and take any exception for an answer."""
+    code = (
+        "import os, signal, sys, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        try:\n"
+        "            if name == 'wheelhop.cli.info':\n"
+        "                os.kill(os.getpid(), signal.SIGINT); time.sleep(0.1)\n"
+        "        except:\n"
+        "            pass\n"
+        "sys.meta_path.insert(0, Finder())\n"
+        "from wheelhop.cli.main import main\n"
+        "sys.exit(main(['info', 'no.HOP']))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (130, "wheelhop: interrupted\n")

@@ -268,7 +268,7 @@ def test_the_clock_error_is_stored_in_the_logger(monkeypatch, card, out):
     monkeypatch.setattr("wheelhop.logger.clock.BIN_S", 0.2)
     monkeypatch.setattr("wheelhop.logger.clock.SOUND_PPM", 2000.0)
     with SerialDouble(card=card, clock_ppm=15_000.0) as double:
-        result = go(double, out, start=True, seconds=3.5)
+        result = go(double, out, start=True, seconds=8.0)
         stored = int(card_log(card, result.files[0]).summary["clock_ppm"])
     assert stored == round(result.clock.ppm) and abs(stored - 15_000) < 6000
 

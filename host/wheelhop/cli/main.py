@@ -29,7 +29,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     listening = False
     try:
         listening = _listen(interrupts)
-        return _run(argv)
+        return _run(argv, interrupts)
     except BaseException as error:
         # What Ctrl-C strikes may turn it into something else: a class body into a RuntimeError.
         if isinstance(error, KeyboardInterrupt) or (interrupts and isinstance(error, Exception)):
@@ -76,7 +76,7 @@ def _listen_no_more(interrupts: list[int]) -> None:
     sys.unraisablehook = sys.__unraisablehook__
 
 
-def _run(argv: Sequence[str] | None) -> int:
+def _run(argv: Sequence[str] | None, interrupts: Sequence[int]) -> int:
     from wheelhop.cli.parser import make_parser
 
     # Every run is worked on by one thread; linear algebra's own threads would be in the way.
@@ -86,7 +86,7 @@ def _run(argv: Sequence[str] | None) -> int:
     if arguments.command is None:
         parser.error("say what to do")
     try:
-        status = _call(arguments)
+        status = _call(arguments, interrupts)
         sys.stdout.flush()
         return status
     except BrokenPipeError:  # the reader, `head` say, has seen enough
@@ -97,7 +97,7 @@ def _run(argv: Sequence[str] | None) -> int:
         return _complain(f"{error.filename or 'output'}: {error.strerror or error}", BAD_INPUT)
 
 
-def _call(arguments: Namespace) -> int:
+def _call(arguments: Namespace, interrupts: Sequence[int]) -> int:
     import gc
     from importlib import import_module
 
@@ -116,6 +116,8 @@ def _call(arguments: Namespace) -> int:
         if arguments.command in COMPUTING:
             import_module("wheelhop.cli.progress").announce_compilation()
         command = import_module(f"wheelhop.cli.{module_of(arguments.command)}")
+        if interrupts:  # what was being imported has made nothing of it
+            raise KeyboardInterrupt
         if not gc.get_freeze_count():
             # What was imported stays; to look through it for garbage costs a quarter of a second.
             gc.freeze()
