@@ -195,6 +195,13 @@ def test_an_interruption_before_anyone_listens_is_one_line(monkeypatch, capsys):
     assert capsys.readouterr().err == "wheelhop: interrupted\n"
 
 
+def end_of(code):
+    """Status and complaint of a program that is struck by Ctrl-C."""
+    command, root = [sys.executable, "-c", code], Path(__file__).parents[2]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=root)
+    return done.returncode, done.stderr
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
 def test_an_interruption_where_nothing_can_be_raised_is_not_lost():
     """A compiler calls back while it works; what is raised there goes nowhere."""
@@ -207,8 +214,7 @@ def test_an_interruption_where_nothing_can_be_raised_is_not_lost():
         "command._run = lambda *given: (CFUNCTYPE(None)(strike)(), time.sleep(5))\n"
         "sys.exit(command.main([]))"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (130, "wheelhop: interrupted\n")
+    assert end_of(code) == (130, "wheelhop: interrupted\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
@@ -228,8 +234,7 @@ def test_an_interruption_that_an_import_makes_nothing_of_is_not_lost():
         "from wheelhop.cli.main import main\n"
         "sys.exit(main(['info', 'no.HOP']))"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (130, "wheelhop: interrupted\n")
+    assert end_of(code) == (130, "wheelhop: interrupted\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
@@ -244,7 +249,4 @@ def test_an_interruption_anywhere_is_one_line(after_s):
         "from wheelhop.cli.main import main\n"
         "sys.exit(main(['diagnose', 'examples/clean', '--jobs', '1']))"
     )
-    command = [sys.executable, "-c", code]
-    root = Path(__file__).parents[2]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=root)
-    assert (done.returncode, done.stderr) == (130, "wheelhop: interrupted\n")
+    assert end_of(code) == (130, "wheelhop: interrupted\n")

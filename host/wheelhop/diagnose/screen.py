@@ -148,9 +148,9 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
 
 
 def screen_best(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Screened]:
-    """Screen `effects` where only the best count: first in the runs that tell most, and only what
-    explains at least half as much there as the best one does in all runs. Switches stay: first
-    order says little of them."""
+    """Screen `effects` where only the best count: first in the runs that tell most; then, in all
+    runs, those that explained there at least half as much as the best. Switches stay: first order
+    says little of them."""
     if not effects or all_noise(base, workshop.noise):
         return screen(workshop, base, effects)
     rough = replace(base, runs=telling(base))
