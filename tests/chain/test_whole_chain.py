@@ -48,7 +48,11 @@ def campaign(request, tmp_path_factory):
 
 
 def test_gains_and_offsets_are_found_within_their_uncertainty(campaign):
-    """At k = 2, of 16 numbers two may well lie outside."""
+    """At k = 2, of 16 numbers two may well lie outside.
+
+    1 g is 20 codes: between two levels that no noise dithers it is known to 2 % (k = 2), and
+    nothing else in the budget comes near that.
+    """
     constants = tomllib.loads((campaign / "calibration.toml").read_text())
     outside = 0
     for sensor, per_g, zero in zip(
@@ -61,7 +65,7 @@ def test_gains_and_offsets_are_found_within_their_uncertainty(campaign):
         gain = G_M_S2 / (per_g * codes_per_v)
         offset = (zero + per_g) * codes_per_v - 0.5  # the converter rounds down
         found, expanded = sensor["gain_m_s2_per_code"], sensor["gain_m_s2_per_code_expanded"]
-        assert expanded < 0.02 * gain
+        assert expanded < 0.022 * gain
         outside += abs(found - gain) > expanded
         outside += abs(sensor["offset_code"] - offset) > sensor["offset_code_expanded"]
     assert outside <= 2

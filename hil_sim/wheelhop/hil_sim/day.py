@@ -61,14 +61,17 @@ def _read(folder: Path) -> Day:
     between = [piece for drive in drives for piece in (volts[drive.id], rest)]
     return Day(
         plan["title"],
-        turning=_signals(np.concatenate([up, down, up, down])),
+        # Turned over and over: a host that begins late also ends late, and inputs that stand still
+        # have no noise to tell their level by.
+        turning=_signals(np.concatenate([up, down, up, down]), repeat=True),
         driving=_signals(np.concatenate([rest] * LEAD_RESTS + between)),
         drives=drives,
         vehicle=(folder / "vehicle.toml").read_text(encoding="utf-8"),
     )
 
 
-def _signals(volts: NDArray[np.float64]) -> Signals:
+def _signals(volts: NDArray[np.float64], *, repeat: bool = False) -> Signals:
     from scipy.signal import resample_poly  # takes long to import
 
-    return from_volts(resample_poly(volts, FINER, 1, padtype="line"), RATE_HZ * FINER)
+    finer = resample_poly(volts, FINER, 1, padtype="line")
+    return from_volts(finer, RATE_HZ * FINER, repeat=repeat)
