@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from tests import truth
-from tests.simulate.setup import ATV, CHANNELS, campaign_of, model_of
+from tests.simulate.setup import ATV, CHANNELS, campaign_of, linear_response, model_of
 from wheelhop.campaign import TrackSpec
 from wheelhop.fit import find_start
 from wheelhop.fit.placement import _speeds
-from wheelhop.simulate import linear_response
 from wheelhop.vehicle import behind_m, wheels
 
 STEP, N, NOMINAL = 0.01, 360, 4.0
@@ -103,6 +102,19 @@ def test_what_the_record_would_hold_besides_counts_against_a_place(lay):
 
     lay(two)
     found = found_in(driven(lambda t: speed * (t - 3.0), two))
+    assert -found["start_m"] / found["speed_m_s"] == pytest.approx(3.0, abs=0.02)
+
+
+def test_what_a_place_would_excite_out_of_band_does_not_count_against_it(lay):
+    """Ripples of 42 Hz about the bump that was met; one a tenth higher, elsewhere, has none."""
+    speed = SPEEDS[20]
+
+    def rippled(x):
+        ripples = 0.003 * np.sin(2 * np.pi * 42.0 * x / speed) * np.exp(-((x / 0.5) ** 2))
+        return bump(x) + ripples + 1.1 * bump(x, -12.0)
+
+    lay(rippled)
+    found = found_in(driven(lambda t: speed * (t - 3.0), rippled))
     assert -found["start_m"] / found["speed_m_s"] == pytest.approx(3.0, abs=0.02)
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from tests import truth
 from wheelhop.campaign import Campaign, Channel, Run, TrackSpec
 from wheelhop.effects import load_effects
-from wheelhop.simulate import Model, RunSimulator
+from wheelhop.simulate import Model, RunSimulator, frequency_response
+from wheelhop.vehicle import System
 
 CHANNELS = tuple(Channel(name, name) for name in truth.CHANNELS)
 ATV = dict(truth.PRESETS["atv"].vehicle)
@@ -101,6 +102,14 @@ def simulated(campaign: Campaign, model: Model, *, run_up_s: float = 4.0) -> dic
         system = model.system(campaign.channels, simulator.drive)
         found[run.id] = simulator.record(model, system)
     return found
+
+
+def linear_response(system: System, height: np.ndarray, step_s: float) -> np.ndarray:
+    """Accelerations (T, c), m/s², for motions (T, m), m, of the wheels that repeat after T steps,
+    by the discrete Fourier transform."""
+    frequency = np.fft.rfftfreq(len(height), step_s)
+    moved = frequency_response(system, frequency) @ np.fft.rfft(height, axis=0)[:, :, None]
+    return np.fft.irfft(moved[:, :, 0], len(height), axis=0)
 
 
 def relative(one: np.ndarray, other: np.ndarray) -> float:

@@ -9,10 +9,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests import truth
-from tests.simulate.setup import ATV, CHANNELS, TIME, campaign_of, model_of, relative, simulated
+from tests.simulate.setup import (
+    ATV,
+    CHANNELS,
+    TIME,
+    campaign_of,
+    linear_response,
+    model_of,
+    relative,
+    simulated,
+)
 from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.fit import Workshop, fit
-from wheelhop.simulate import RunSimulator, linear_response
+from wheelhop.simulate import RunSimulator
 from wheelhop.track import make_track, wheel_envelope
 from wheelhop.vehicle import CORNERS
 

@@ -12,7 +12,7 @@ from scipy import fft
 from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
 from wheelhop.fit.bench import Bench
-from wheelhop.simulate import Model, frequency_response, linear_response
+from wheelhop.simulate import Model, frequency_response
 from wheelhop.track import Track, make_track, wheel_envelope
 from wheelhop.vehicle import Drive, System, axle_name, behind_m, corner_position, wheels
 
@@ -171,23 +171,32 @@ def _match_shape(
     step = 1.0 / campaign.sample_rate_hz
     band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
     measured = band.signal(run.record[:, predicted])
+    drives = {v: _drive(run, v, low, high) for v in _speeds(run, min(speeds) / 8.0)}
+    # As many samples at every speed: then they share frequencies, and the vehicle's response.
+    longest = max(until for until, _ in drives.values())
+    n = fft.next_fast_len(int(longest / step) + len(measured), real=True)
+    frequency = fft.rfftfreq(n, step)
+    inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
+    response = frequency_response(system, frequency[inside])[:, predicted]
+    response *= campaign.averaging.kept(frequency[inside])[:, None, None]
+    sought = fft.rfft(measured, n, axis=0)[inside].conj()
     best = (-np.inf, run.speed_m_s, 0.0)
-    for speed in _speeds(run, min(speeds) / 8.0):
+    for speed, (until, at) in drives.items():
         # Where speed goes by the place alone, another start is the same drive at another time.
-        until, at = _drive(run, speed, low, high)
-        n = fft.next_fast_len(int(until / step) + len(measured))
         position = at(step * np.arange(n))
         height = np.empty((n, profile.shape[1]))
         for i, behind in enumerate(_behind(model)):
             height[:, i] = np.interp(position - behind, x, profile[:, i])
-        response = linear_response(system, height, step)[:, predicted]
-        spectrum = fft.rfft(response, axis=0)
-        lagged = fft.irfft((spectrum * fft.rfft(measured, n, axis=0).conj()).sum(axis=1), n)
-        power = np.cumsum(np.pad((response**2).sum(axis=1), (0, len(measured)), mode="wrap"))
-        energy = power[len(measured) : len(measured) + n] - power[:n]
-        match = 2 * lagged - energy
-        # The last len(measured) lags wrap around.
-        lag = int(np.argmax(match[: n - len(measured)]))
+        spectrum = np.zeros((len(frequency), len(response[0])), dtype=complex)
+        spectrum[inside] = (response @ fft.rfft(height, axis=0)[inside, :, None])[:, :, 0]
+        cross = np.zeros(len(frequency), dtype=complex)
+        cross[inside] = (spectrum[inside] * sought).sum(axis=1)
+        square = (fft.irfft(spectrum, n, axis=0) ** 2).sum(axis=1)
+        power = np.concatenate([[0.0], np.cumsum(square)])
+        last = int(until / step)
+        energy = power[len(measured) : len(measured) + last] - power[:last]
+        match = 2 * fft.irfft(cross, n)[:last] - energy
+        lag = int(np.argmax(match))
         if match[lag] > best[0]:
             start = float(at(np.array(lag * step - run.time_s[0])))
             best = (float(match[lag]), float(speed), float(start))

@@ -1,7 +1,7 @@
 """Simulation: what a model says a run should have measured."""
 
 from wheelhop.simulate.folding import folded_power, sample_of
-from wheelhop.simulate.frequency import frequency_response, linear_response
+from wheelhop.simulate.frequency import frequency_response
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.rig import RigSimulator
 from wheelhop.simulate.run import Response, RunSimulator
@@ -18,7 +18,6 @@ __all__ = [
     "drive_of",
     "folded_power",
     "frequency_response",
-    "linear_response",
     "make_simulator",
     "sample_of",
     "slowness",

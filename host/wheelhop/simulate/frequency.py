@@ -61,12 +61,3 @@ class ForceResponse:
         spectrum = fft.rfft(force, self._n, axis=0)
         moved = np.einsum("fck,fk->fc", self._response, spectrum)
         return np.asarray(fft.irfft(moved, self._n, axis=0)[: len(force)])
-
-
-def linear_response(system: System, height: Array, step_s: float) -> Array:
-    """Accelerations (T, c), m/s², for prescribed motions (T, m), m, by the discrete Fourier
-    transform: the motion is taken to repeat after T steps."""
-    spectrum = fft.rfft(height, axis=0)
-    response = frequency_response(system, fft.rfftfreq(len(height), step_s))
-    moved = np.einsum("fcm,fm->fc", response, spectrum)
-    return np.asarray(fft.irfft(moved, len(height), axis=0))
