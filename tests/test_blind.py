@@ -134,6 +134,7 @@ def test_an_effect_is_taken_out_of_the_library(monkeypatch):
     assert whole - set(without.ask_without("dry-friction", [])) == {"dry-friction"}
 
 
+@pytest.mark.slow
 def test_the_whole_way(tmp_path, capsys):
     """One campaign, rightly diagnosed; then a wrong answer is put in its place."""
 

@@ -16,5 +16,6 @@ print(campaign.to_dataframe().to_string())
 print(campaign.recording("iso8608-15kmph").to_dataframe().head(3).to_string())
 
 # The model without friction leaves more than noise; with it, noise alone.
-for effect in ((), "dry-friction"):
-    print(wh.compare(campaign, effect))
+found = wh.compare(campaign, "dry-friction")
+print(found)
+print(found.ladder().to_string())

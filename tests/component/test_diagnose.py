@@ -14,7 +14,8 @@ from wheelhop.diagnose import to_json
 DRIVES = ("displacement", "force")
 HIDDEN = [
     *((name, "displacement") for name in CASES),
-    *((name, "force") for name in ("cubic", "asymmetric-damper", "dry-friction")),
+    *((name, "force") for name in ("cubic", "asymmetric-damper")),
+    pytest.param("dry-friction", "force", marks=pytest.mark.slow),
 ]
 
 

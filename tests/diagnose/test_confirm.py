@@ -87,7 +87,8 @@ def test_a_switch_is_no_rival_of_what_explains_nearly_all(tmp_path):
     assert left.variant.effect.id == "dry-friction"
 
 
-@pytest.mark.parametrize("rate", [pytest.param(0.012, marks=pytest.mark.slow), 0.02])
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [0.012, 0.02])
 def test_sides_far_apart_are_placed_each_by_itself(tmp_path, rate):
     """Where one side is waves ahead in the end, one speed is true of neither, and a fit that begins
     with sides abreast ends in a false minimum in run after run."""

@@ -24,6 +24,7 @@ from wheelhop.gate import Finding, Gated
 from wheelhop.vehicle import read_nominal
 
 
+@pytest.mark.slow
 def test_a_run_in_which_wheels_bounce_is_left_out_and_the_rest_is_diagnosed(tmp_path):
     """A light, hard car on tracks three times as rough: what it does on one of them hangs on how
     the run began, and would veil a sensor's gain on all the others."""

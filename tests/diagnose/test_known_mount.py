@@ -46,6 +46,7 @@ class RelaxingMount(MountBushing):
 RUNS = ("washboard-low-slow", "washboard-high-fast", "washboard-high-slow")
 
 
+@pytest.mark.slow
 def test_the_mount_is_recovered_from_a_vehicle_campaign(tmp_path, monkeypatch):
     """Once as stiff as measured, front and rear, within three standard deviations and 15 %: from
     two runs, and a third that is not fitted."""

@@ -47,6 +47,7 @@ def test_a_frame_that_bends_is_no_driver(tmp_path):
     assert cramped(step_of(base.workshop, rung)) == ["driver-seat.mass_kg"]
 
 
+@pytest.mark.slow
 def test_a_driver_heavier_than_can_be_is_as_likely_something_else(tmp_path):
     """He is of 68 kg, and 44 kg are stated. All but a little is explained, yet the fit would have
     him heavier than the bound."""

@@ -109,5 +109,6 @@ def test_its_firmware_records_a_session(pio, tmp_path):
     assert elf.with_suffix(".hex").read_text().endswith(":00000001FF\n")
 
 
+@pytest.mark.slow  # test_native.py runs them, too
 def test_it_runs_the_native_tests(pio):
     assert "native:test_parts [PASSED]" in pio("test", "-e", "native")

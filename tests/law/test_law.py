@@ -218,7 +218,11 @@ def test_under_an_imposed_force_one_percent_of_asymmetry_has_its_sign_and_size(s
     assert "stop" not in found.formula.words
 
 
-@pytest.mark.parametrize("law", [fading_damper, magic_bump_rubber], ids=lambda law: law.__name__)
+@pytest.mark.parametrize(
+    "law",
+    [pytest.param(fading_damper, marks=pytest.mark.slow), magic_bump_rubber],
+    ids=lambda law: law.__name__,
+)
 def test_a_law_in_nobodys_library_is_within_a_tenth_over_the_range_driven(law, tmp_path):
     found = found_in(campaign_of(tmp_path / "c", law))
     x, v = found.moved.extension, found.moved.rate

@@ -135,7 +135,9 @@ def compare(
         base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
         steps = tuple(steps_of(base.workshop, fit_with(base, chosen, progress)))
         axles = (
-            _driven_by_axles(base, gated.campaign, vehicle, chosen, progress) if by_axles else None
+            _driven_by_axles(base, gated.campaign, vehicle, chosen, jobs, progress)
+            if by_axles
+            else None
         )
     return ComparisonResult(
         gated.campaign, vehicle, steps, gated.findings, base.workshop, axles, gated.symptoms
@@ -222,6 +224,7 @@ def _driven_by_axles(
     campaign: Campaign,
     vehicle: Vehicle,
     effects: Sequence[Effect],
+    jobs: int | None,
     progress: Progress,
 ) -> Step | None:
     """The same model with the measured axle motion driving the body, its fit begun at the baseline
@@ -231,6 +234,8 @@ def _driven_by_axles(
         return None
     acting = [effect for effect in effects if not effect.needs_road]
     values = base.rung.model.values
-    return steps_with(
-        driven, vehicle, acting, lambda text: progress(f"measured axles: {text}"), values
-    )[-1]
+
+    def told(text: str) -> None:
+        progress(f"measured axles: {text}")
+
+    return steps_with(driven, vehicle, acting, told, values, jobs)[-1]

@@ -383,6 +383,7 @@ def steps_with(
     effects: Sequence[Effect],
     progress: Progress,
     known: Mapping[str, float] = MappingProxyType({}),
+    jobs: int | None = None,
 ) -> list[Step]:
     """The same from the campaign on, each rung compared with the records; the baseline's fit begins
     at what is `known`.
@@ -392,5 +393,5 @@ def steps_with(
     CampaignError
         The campaign does not hold what a comparison needs, or an effect does not apply to it.
     """
-    base = fit_baseline(campaign, vehicle, progress=progress, known=known)
+    base = fit_baseline(campaign, vehicle, jobs=jobs, progress=progress, known=known)
     return steps_of(base.workshop, fit_with(base, effects, progress))

@@ -133,13 +133,15 @@ def _match_harmonics(
     match = np.zeros((len(speeds), len(phases)))
     taper = np.hanning(len(run.time_s))[:, None]
     measured = taper * (run.record - run.record.mean(axis=0)) * 2 / taper.sum()
+    once = np.exp(-2j * np.pi * (speeds / period)[:, None] * run.time_s)
+    kernel = np.ones_like(once)
     for k in (1, 2, 3):
+        kernel = kernel * once
         frequency = k * speeds / period
         inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
         if not inside.any():
             continue
-        kernel = np.exp(-2j * np.pi * frequency[inside, None] * run.time_s)
-        line = kernel @ measured[:, predicted]
+        line = kernel[inside] @ measured[:, predicted]
         wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
         response = frequency_response(system, frequency[inside])[:, predicted] @ wheel
         response *= campaign.averaging.kept(frequency[inside])[:, None]

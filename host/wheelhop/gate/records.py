@@ -69,16 +69,17 @@ def copy_findings(copies: Iterable[Copy]) -> Iterator[Finding]:
 def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
     """Pairs that share windows of samples (rounded to 0.01 of their unit) one after the other,
     which noise forbids."""
-    seen: dict[bytes, tuple[int, int]] = {}
+    seen: dict[int, tuple[int, int]] = {}
     shared: Counter[tuple[int, int, int]] = Counter()
     for k, run in enumerate(campaign.runs):
-        rounded = np.round(run.record, 2) + 0.0
-        moved = np.append(0, np.cumsum(np.any(np.diff(rounded, axis=0) != 0.0, axis=1)))
-        for i in range(len(rounded) - WINDOW):
-            if moved[i + WINDOW] - moved[i] > WINDOW / 2:  # not at rest
-                other, j = seen.setdefault(rounded[i : i + WINDOW].tobytes(), (k, i))
-                if other != k:
-                    shared[other, k, i - j] += 1
+        rounded = np.clip(np.rint(100.0 * run.record), -(2.0**62), 2.0**62).astype(np.int64)
+        moved = np.append(0, np.cumsum(np.any(np.diff(rounded, axis=0) != 0, axis=1)))
+        restless = np.flatnonzero(moved[WINDOW:] - moved[:-WINDOW] > WINDOW / 2)
+        marks = _marks(rounded)[restless]
+        for i, mark in zip(restless.tolist(), marks.tolist(), strict=True):
+            other, j = seen.setdefault(mark, (k, i))
+            if other != k:
+                shared[other, k, i - j] += 1
     longest: dict[tuple[int, int], int] = {}
     for (a, b, _), count in shared.items():
         longest[a, b] = max(longest.get((a, b), 0), count + WINDOW)
@@ -86,6 +87,15 @@ def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
         seconds = count / campaign.sample_rate_hz
         if seconds > LEAST_S:
             yield Copy((campaign.runs[a], campaign.runs[b]), seconds)
+
+
+def _marks(rows: NDArray[np.int64]) -> NDArray[np.uint64]:
+    """A number for the window that begins at each row: the same for the same window, and of two
+    others the same once in 2⁶⁴ (a sum of products modulo 2⁶⁴, by odd numbers drawn once)."""
+    drawn = np.random.default_rng(0).integers(2**64, size=(WINDOW, rows.shape[1]), dtype=np.uint64)
+    of_rows = rows.view(np.uint64) @ (drawn.T | np.uint64(1))
+    count = max(len(rows) - WINDOW + 1, 0)
+    return np.asarray(sum(of_rows[k : k + count, k] for k in range(WINDOW)))
 
 
 def _same_phases(campaign: Campaign) -> Iterator[Copy]:
