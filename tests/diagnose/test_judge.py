@@ -144,7 +144,7 @@ def test_what_a_simulation_may_be_wrong_by_is_no_physics():
     rival = rung(signals)
     odds = log_odds(base, rival, 1.0)
     assert holds_against(base, rival, odds, 27, 1.0)
-    assert not holds_against(replace(base, inexact=0.15), rival, odds, 27, 1.0)
+    assert not holds_against(replace(base, simulated_wrong=lambda: 0.15), rival, odds, 27, 1.0)
 
 
 class BesideEffects(Rung):

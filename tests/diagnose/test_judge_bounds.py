@@ -45,7 +45,7 @@ def test_two_percent_of_the_noise_are_immaterial(drop, held):
 def test_a_drop_of_exactly_what_is_immaterial_is_immaterial():
     base, rival = leaving(2.0), leaving(1.0)
     drop = relative_to_noise(base, rival, 1.0)
-    wrong = replace(base, inexact=drop - MATERIAL)
+    wrong = replace(base, simulated_wrong=lambda: drop - MATERIAL)
     assert material(wrong) == drop
     assert not holds_against(wrong, rival, 100.0, 1, 1.0)
 

@@ -56,7 +56,8 @@ def beginning_allowed_for(workshop: Workshop, rung: Rung) -> Rung:
     shares = workshop.each(lambda run: begun_otherwise(workshop, rung, run), judging.runs)
     told = zip(judging.runs, shares, strict=True)
     power = sum(share**2 * run.bench.energy for run, share in told)
-    return replace(rung, inexact=rung.inexact + power / (judging.size * workshop.noise**2))
+    more = power / (judging.size * workshop.noise**2)
+    return replace(rung, simulated_wrong=lambda: rung.inexact + more)
 
 
 def remaining(campaign: Campaign, bounced: Collection[Finding]) -> tuple[Run, ...]:

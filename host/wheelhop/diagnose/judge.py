@@ -9,8 +9,9 @@ on them, they would move by −(A − M)⁻¹ g (W. Belsley, E. Kuh, R. Welsch, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import erfc, hypot, inf, isfinite, sqrt
 
 import numpy as np
@@ -25,13 +26,18 @@ class Rung:
     """A model fitted to the "fit" runs, and what it does on the "validate" runs: when only what
     those leave free is fitted there (``validation``), and, where that leaves more than a model
     which explains the fitted runs should, when the numbers that runs share may move as far as they
-    are uncertain (``update``). ``inexact`` is the power, in units of the noise's, by which the
-    simulation of its effects may itself be wrong on the runs that judge."""
+    are uncertain (``update``). ``simulated_wrong`` finds what is ``inexact``."""
 
     fit: Fit
     validation: Fit | None
     update: Fit | None = None
-    inexact: float = 0.0
+    simulated_wrong: Callable[[], float] = lambda: 0.0
+
+    @cached_property
+    def inexact(self) -> float:
+        """Power, in units of the noise's, by which the simulation of the model's effects may itself
+        be wrong on the runs that judge. Few rungs are asked for it: it takes simulations."""
+        return self.simulated_wrong()
 
     @property
     def judging(self) -> Fit:

@@ -7,6 +7,7 @@ noise although no physics is missing. Nor is it better than the simulation that 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -32,17 +33,17 @@ def validate(
     """
     benches = workshop.of_role("validate")
     if not benches:
-        return Rung(fitted, None, inexact=_inexact(workshop, fitted))
+        return Rung(fitted, None, simulated_wrong=_inexact(workshop, fitted))
     start = fitted.model
     if before is not None and any(
         effect.per_run(bench.simulator.setting) for effect in before.effects for bench in benches
     ):
         start = follow(workshop, before, fitted, benches)
     foreseen = fit(workshop, start, (), benches)
-    rung = Rung(fitted, foreseen, inexact=_inexact(workshop, foreseen))
+    rung = Rung(fitted, foreseen, simulated_wrong=_inexact(workshop, foreseen))
     if fitted.model.effects and unforeseen(rung, workshop.noise):
         moved = update(workshop, fitted, foreseen.model, benches, known)
-        rung = replace(rung, update=moved, inexact=_inexact(workshop, moved))
+        rung = replace(rung, update=moved, simulated_wrong=_inexact(workshop, moved))
     return rung
 
 
@@ -72,12 +73,16 @@ class Incumbent:
         return replace(self.rung, update=update(self.workshop, self.rung.fit, start, benches))
 
 
-def _inexact(workshop: Workshop, judging: Fit) -> float:
-    """Power by which a simulation may be wrong, in units of the noise's."""
-    if workshop.noise == 0.0:
-        return 0.0
-    power = _of_effects(workshop, judging) + _of_axles(workshop, judging)
-    return power / (judging.size * workshop.noise**2)
+def _inexact(workshop: Workshop, judging: Fit) -> Callable[[], float]:
+    """What finds the power by which a simulation may be wrong, in units of the noise's."""
+
+    def found() -> float:
+        if workshop.noise == 0.0:
+            return 0.0
+        power = _of_effects(workshop, judging) + _of_axles(workshop, judging)
+        return power / (judging.size * workshop.noise**2)
+
+    return found
 
 
 def _of_axles(workshop: Workshop, judging: Fit) -> float:
