@@ -20,6 +20,7 @@ from tests.simulate.setup import (
     simulated,
 )
 from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, fit
 from wheelhop.simulate import RunSimulator
 from wheelhop.track import make_track, wheel_envelope
@@ -203,3 +204,20 @@ def test_measured_axles_move_as_they_did_whatever_the_vehicle():
     assert simulator.prescribed(model.with_values(other), system).height is motion.height
     larger = simulator.prescribed(model.with_values({"channel.A2.gain": 0.25}), system)
     np.testing.assert_allclose(larger.height, motion.height / [1.0, 1.25, 1.0, 1.0], atol=1e-12)
+
+
+class Careless(Effect):
+    """Moves the clock that all effects are given."""
+
+    id, title, place = "careless", "careless", "track"
+
+    def travel(self, theta, run, time_s, position_m, speed_m_s):
+        time_s += 1.0
+
+
+def test_an_effect_cannot_move_the_instants_that_others_are_given():
+    run = {"run": truth.Run(WASHBOARD, 2.5, 20.0, TIME)}
+    model = model_of(ATV, run)
+    careless = replace(model, effects=(Careless(),))
+    with pytest.raises(ValueError, match="read-only"):
+        simulated(campaign_of(run), careless)

@@ -163,7 +163,8 @@ class RunSimulator:
             samples = self._lead + len(self.run.time_s) - 1 + self._after + self._margin
             period = 1.0 / self.campaign.sample_rate_hz
             since = (np.arange(samples * per_sample + 1) / per_sample - self._lead) * period
-            self._instants[per_sample] = self.run.time_s[0] + since
+            times = self._instants[per_sample] = self.run.time_s[0] + since
+            times.setflags(write=False)  # every effect is given them
         return self._instants[per_sample]
 
     @property
@@ -395,6 +396,5 @@ class RunSimulator:
         return state
 
     def _position(self, model: Model) -> Array | None:
-        if self._track is None:
-            return None
-        return np.asarray(self.way(model)[:, :2].mean(axis=1))
+        on_track = self._track is not None
+        return np.asarray(self.way(model)[:, :2].mean(axis=1)) if on_track else None
