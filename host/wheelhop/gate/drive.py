@@ -177,12 +177,13 @@ class OnWaves:
         return bool(expected > len(self.spectra.power) * self.spectra.quietest())
 
     def _predicted(self, speeds_m_s: Array, rate: float) -> tuple[ComplexArray, ComplexArray]:
-        """Lines as predicted (v, k, c) and the spectral matrix there (v, k, c, c)."""
+        """Lines as predicted (v, k, c), none out of band, and the spectral matrix (v, k, c, c)
+        there, or as near as it is known."""
         frequency = speeds_m_s[:, None] * np.arange(1, HARMONICS + 1) / self.pitch_m  # true
         seen, grid = frequency / rate, self.spectra.frequency_hz
         inside = (seen >= grid[0]) & (seen <= grid[-1]) & (frequency <= self.nominal.grid_hz[-1])
         index = np.rint((seen - grid[0]) / self.spectra.step_hz).astype(int)
-        measured = self.spectra.lines[np.clip(index, 0, len(grid) - 1)] * inside[..., None, None]
+        measured = self.spectra.lines[np.clip(index, 0, len(grid) - 1)]
         response = self.nominal.at(frequency) * inside[..., None, None]
         return np.einsum("vkcw,kw->vkc", response, self.paths), measured
 

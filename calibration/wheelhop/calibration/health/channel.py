@@ -41,7 +41,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     for c, channel in enumerate(recording.channels):
         column = present[:, c]
         others = float(np.median(np.delete(rms, c))) if len(rms) > 1 else 0.0
-        still = _stuck(recording, c, others) or _dead(recording, c, present)
+        still = _stuck(recording, c, others) or _dead(recording, c, present, others)
         if still:
             yield still
             continue
@@ -66,6 +66,8 @@ def _stuck(recording: Recording, c: int, others: float) -> Finding | None:
     values = recording.values
     same = np.append(np.diff(values[:, c]) == 0.0, False)
     runs = [(a, b + 1) for a, b in stretches(same) if (b + 1 - a) / recording.rate_hz >= STUCK_S]
+    if not runs:
+        return None
     step = quantum(values[~recording.missing, c])
     # At rest, less than one step of the converter, standing still is what a good channel does.
     moving = [
@@ -86,15 +88,12 @@ def _stuck(recording: Recording, c: int, others: float) -> Finding | None:
     )  # fmt: skip
 
 
-def _dead(recording: Recording, c: int, present: Array) -> Finding | None:
-    column, rest = present[:, c], np.delete(present, c, axis=1)
-    if rest.shape[1] == 0:
-        return None
-    others = float(np.median(rest.std(axis=0)))
+def _dead(recording: Recording, c: int, present: Array, others: float) -> Finding | None:
+    column = present[:, c]
     ratio = float(column.std() / others) if others > 0 else 1.0
     if ratio > DEAD or others < quantum(column):
         return None
-    alive = np.mean([not _white(other) for other in rest.T]) > 0.5
+    alive = np.mean([not _white(other) for other in np.delete(present, c, axis=1).T]) > 0.5
     if ratio > SILENT and not (alive and _white(column)):
         return None
     return Finding(
