@@ -36,6 +36,17 @@ def test_averaging_is_undone(averaging, frequency_hz):
     assert np.abs(found(between)[INSIDE, 0] - true[INSIDE]).max() < 3e-4 + 1.5 * missed
 
 
+@pytest.mark.parametrize("averaging", [Averaging(0.01), Averaging(0.004, 3, 0.003)])
+def test_its_means_are_the_record(averaging):
+    """Whatever the record holds, up to half its rate, and at its ends."""
+    record = np.random.default_rng(1).standard_normal((len(TIME), 2))
+    way = unaveraged(TIME, record, averaging, 3).antiderivative()
+    half = averaging.window_s / 2
+    centres = TIME[:, None] + averaging.centres_s
+    means = (way(centres + half) - way(centres - half)).mean(axis=1) / averaging.window_s
+    np.testing.assert_allclose(means, record, atol=1e-8)
+
+
 def test_beyond_its_ends_the_motion_goes_on_as_it_ended():
     found = unaveraged(TIME, np.full((400, 2), 3.0), Averaging(0.01), 3)
     np.testing.assert_allclose(found([TIME[0] - 0.02, TIME[-1] + 0.02]), 3.0, rtol=1e-9)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import interpolate
+from scipy import interpolate, linalg
 
 from wheelhop.campaign import Averaging, Run
 from wheelhop.effects import Effect, RunSetting
@@ -17,10 +17,6 @@ from wheelhop.track import Track, Wheel, WheelPath, make_track
 from wheelhop.vehicle import CORNERS, behind_m
 
 Array = NDArray[np.float64]
-
-ROUNDS = 8
-"""At half the sample rate (1 − 2/π)⁸ = 0.03 % of the mean are then missing."""
-
 
 KEPT_BELOW = 2.0
 """Measured axle motion is kept down to the band's lower edge over this. It is not compared there,
@@ -74,23 +70,39 @@ def unaveraged(
     """The cubic spline whose means about the samples are the record (n, c).
 
     Averaging commutes with a linear model, not with friction: the axle must move as it did, and
-    what the model then shows is averaged. Below half the sample rate a window of one period keeps
-    at least 2/π of every frequency, so that adding what the means still lack converges. Outside
-    the record, `beyond` samples on, the acceleration stays what it was at its end.
+    what the model then shows is averaged. The means are sums of the B-splines about each sample,
+    weighted by the means of one of them (M. Unser, Splines: a perfect fit for signal and image
+    processing, IEEE Signal Processing Magazine 16 (1999) 22, there without averaging). Below half
+    the sample rate a window of one period keeps at least 2/π of every frequency: there is one such
+    spline. Outside the record, `beyond` samples on, the acceleration stays what it was at its end.
     """
     period = float(time_s[-1] - time_s[0]) / (len(time_s) - 1)
-    step = period * np.arange(1, beyond + 1)
-    time_s = np.concatenate([time_s[0] - step[::-1], time_s, time_s[-1] + step])
-    record = np.pad(record, ((beyond, beyond), (0, 0)), mode="edge")
-    found = interpolate.CubicSpline(time_s, record)
-    guess = record
-    for _ in range(ROUNDS if averaging.reach_s > 0.0 else 0):
-        guess = guess + record - _means(found, averaging, time_s)
-        found = interpolate.CubicSpline(time_s, guess)
-    return found
+    reach = 2 + math.ceil(averaging.reach_s / period)
+    near = np.arange(-reach, reach + 1, dtype=np.float64) * period
+    one = np.zeros(4 * reach + 1)
+    one[2 * reach] = 1.0
+    weights = _means(_uniform(2 * near[0], period, one), averaging, near)
+    values = np.pad(record, ((beyond, beyond), (0, 0)), mode="edge")
+    matrix = np.repeat(weights[:, None], len(values), axis=1)  # its diagonals, as LAPACK has them
+    for k in range(reach):  # B-splines beyond the ends are as high as the last ones
+        matrix[[reach + k, reach - k], [0, -1]] += weights[: reach - k].sum()
+    heights = linalg.solve_banded((reach, reach), matrix, values)
+    instants = time_s[0] + period * np.arange(-beyond, len(time_s) + beyond)
+    found = _uniform(instants[0], period, heights)
+    slopes = found(instants[[0, -1]], 1)
+    # The same spline piece by piece: it is evaluated faster.
+    return interpolate.CubicSpline(
+        instants, found(instants), bc_type=((1, slopes[0]), (1, slopes[1]))
+    )
 
 
-def _means(signal: interpolate.CubicSpline, averaging: Averaging, time_s: Array) -> Array:
+def _uniform(first_s: float, period_s: float, heights: Array) -> interpolate.BSpline:
+    """Cubic B-splines a period apart, from `first_s` on; beyond both ends they go on as high."""
+    knots = first_s + period_s * np.arange(-3, len(heights) + 3)
+    return interpolate.BSpline(knots, np.concatenate([heights[:1], heights, heights[-1:]]), 3)
+
+
+def _means(signal: interpolate.BSpline, averaging: Averaging, time_s: Array) -> Array:
     """Means (n, c) of a signal about some instants."""
     half = averaging.window_s / 2
     instants = [time_s + centre for centre in averaging.centres_s]
