@@ -167,3 +167,9 @@ def test_the_table_of_runs_has_its_units_in_its_names(campaign):
     record = campaign.runs[0].record
     expected = np.sqrt(record.var(axis=0).mean())
     assert runs["rms_m_s2"].iloc[0] == pytest.approx(expected)
+
+
+def test_as_many_threads_work_as_are_given(campaign, monkeypatch):
+    """Where the axles drive the body, too: nobody asks how many processors there are."""
+    monkeypatch.setattr("wheelhop.fit.bench.processors", lambda: pytest.fail("asked"))
+    assert wh.compare(campaign, by_axles=True, jobs=1).axles is not None
