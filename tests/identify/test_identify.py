@@ -20,8 +20,6 @@ from wheelhop.identify import (
     suspensions,
 )
 from wheelhop.identify.folded import beyond_chance
-from wheelhop.identify.gram import Stack
-from wheelhop.identify.problem import Problem, Step, reduced
 from wheelhop.identify.published import TABLE_5_2
 from wheelhop.identify.spectra import Measured
 from wheelhop.identify.structure import RIGID
@@ -114,23 +112,6 @@ def test_standard_errors_are_those_of_repeated_experiments():
         ):
             normalised += [(f - truth) / df, (z - damping) / dz]
     assert 0.7 < np.sqrt(np.mean(np.square(normalised))) < 1.4
-
-
-def test_the_step_is_the_slope_of_the_cost(clean):
-    """Of the cost with the numerators solved for, constraints and suspensions included."""
-    measured, belief = clean
-    weights = [1.0 / (1.0 + part.omega) for part in measured.fit]
-    problem = Problem(
-        Stack(measured.fit, weights, 5), Structure(), *(2 * [(0, 1, 2, 3)]), belief,
-        np.array([1.0, 2.0, 0.5, 1.0]), 5,
-    )  # fmt: skip
-    here = problem.start(Sections(np.array([9.0, 30.0]), np.array([0.4, 1.3]), 60.0))
-    here[-3:] *= 1.1
-    _, gradient = reduced(problem.linearised(problem.at(here)))
-    for k in range(len(here)):
-        step = 1e-5 * max(abs(here[k]), 0.1) * np.eye(len(here))[k]
-        slope = (problem.at(here + step).cost - problem.at(here - step).cost) / (2 * step[k])
-        assert -2 * gradient[k] == pytest.approx(slope, rel=1e-3, abs=1e-6 * abs(gradient).max())
 
 
 def test_half_noise_converges_and_superfluous_poles_do_no_harm():
@@ -382,14 +363,3 @@ def test_bad_input_is_one_line_each(clean):
         identify([thesis_runs(runs=2)], THESIS, order=4, start=unstable)
     with pytest.raises(CampaignError, match="needs the suspensions"):
         identify([thesis_runs(runs=2)])
-
-
-def test_an_inexact_elimination_leaves_no_negative_curvature():
-    """Numerators that are hardly told apart take more out of a number's column than is in it; no
-    descent may see that as curvature below 0."""
-    columns = np.random.default_rng(2).normal(size=(60, 8))
-    columns = np.column_stack([columns, columns @ np.ones(8)])
-    normal = columns.T @ columns
-    normal[-1, -1] *= 0.9
-    left, _ = reduced(Step(normal, columns.T @ columns[:, 0], np.eye(9), 1))
-    assert left[0, 0] == 0.0

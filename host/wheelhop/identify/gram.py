@@ -14,7 +14,7 @@ T. Söderström, Automatica 43 (2007) 939).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -30,13 +30,15 @@ ComplexArray = NDArray[np.complex128]
 
 EDGE_POWERS = 3
 """Powers of s, from s⁰ up, that stand for the parts of T beyond the band."""
+LOST = 1e-13
+"""Singular values below this share of the largest are rounding."""
 CHUNK = 4_000_000
 """Numbers of one matrix held in memory at once."""
 
 
 def transient_basis(omega: Array, sections: Sections, weight: Array) -> Array:
-    """Orthonormal basis (2k, order + EDGE_POWERS) of what an initial state leaves in a weighted
-    spectrum, real parts above imaginary parts."""
+    """Orthonormal basis (…, 2k, order + EDGE_POWERS) of what an initial state leaves in a spectrum
+    of these weights (…, k), real parts above imaginary parts."""
     return _transients(omega, sections, weight)[0]
 
 
@@ -50,8 +52,8 @@ def unabsorbed(omega: Array, sections: Sections, weight: Array) -> Array:
 def _transients(omega: Array, sections: Sections, weight: Array) -> tuple[Array, Array]:
     """Q and R of the weighted fractions and powers of s."""
     powers = (1j * omega[:, None] / omega[-1]) ** np.arange(EDGE_POWERS)
-    columns = np.hstack([sections.basis(1j * omega), powers]) * weight[:, None]
-    q, r = np.linalg.qr(np.vstack([columns.real, columns.imag]))
+    columns = np.hstack([sections.basis(1j * omega), powers]) * weight[..., None]
+    q, r = np.linalg.qr(np.concatenate([columns.real, columns.imag], axis=-2))
     return q, r
 
 
@@ -65,9 +67,10 @@ def projected(values: ComplexArray, basis: Array) -> Array:
 
 
 def inner(left: ComplexArray, right: ComplexArray) -> Array:
-    """Re Σ conj(left) right over the lines, the last axis: (p, k) and (q, k) give (p, q)."""
-    out: Array = np.ascontiguousarray(left).view(float) @ np.ascontiguousarray(right).view(float).T
-    return out
+    """Re Σ conj(left) right over the lines, the last axis: (…, p, k) and (…, q, k) give
+    (…, p, q)."""
+    rows = np.ascontiguousarray(left).view(float)
+    return np.asarray(rows @ np.ascontiguousarray(right).view(float).swapaxes(-1, -2))
 
 
 def real_products(left: ComplexArray, right: ComplexArray) -> Array:
@@ -79,12 +82,12 @@ def real_products(left: ComplexArray, right: ComplexArray) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Weighted:
-    """Runs of one length, each line times its weight (k,)."""
+    """Runs of one length in g groups of r, each line of a group times the group's weight."""
 
     omega: Array  #: (k,) rad/s
-    weight: Array  #: (k,)
-    inputs: ComplexArray  #: (k, r, m)
-    outputs: ComplexArray  #: (k, r, n)
+    weight: Array  #: (g, k)
+    inputs: ComplexArray  #: (g, k, r, m)
+    outputs: ComplexArray  #: (g, k, r, n)
     noise: Array  #: (k,) what noise is expected to add to each input's Σ over runs of |input|²
 
     @cached_property
@@ -103,17 +106,17 @@ class Weighted:
     @cached_property
     def x_x(self) -> Array:
         """Σ over runs of |output|², (n, k)."""
-        return np.asarray(np.sum(np.abs(self.outputs) ** 2, axis=1).T)
+        return np.asarray(np.sum(np.abs(self.outputs) ** 2, axis=(0, 2)).T)
 
     @cached_property
     def by_run(self) -> tuple[ComplexArray, ComplexArray]:
-        """Inputs (r, m, k) and outputs (r, n, k), the lines last."""
-        y, x = (np.ascontiguousarray(v.transpose(1, 2, 0)) for v in (self.inputs, self.outputs))
+        """Inputs (g, r, m, k) and outputs (g, r, n, k), the lines last."""
+        y, x = (np.ascontiguousarray(v.transpose(0, 2, 3, 1)) for v in (self.inputs, self.outputs))
         return y, x
 
 
 def _over_runs(left: ComplexArray, right: ComplexArray) -> ComplexArray:
-    both = left.conj().swapaxes(1, 2) @ right
+    both = (left.conj().swapaxes(2, 3) @ right).sum(axis=0)
     return np.ascontiguousarray(both.transpose(1, 2, 0))
 
 
@@ -122,8 +125,9 @@ class Regressors:
     """Φ of one part at one trial: input j through fraction p, at j · order + p.
 
     `fractions` (p, k), and `scaled` (m, p, k), the fractions times what multiplies each input.
-    `transients` (q, k) is the basis Q of the initial states; `phi` (r q, m p) and `x` (r q, n) are
-    the shares of Φ and of the outputs in it; Q times `powers` (q, q) are fractions and powers of s.
+    `transients` (g, q, k) is the basis Q of the initial states; `phi` (g, r q, m p) and `x`
+    (g, r q, n) are the shares of Φ and of the outputs in it; Q times `powers` (g, q, q) are
+    fractions and powers of s.
     """
 
     fractions: ComplexArray
@@ -134,12 +138,15 @@ class Regressors:
     powers: Array
 
     def initial_states(self, theta: Array) -> Array:
-        """Coefficients (order, r, n) of the fractions that the initial states put into what `theta`
-        (n, m p) leaves of each run."""
-        q, order = len(self.transients), len(self.fractions)
-        left = (self.x - self.phi @ theta.T).reshape(-1, q, len(theta)).swapaxes(0, 1)
-        found = linalg.lstsq(self.powers, left.reshape(q, -1), cond=1e-13)[0]
-        return np.asarray(found[:order].reshape(order, *left.shape[1:]))
+        """Coefficients (g, order, r, n) of the fractions that the initial states put into what
+        `theta` (n, m p) leaves of each run."""
+        (groups, q, _), n = self.transients.shape, len(theta)
+        left = (self.x - self.phi @ theta.T).reshape(groups, -1, q, n).swapaxes(1, 2)
+        u, size, v = np.linalg.svd(self.powers)
+        size[size <= LOST * size[:, :1]] = np.inf
+        inside = u.swapaxes(1, 2) @ left.reshape(groups, q, -1) / size[:, :, None]
+        found = v.swapaxes(1, 2)[:, : len(self.fractions)] @ inside
+        return np.asarray(found.reshape(groups, -1, *left.shape[2:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,41 +165,36 @@ class Stack:
 
     Parameters
     ----------
-    parts : the runs.
-    weights : for each part, weights (k,) of its lines.
+    runs : of one weight and length each.
+    weights : for each of them, weights (k,) of its lines.
     at_rest : take the runs to begin and end at rest, without initial states.
-    noise : for each part, the expected square (k,) of the noise in a weighted line of an input, as
-        far as initial states do not absorb it; None: the inputs are taken as they are.
+    noise : for each of them, the expected square (k,) of the noise in a weighted line of an input,
+        as far as initial states do not absorb it; None: the inputs are taken as they are.
     """
 
     def __init__(
         self,
-        parts: Sequence[Spectra],
+        runs: Sequence[Spectra],
         weights: Sequence[Array],
         order: int,
         *,
         at_rest: bool = False,
         noise: Sequence[Array] | None = None,
     ) -> None:
-        self.parts: list[Weighted] = []
         self.order, self.at_rest, self.noisy = order, at_rest, noise is not None
-        each = noise or [np.zeros(len(p.omega)) for p in parts]
-        for part, weight, square in zip(parts, weights, each, strict=True):
-            size = 2 * len(part.omega) * part.inputs.shape[2] * order
-            at_once = max(1, CHUNK // size)
-            scale = weight[:, None, None]
+        each = noise or [np.zeros(len(p.omega)) for p in runs]
+        alike: dict[tuple[bytes, int], list[_Piece]] = {}
+        for part, weight, square in zip(runs, weights, each, strict=True):
+            at_once = max(1, CHUNK // (2 * len(part.omega) * part.inputs.shape[2] * order))
             for first in range(0, len(part.runs), at_once):
                 pick = slice(first, first + at_once)
-                inputs, outputs = (
-                    np.ascontiguousarray(v[pick].swapaxes(0, 1)) * scale
-                    for v in (part.inputs, part.outputs)
-                )
-                heard = square * inputs.shape[1]
-                self.parts.append(Weighted(part.omega, weight, inputs, outputs, heard))
-        self.inputs = parts[0].inputs.shape[2]
-        self.outputs = parts[0].outputs.shape[2]
-        self.rows = sum(2 * len(p.omega) * len(p.runs) for p in parts)
-        self.transients = sum(len(p.runs) * (order + EDGE_POWERS) for p in parts)
+                piece = (part.omega, weight, part.inputs[pick], part.outputs[pick], square)
+                alike.setdefault((part.omega.tobytes(), len(piece[2])), []).append(piece)
+        self.parts = [part for pieces in alike.values() for part in _side_by_side(pieces, order)]
+        self.inputs = runs[0].inputs.shape[2]
+        self.outputs = runs[0].outputs.shape[2]
+        self.rows = sum(2 * len(p.omega) * len(p.runs) for p in runs)
+        self.transients = sum(len(p.runs) * (order + EDGE_POWERS) for p in runs)
 
     def regressors(self, sections: Sections, factors: Sequence[ComplexArray]) -> list[Regressors]:
         """Those of each part; `factors` (k, m) multiply its inputs."""
@@ -201,23 +203,28 @@ class Stack:
     def _of(self, part: Weighted, sections: Sections, factor: ComplexArray) -> Regressors:
         fractions = np.ascontiguousarray(sections.basis(1j * part.omega).T)
         scaled = factor.T[:, None] * fractions
-        k, order = len(part.omega), sections.order
+        groups, k, order = len(part.weight), len(part.omega), sections.order
         if self.at_rest:
-            nothing = (np.zeros((0, width)) for width in (self.inputs * order, self.outputs, 0))
-            return Regressors(fractions, scaled, np.zeros((0, k), complex), *nothing)
-        q, powers = _transients(part.omega, sections, part.weight)
-        transients = np.ascontiguousarray((q[:k] + 1j * q[k:]).T)
+            nothing = (
+                np.zeros((groups, 0, width)) for width in (self.inputs * order, self.outputs, 0)
+            )
+            return Regressors(fractions, scaled, np.zeros((groups, 0, k), complex), *nothing)
+        basis, powers = _transients(part.omega, sections, part.weight)
+        transients = np.ascontiguousarray((basis[:, :k] + 1j * basis[:, k:]).swapaxes(1, 2))
+        q = transients.shape[1]
         y, x = part.by_run
-        y = (y * factor.T).reshape(-1, k)
-        through = np.stack([inner(fractions.conj() * one, y) for one in transients])
-        phi = through.reshape(len(transients), order, -1, self.inputs).transpose(2, 0, 3, 1)
-        of_x = inner(transients, x.reshape(-1, k)).reshape(len(transients), -1, self.outputs)
+        y = (y * factor.T).reshape(groups, -1, k)
+        through = np.stack(
+            [inner(fractions.conj() * transients[:, i, None], y) for i in range(q)], axis=1
+        )
+        phi = through.reshape(groups, q, order, -1, self.inputs).transpose(0, 3, 1, 4, 2)
+        of_x = inner(transients, x.reshape(groups, -1, k)).reshape(groups, q, -1, self.outputs)
         return Regressors(
             fractions,
             scaled,
             transients,
-            phi.reshape(-1, self.inputs * order),
-            of_x.swapaxes(0, 1).reshape(-1, self.outputs),
+            phi.reshape(groups, -1, self.inputs * order),
+            of_x.swapaxes(1, 2).reshape(groups, -1, self.outputs),
             powers,
         )
 
@@ -236,10 +243,11 @@ class Stack:
                 for j in range(self.inputs)
             ]
             with_x = [inner(at.scaled[j], part.y_x[j]) for j in range(self.inputs)]
+            phi, x = at.phi.reshape(-1, width), at.x.reshape(-1, self.outputs)
             total = Gram(
-                total.phi_phi + np.concatenate(rows) - at.phi.T @ at.phi,
-                total.phi_x + np.concatenate(with_x) - at.phi.T @ at.x,
-                total.x_x + part.x_x.sum(axis=1) - np.sum(at.x**2, axis=0),
+                total.phi_phi + np.concatenate(rows) - phi.T @ phi,
+                total.phi_x + np.concatenate(with_x) - phi.T @ x,
+                total.x_x + part.x_x.sum(axis=1) - np.sum(x**2, axis=0),
                 total.noise + self._heard(part, at) if self.noisy else total.noise,
             )
         return total
@@ -247,6 +255,24 @@ class Stack:
     @staticmethod
     def _heard(part: Weighted, at: Regressors) -> Array:
         return np.asarray(linalg.block_diag(*(inner(f, part.noise * f) for f in at.scaled)))
+
+
+_Piece = tuple[Array, Array, ComplexArray, ComplexArray, Array]
+
+
+def _side_by_side(pieces: Sequence[_Piece], order: int) -> Iterator[Weighted]:
+    """Pieces (ω, weight, inputs, outputs, noise) of as many lines and runs, as many of them in one
+    as memory allows: each for itself would cost as much."""
+    (runs, k, m), omega = pieces[0][2].shape, pieces[0][0]
+    at_once = max(1, CHUNK // (2 * k * m * order * runs))
+    for first in range(0, len(pieces), at_once):
+        _, weights, inputs, outputs, noise = zip(*pieces[first : first + at_once], strict=True)
+        weight = np.stack(weights)
+        y, x = (
+            np.ascontiguousarray(np.stack(values).swapaxes(1, 2)) * weight[:, :, None, None]
+            for values in (inputs, outputs)
+        )
+        yield Weighted(omega, weight, y, x, runs * np.sum(noise, axis=0))
 
 
 def condensed(parts: Sequence[Spectra]) -> list[Spectra]:

@@ -239,9 +239,9 @@ class Problem:
         factors = self._factors(point.suspension)
         for part, factor, at in zip(self.stack.parts, factors, point.regressors, strict=True):
             d, by_input = self._derivatives(point, part, factor, at)
-            k, r = d.shape[:2]
-            by_line, flat = d.reshape(k, r, -1), d.reshape(-1, count)
-            driven = part.inputs.conj().swapaxes(1, 2) @ by_line
+            groups, k, r = d.shape[:3]
+            by_line, flat = d.reshape(groups, k, r, -1), d.reshape(-1, count)
+            driven = (part.inputs.conj().swapaxes(2, 3) @ by_line).sum(axis=0)
             if self.stack.noisy:
                 heard = part.noise[:, None, None] * by_input
                 driven -= heard
@@ -252,9 +252,9 @@ class Problem:
             d_d += real_products(flat, flat)
             d_x += real_products(flat, (part.outputs * scale).reshape(-1, 1))[:, 0]
             # What of d lies in the basis of the initial states takes no part.
-            inside = (at.transients.conj() @ by_line.reshape(k, -1)).real
-            inside = inside.reshape(-1, r, n * count).swapaxes(0, 1).reshape(-1, n * count)
-            across -= at.phi.T @ inside
+            inside = (at.transients.conj() @ by_line.reshape(groups, k, -1)).real
+            inside = inside.reshape(groups, -1, r, n * count).swapaxes(1, 2).reshape(-1, n * count)
+            across -= at.phi.reshape(-1, len(across)).T @ inside
             inside = inside.reshape(-1, count)
             d_d -= inside.T @ inside
             d_x -= inside.T @ (at.x * scale).ravel()
@@ -263,7 +263,7 @@ class Problem:
     def _derivatives(
         self, point: Point, part: Weighted, factor: ComplexArray, at: Regressors
     ) -> tuple[ComplexArray, ComplexArray]:
-        """d (k, r, n, P) of one part, each output times the root of its weight, and the same for
+        """d (g, k, r, n, P) of one part, each output times the root of its weight, and the same for
         each input alone being 1 (k, m, n P)."""
         s, m, scale = 1j * part.omega, self.order // 2, np.sqrt(self.output_weight)
         theta = point.theta * scale[:, None, None]
@@ -279,12 +279,12 @@ class Problem:
             by = np.concatenate([by, more], axis=3)
         by_input = np.ascontiguousarray(by).reshape(*by.shape[:2], -1)
         moved = part.inputs @ by_input
-        d: ComplexArray = moved.reshape(*moved.shape[:2], len(scale), -1)
+        d: ComplexArray = moved.reshape(*moved.shape[:3], len(scale), -1)
         if not self.stack.at_rest:
             states = at.initial_states(point.theta.reshape(len(scale), -1)) * scale
-            weighted = slopes.transpose(1, 2, 0) * part.weight[:, None, None]
-            decays = states.reshape(self.order, -1).T @ weighted
-            d[..., : self.order] += decays.reshape(*d.shape[:3], -1)
+            along = states.reshape(len(states), 1, self.order, -1).swapaxes(2, 3)
+            decays = along @ (slopes.transpose(1, 2, 0) * part.weight[:, :, None, None])
+            d[..., : self.order] += decays.reshape(*d.shape[:4], -1)
         return d, by_input
 
     def _allowed(self, point: Point) -> Array:
