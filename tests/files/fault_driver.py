@@ -6,6 +6,7 @@ child, so that nothing it leaves in memory helps the next one. Prints how many p
 
 import contextlib
 import ctypes
+import gc
 import os
 import shutil
 import sys
@@ -69,6 +70,7 @@ def fitted(folder: Path) -> None:
 
     write_campaign(folder)
     result = compare(folder)
+    result.to_json()
     pages: list[tuple[str, list[str]]] = []
     reports.write_page = lambda path, name, body: pages.append((name, list(body)))
     result.write_report(folder / "page")
@@ -320,6 +322,7 @@ def run(scenario: Scenario, top: Path) -> int:
     for module in modules:  # here, and not in every child
         with contextlib.suppress(Exception):
             import_module(module)
+    gc.freeze()  # a child that looks for garbage would copy all that it shares with its parent
     calls = int(count)
     after, after_read = state(folder), as_read(folder)
     assert after != before and calls > 3, calls
