@@ -33,8 +33,13 @@ if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
     can_make_venv "$python" || install_or_ask "python$version-venv" "Python's venv"
     "$python" -m venv --clear .venv
 fi
-# Python compiles what it imports; most of what comes along is never imported.
-.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-compile --editable "$1"
+# uv installs the same in a tenth of the time; where it is not to be had, pip does it by itself.
+# Neither compiles: Python compiles what it imports, and most of what comes along never is.
+pip_install() { .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-compile "$@"; }
+install_with_uv() {
+    pip_install uv && .venv/bin/python -m uv pip install --quiet --python .venv/bin/python "$@"
+}
+install_with_uv --editable "$1" 2>/dev/null || pip_install --editable "$1"
 
 # The firmware's tests build it and run it on a simulated board; without these they are skipped.
 firmware="gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev libelf-dev dosfstools mtools"
