@@ -14,12 +14,21 @@ from math import inf, isclose, isfinite
 import numpy as np
 
 from wheelhop.diagnose.judge import Rung, all_noise, material, noticeable, unforeseen
-from wheelhop.diagnose.probe import FitProbe
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.signatures import with_variant
 from wheelhop.diagnose.validate import validate
 from wheelhop.effects import Effect
-from wheelhop.fit import Bench, Fit, Free, RunFit, Workshop, effect_parameters, fit, seek_again
+from wheelhop.fit import (
+    Bench,
+    Fit,
+    FitProbe,
+    Free,
+    RunFit,
+    Workshop,
+    effect_parameters,
+    fit,
+    seek_again,
+)
 from wheelhop.simulate import Model
 
 CONFIRMED = 5

@@ -16,6 +16,7 @@ from wheelhop.fit.parameters import (
     vehicle_parameters,
 )
 from wheelhop.fit.placement import find_start, seek_again
+from wheelhop.fit.probe import FitProbe
 from wheelhop.fit.result import Fit, RunFit
 from wheelhop.fit.rig_start import begin_component
 
@@ -24,6 +25,7 @@ __all__ = [
     "Bench",
     "Explained",
     "Fit",
+    "FitProbe",
     "Free",
     "Ground",
     "Heights",

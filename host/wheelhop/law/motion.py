@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import RigRun
-from wheelhop.diagnose.probe import FitProbe
 from wheelhop.effects import Effect, law
 from wheelhop.effects.base import Values
-from wheelhop.fit import Bench, Workshop
+from wheelhop.fit import Bench, FitProbe, Workshop
 from wheelhop.law.along import laws_of
 from wheelhop.law.forced import ForcedRun
 from wheelhop.law.moved import Moved

@@ -10,7 +10,8 @@ from scipy.interpolate import CubicSpline
 
 from wheelhop.campaign import Channel, RigRun
 from wheelhop.effects import RunSetting
-from wheelhop.fit import Bench, Workshop, find_start
+from wheelhop.fit.bench import Bench, Workshop
+from wheelhop.fit.placement import find_start
 from wheelhop.simulate import Model
 from wheelhop.simulate.prescribed import slow_part
 from wheelhop.vehicle import COMPONENT, CORNERS, axle_name
