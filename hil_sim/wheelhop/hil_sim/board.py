@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
-from types import TracebackType
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.closing import Closing
 from wheelhop.hil_sim.card import CardImage
 from wheelhop.hil_sim.faults import BLOCK_SIZE, Faults
 from wheelhop.hil_sim.process import Process
@@ -75,7 +75,7 @@ class Serial:
         return (raw >> 8) / CPU_HZ, (raw & 0xFF).astype(np.uint8).tobytes()
 
 
-class Board:
+class Board(Closing):
     """A powered board with a firmware, to be used in a `with` statement.
 
     `card` is what lies in the socket: an image, its path (an SDHC card), or nothing. `signals` are
@@ -254,14 +254,3 @@ class Board:
     def close(self) -> None:
         """End the simulation; the card's image stays as it is."""
         self._process.close()
-
-    def __enter__(self) -> "Board":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -4,8 +4,8 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
-from types import TracebackType
 
+from wheelhop.files.closing import Closing
 from wheelhop.hil_sim.program import SimulationError
 
 SOURCES = Path(__file__).parents[2] / "board"
@@ -41,7 +41,7 @@ def build() -> Path:
     return PROGRAM
 
 
-class Process:
+class Process(Closing):
     """One running `board`. A request is a line, with or without bytes; so is the answer."""
 
     def __init__(self, mcu: str, elf: Path):
@@ -88,14 +88,3 @@ class Process:
         self._process.kill()
         self._process.communicate()
         self._log.close()
-
-    def __enter__(self) -> "Process":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -4,14 +4,14 @@ import os
 import select
 import time
 import tty
-from types import TracebackType
 
+from wheelhop.files.closing import Closing
 from wheelhop.hil_sim.board import Board
 
 STEP = 2e-3  # seconds of board time between two looks at the line
 
 
-class Terminal:
+class Terminal(Closing):
     """A pseudo-terminal whose far end, at `path`, stands for the USB port of the board."""
 
     def __init__(self, board: Board):
@@ -48,14 +48,3 @@ class Terminal:
         """Give the terminal back; the board goes on."""
         os.close(self._near)
         os.close(self._far)
-
-    def __enter__(self) -> "Terminal":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from queue import Empty, Queue
 from threading import Event, Thread
-from types import TracebackType
 
+from wheelhop.files.closing import Closing
 from wheelhop.logger.emulated import emulated_ports
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.frames import Frame, FrameReader, is_ready, pack_command
@@ -50,7 +50,7 @@ class Reply:
         return {key: value for key, sign, value in pairs if sign}
 
 
-class Link:
+class Link(Closing):
     """A logger at the other end of a port; a thread of its own takes the bytes as they come.
 
     Every command is sent with its check sum and repeated where no whole reply came back. What the
@@ -199,17 +199,6 @@ class Link:
         self._closing.set()
         self._thread.join(timeout=5 * POLL_S)
         self.port.close()
-
-    def __enter__(self) -> "Link":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _listen(self) -> None:
         while not self._closing.is_set():

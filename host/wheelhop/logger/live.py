@@ -13,12 +13,12 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from pathlib import Path
 from threading import BoundedSemaphore, Event, Lock, Thread
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.closing import Closing
 from wheelhop.logger.block import scan_bytes, unpack_scans
 from wheelhop.logger.clock import ClockError
 from wheelhop.logger.error import LoggerError
@@ -132,7 +132,7 @@ POLICY = (
 )
 
 
-class LivePlot:
+class LivePlot(Closing):
     """Serves `live` at `url`, on the loopback interface alone, while the `with` block lasts.
 
     `port` 0: any that is free. Raises LoggerError if the port is taken.
@@ -164,17 +164,6 @@ class LivePlot:
         self._closing.set()
         self._server.shutdown()
         self._server.server_close()
-
-    def __enter__(self) -> "LivePlot":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 class _Server(ThreadingHTTPServer):

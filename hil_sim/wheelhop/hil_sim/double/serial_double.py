@@ -4,8 +4,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 from threading import Event, Lock, Thread
-from types import TracebackType
 
+from wheelhop.files.closing import Closing
 from wheelhop.hil_sim.double.card import Card
 from wheelhop.hil_sim.double.device import Device
 from wheelhop.hil_sim.double.doors import Door, PtyDoor, TcpDoor
@@ -16,7 +16,7 @@ from wheelhop.hil_sim.signals import Signals, sines
 POLL_S = 2e-3  # of the computer's time
 
 
-class SerialDouble:
+class SerialDouble(Closing):
     """A logger in Python, to be used in a `with` statement; a program opens its `url`.
 
     `signals` are the sensors (sines of 1 to 8 Hz if not given), `acts` those of the first session,
@@ -91,17 +91,6 @@ class SerialDouble:
         self._closing.set()
         self._thread.join()
         self._door.close()
-
-    def __enter__(self) -> "SerialDouble":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _serve(self) -> None:
         start_s = time.monotonic()
