@@ -14,7 +14,8 @@ from wheelhop import effects
 from wheelhop.campaign import Averaging
 from wheelhop.effects.dry_friction import elastic_slip
 from wheelhop.effects.progressive_spring import cubic
-from wheelhop.simulate.integrator import Task, integrate, remembers
+from wheelhop.simulate.integrator import Task, integrate
+from wheelhop.simulate.laws import remembers
 from wheelhop.vehicle import Assembly, between, ground
 
 MASS, OMEGA, ZETA = 20.0, 2 * pi * 3.0, 0.15

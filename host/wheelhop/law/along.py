@@ -14,7 +14,7 @@ from wheelhop.effects.base import Values
 from wheelhop.law.moved import Moved
 from wheelhop.law.places import Where
 from wheelhop.simulate import Model
-from wheelhop.simulate.integrator import padded
+from wheelhop.simulate.laws import padded
 from wheelhop.vehicle import Assembly, Law
 from wheelhop.vehicle.assembly import Row
 

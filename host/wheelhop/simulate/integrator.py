@@ -1,122 +1,40 @@
 """Time integration of a mechanism with nonlinear force laws: the one hot loop of wheelhop.
 
-The scheme is that of `runge_kutta.py`, at a fixed step. Force laws are called through function
-pointers, so that the integrator is compiled once and any set of laws can be combined. Mechanisms of
-one make, as derivatives ask for, go through the loop side by side, one in each lane of the
+The scheme is that of `runge_kutta.py`, at a fixed step. Force laws are called by their addresses
+(`laws.py`), so that the integrator is compiled once and any set of laws can be combined. Mechanisms
+of one make, as derivatives ask for, go through the loop side by side, one in each lane of the
 processor's vector unit.
 """
 
 from __future__ import annotations
 
-import ast
-import inspect
-import textwrap
-import warnings
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
-from itertools import groupby
-from types import FunctionType
+from functools import lru_cache
 from typing import Any
 
 import numba
 import numpy as np
-from numba.core.errors import NumbaExperimentalFeatureWarning
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Averaging
-from wheelhop.effects import law
 from wheelhop.simulate.lanes import LANES, aligned, load, plus, side_by_side, splat, store
+from wheelhop.simulate.laws import (
+    AFTER,
+    FORCE,
+    MEMORY,
+    START,
+    X,
+    addresses,
+    call,
+    groups_of,
+    laws_side_by_side,
+)
 from wheelhop.simulate.runge_kutta import HALF_STEPS, STAGES, TO_NEXT, TOTAL, WEIGHTS
-from wheelhop.vehicle import Law, System
+from wheelhop.vehicle import System
 
 Array = NDArray[np.float64]
-
-# Calling compiled laws through pointers is marked experimental in numba; tests hold what we use.
-warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-
-
-SLOTS = 4
-"""Tuples of laws are padded to a multiple of this: each length is compiled once more, as is the
-integrator without any law."""
-
-
-@law
-def _no_force(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
-    return 0.0, z
-
-
-def padded(laws: tuple[Law, ...]) -> tuple[Law, ...]:
-    """A tuple of laws of one of the few lengths that are compiled."""
-    return laws + (_no_force,) * (-len(laws) % SLOTS if laws else SLOTS)
-
-
-FORCE, AFTER, X, V, START, MEMORY = range(6)
-"""Of every port: its force and the memory that it leaves; its extension and the rate of it; what
-extension and memory were when the step began."""
-
-
-def _all_ports(ports, elapsed, parameters, first, last):  # type: ignore[no-untyped-def]
-    """Forces of some ports that have one law, `LAW`."""
-    for i in range(first, last):
-        for s in range(len(parameters)):
-            ports[FORCE, i, s], ports[AFTER, i, s] = LAW(  # type: ignore[name-defined] # noqa: F821
-                ports[X, i, s], ports[V, i, s], ports[X, i, s] - ports[START, i, s], elapsed,
-                ports[MEMORY, i, s], parameters[s, i],
-            )  # fmt: skip
-
-
-@cache
-def for_all_ports(single: Any) -> Callable[..., None]:
-    """A law for all ports and lanes at once: a call through a pointer costs more than most laws.
-
-    It is `_all_ports` as if that were written beside the law, where its compiled code is kept.
-    """
-    function: FunctionType = single.py_func
-    code = _all_ports.__code__.replace(
-        co_filename=function.__code__.co_filename,
-        co_firstlineno=function.__code__.co_firstlineno,
-        co_name=f"{function.__name__}_for_all_ports",
-        co_qualname=f"{function.__qualname__}_for_all_ports",
-    )
-    names = {"LAW": single, "range": range, "len": len, "__name__": function.__module__}
-    names |= {"FORCE": FORCE, "AFTER": AFTER, "X": X, "V": V, "START": START, "MEMORY": MEMORY}
-    signature = "void(float64[:, :, ::1], float64, float64[:, :, ::1], int64, int64)"
-    made = FunctionType(code, names)
-    compiled: Callable[..., None] = numba.njit(
-        signature, cache=True, nogil=True, error_model="numpy"
-    )(made)
-    return compiled
-
-
-def groups_of(port_law: tuple[int, ...], laws: tuple[Law, ...]) -> NDArray[np.int64]:
-    """Neighbouring ports with the same law: rows of law, first port, the one after the last, and
-    whether the law has a memory."""
-    runs = [(law, len(list(ports))) for law, ports in groupby(port_law)]
-    ends = np.cumsum([0, *(count for _, count in runs)])
-    rows = [(law, ends[i], ends[i + 1], remembers(laws[law])) for i, (law, _) in enumerate(runs)]
-    return np.array(rows, dtype=np.int64).reshape(-1, 4)
-
-
-@cache
-def remembers(single: Any) -> bool:
-    """Whether a law returns anything for its memory but what it was given."""
-    function: FunctionType = single.py_func
-    try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    except (OSError, SyntaxError):
-        return True
-    given = function.__code__.co_varnames[4]
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name) and node.id == given and not isinstance(node.ctx, ast.Load):
-            return True
-        if isinstance(node, ast.Return):
-            after = node.value.elts[-1] if isinstance(node.value, ast.Tuple) else None
-            if not (isinstance(after, ast.Name) and after.id == given):
-                return True
-    return False
-
 
 _compiled: Any = numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 
@@ -208,12 +126,13 @@ def _integrate(  # type: ignore[no-untyped-def]
             half = HALF_STEPS[stage]
             if stage > 0 and half > HALF_STEPS[stage - 1]:
                 _drive(z, 2 * n, u, du, w, 2 * t + half, dt)
-            if laws is not None:
+            if len(laws):
                 if stage > 0:  # else they are still where the last step left them
                     _apply(port, X * ports, extension, z)
                 elapsed = 0.5 * dt * half
                 for k in range(len(groups)):
-                    laws[groups[k, 0]](port, elapsed, parameters, groups[k, 1], groups[k, 2])
+                    law = laws[groups[k, 0]]
+                    call(law, port, elapsed, parameters, groups[k, 1], groups[k, 2])
                 for i in range(ports):
                     store(z, forced + i, load(port, FORCE * ports + i))
             _apply(acc, 0, motion, z)
@@ -234,12 +153,13 @@ def _integrate(  # type: ignore[no-untyped-def]
             end = plus(load(q, i), splat(dt / TOTAL), load(change, i))
             store(q, i, end)
             store(z, i, end)
-        if laws is not None:
+        if len(laws):
             # The motion at the end of the step is in z already.
             _apply(port, X * ports, extension, z)
             for k in range(len(groups)):
                 if groups[k, 3]:
-                    laws[groups[k, 0]](port, dt, parameters, groups[k, 1], groups[k, 2])
+                    law = laws[groups[k, 0]]
+                    call(law, port, dt, parameters, groups[k, 1], groups[k, 2])
             for i in range(ports):
                 store(port, MEMORY * ports + i, load(port, AFTER * ports + i))
                 store(port, START * ports + i, load(port, X * ports + i))
@@ -363,15 +283,9 @@ def _mechanisms(systems: tuple[System, ...]) -> tuple[object, ...]:
     return (
         *(_sparse(motion), _sparse(extension), _sparse(output)),
         groups_of(systems[0].port_law, laws),
-        tuple(for_all_ports(law) for law in padded(laws)) if laws else None,
+        addresses(laws),
         laws_side_by_side([system.law_parameters for system in systems]),
     )
-
-
-def laws_side_by_side(parameters: Sequence[Array]) -> Array:
-    """The laws' numbers (lanes, p, width): a spline of more knots takes more of them."""
-    width = max(one.shape[1] for one in parameters)
-    return np.stack([np.pad(one, ((0, 0), (0, width - one.shape[1]))) for one in parameters])
 
 
 def _room(task: Task) -> tuple[Array, ...]:

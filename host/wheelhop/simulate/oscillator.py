@@ -12,19 +12,19 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.simulate.integrator import (
+from wheelhop.simulate.lanes import LANES, aligned, load, plus, side_by_side, splat, store
+from wheelhop.simulate.laws import (
     AFTER,
     FORCE,
     MEMORY,
     START,
     V,
     X,
-    for_all_ports,
+    addresses,
+    call,
     groups_of,
     laws_side_by_side,
-    padded,
 )
-from wheelhop.simulate.lanes import LANES, aligned, load, plus, side_by_side, splat, store
 from wheelhop.simulate.runge_kutta import HALF_STEPS, STAGES, TO_NEXT, TOTAL, WEIGHTS
 from wheelhop.vehicle import System
 
@@ -65,7 +65,6 @@ def displacements(
     """
     found: list[Array] = []
     laws = systems[0].laws
-    compiled = tuple(for_all_ports(law) for law in padded(laws)) if laws else None
     groups = groups_of(systems[0].port_law, laws)
     for begin in range(0, len(systems), LANES):
         some = systems[begin : begin + LANES]
@@ -79,7 +78,7 @@ def displacements(
             side_by_side([_motion(system) for system in some]),
             side_by_side([system.port[:, 0] for system in some]),
             groups,
-            compiled,
+            addresses(laws),
             laws_side_by_side([system.law_parameters for system in some]),
             force,
             weights,
@@ -121,13 +120,13 @@ def _integrate(  # type: ignore[no-untyped-def]
             half = HALF_STEPS[stage]
             a = plus(nothing, splat(w[2 * t + half]), load(motion, 0))
             a = plus(plus(a, load(motion, 1), at_v), load(motion, 2), at_x)
-            if laws is not None:
+            if len(laws):
                 for i in range(ports):
                     store(port, X * ports + i, plus(nothing, load(row, i), at_x))
                     store(port, V * ports + i, plus(nothing, load(row, i), at_v))
                 for k in range(len(groups)):
                     first, last = groups[k, 1], groups[k, 2]
-                    laws[groups[k, 0]](port, 0.5 * dt * half, parameters, first, last)
+                    call(laws[groups[k, 0]], port, 0.5 * dt * half, parameters, first, last)
                 for i in range(ports):
                     own = load(port, FORCE * ports + i)
                     if len(weights):
@@ -139,13 +138,13 @@ def _integrate(  # type: ignore[no-untyped-def]
             at_x, at_v = plus(x, advance, at_v), plus(v, advance, a)
         x = plus(x, splat(dt / TOTAL), change_x)
         v = plus(v, splat(dt / TOTAL), change_v)
-        if laws is not None:
+        if len(laws):
             for i in range(ports):
                 store(port, X * ports + i, plus(nothing, load(row, i), x))
                 store(port, V * ports + i, plus(nothing, load(row, i), v))
             for k in range(len(groups)):
                 if groups[k, 3]:
-                    laws[groups[k, 0]](port, dt, parameters, groups[k, 1], groups[k, 2])
+                    call(laws[groups[k, 0]], port, dt, parameters, groups[k, 1], groups[k, 2])
             for i in range(ports):
                 store(port, MEMORY * ports + i, load(port, AFTER * ports + i))
                 store(port, START * ports + i, load(port, X * ports + i))

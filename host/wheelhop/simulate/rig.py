@@ -16,7 +16,7 @@ from scipy import interpolate
 
 from wheelhop.campaign import ComponentCampaign, RigRun
 from wheelhop.effects import Effect, RunSetting
-from wheelhop.simulate.integrator import padded
+from wheelhop.simulate.laws import padded
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.oscillator import displacements
 from wheelhop.simulate.run import STEP_S, Response
