@@ -89,6 +89,25 @@ def test_one_run_is_enough_to_see_that_wheels_leave_the_ground():
     assert p_value(log_odds(rung(loud), rung(quiet)), 12) < 0.01
 
 
+class Baseline(Rung):
+    """A rung whose model has no effect."""
+
+    model = SimpleNamespace(effects=())
+
+
+def test_the_loudest_run_alone_decides_nothing_while_much_is_left():
+    """Three effects are missing. One halves what is left of five runs, and of the loudest nothing;
+    the other takes a twentieth out of the loudest alone: nearly all of the sum of squares."""
+    signals = noise(np.random.default_rng(4), 20.0)
+    base = rung([10.0 * signals[0], *signals[1:]])
+    widely = rung([10.2 * signals[0], *(0.5 * s for s in signals[1:])])
+    loudly = rung([9.5 * signals[0], *signals[1:]])
+    base = Baseline(None, base.validation)
+    assert relative_to_noise(base, widely, 1.0) < 0.0 < relative_to_noise(base, loudly, 1.0)
+    assert holds_against(base, widely, log_odds(base, widely, 1.0), 30, 1.0)
+    assert best_first([loudly, base, widely], 1.0) == [widely, loudly, base]
+
+
 def test_the_same_model_has_no_advantage_and_more_freedom_is_charged():
     signals = noise(np.random.default_rng(3))
     assert log_odds(rung(signals), rung(signals)) == 0.0

@@ -164,13 +164,17 @@ def p_value(odds: float, tried: int) -> float:
 
 def holds_against(base: Rung, rival: Rung, odds: float, tried: int, noise: float) -> bool:
     """Whether a rival with these log-odds, one of `tried`, takes something material out of what
-    the base leaves, and not by chance. Where both have effects and both leave something, it has to
-    be more than such models are exact to."""
+    the base leaves, and not by chance. Where both leave something, that is what the typical block
+    is left with; where both have effects, too, it has to be more than such models are exact to."""
     least = material(base)
-    if noise > 0.0 and not at_noise(rival, noise) and base.model.effects:
-        energy = sum(run.bench.energy for run in rival.judging.runs)
-        least += EXACT**2 * energy / (rival.judging.size * noise**2)
-    return relative_to_noise(base, rival, noise) > least and p_value(odds, tried) < SIGNIFICANT
+    if noise == 0.0 or at_noise(rival, noise):
+        drop = relative_to_noise(base, rival, noise)
+    else:
+        drop = typical(base, noise) - typical(rival, noise)
+        if base.model.effects:
+            energy = sum(run.bench.energy for run in rival.judging.runs)
+            least += EXACT**2 * energy / (rival.judging.size * noise**2)
+    return drop > least and p_value(odds, tried) < SIGNIFICANT
 
 
 def material(rung: Rung) -> float:
@@ -215,6 +219,18 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
     `noise` is the standard deviation of one in-band coefficient; infinite if that is 0.
     """
     return excess(base, noise) - excess(rival, noise) if noise > 0 else np.inf
+
+
+def typical(rung: Rung, noise: float = 1.0) -> float:
+    """What the typical block of the runs that judge is left with, charged, in units of what noise
+    alone leaves there: a geometric mean, in which loud and quiet runs are heard alike."""
+    if not isfinite(rung.judging.rss):
+        return np.inf
+    each = [
+        np.log(_block_squares(run, run.blocks) * run.blocks / (run.spare * run.bench.size))
+        for run in _foreseen(rung)
+    ]
+    return float(np.exp(np.concatenate(each).mean())) / noise**2
 
 
 def excess(rung: Rung, noise: float) -> float:
@@ -277,9 +293,11 @@ def best_first(rungs: Sequence[Rung], noise: float) -> list[Rung]:
     """Where one of them reaches the noise the evidence orders them, as far as what they leave
     agrees: unknown heights can follow whatever resembles them, and the likelihood of that depends
     on how their density is assumed to look. While all leave something unexplained, the likelihood
-    of the fitted runs is not to be trusted at all, and the runs held out decide."""
+    of the fitted runs is not to be trusted at all, and the runs held out decide, by what the
+    typical block is left with: of the loudest runs each of several effects may explain nothing
+    alone."""
     if not any(at_noise(rung, noise) for rung in rungs):
-        return sorted(rungs, key=lambda r: r.error_judging)
+        return sorted(rungs, key=typical)
     least = min(rungs, key=_left)
     return sorted(rungs, key=lambda r: (lead(least, r) > AGREED, -r.evidence))
 

@@ -265,7 +265,7 @@ def _refit_leaders(
     where its derivatives no longer hold: before none is believed, the best few are fitted so, too.
     """
     workshop, rung = incumbent.workshop, incumbent.rung
-    leaders = sorted((c for c in candidates if c.holds), key=lambda c: c.rung.error_judging)[:2]
+    leaders = [c for c in candidates if c.holds][:2]
     if not leaders and above_floor:
         # What a fit that went astray makes of runs held out says nothing of the effect.
         leaders = sorted(candidates, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
