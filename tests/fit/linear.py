@@ -29,6 +29,7 @@ class LinearBench:
     names: tuple[str, ...]
     law: object = staticmethod(lambda numbers: numbers)
     steepness: float = 1.0  # by how much derivatives are exaggerated
+    band = SimpleNamespace(count=SIZE)
     memory_s, drive, size, simulated, asked = 1.0, "road", SIZE, 0, 0
 
     @property
@@ -67,6 +68,9 @@ class LinearBench:
 
     def cost(self, residual, sigma):
         return float(residual @ residual) / sigma**2
+
+    def counted(self, powers):
+        return float(powers.sum()), np.ones_like(powers)
 
 
 CENTRE = {free.name: free.mean for free in SHARED} | {"extra": 0.0}

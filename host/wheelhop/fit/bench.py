@@ -18,7 +18,7 @@ from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit.measured_axles import doubt, led_astray
-from wheelhop.fit.spread import cost, spread
+from wheelhop.fit.spread import cost, cost_of, spread, weights_of
 from wheelhop.simulate import Model, Response, RunSimulator, Simulator, drive_of, make_simulator
 from wheelhop.simulate.abreast import integrate_jobs, shared_out
 from wheelhop.vehicle import Drive, System
@@ -65,6 +65,11 @@ class Bench:
     def cost(self, residual: Array, sigma: float) -> float:
         """−2 ln p of a residual (size,)."""
         return cost(residual.reshape(self.band.count, -1), sigma)
+
+    def counted(self, powers: Array) -> tuple[float, Array]:
+        """The same of a residual whose channels leave Σ r²/σ² (c,), and the weight (c,) of each:
+        1/ρ²."""
+        return cost_of(powers, self.band.count), weights_of(powers, self.band.count)
 
     @property
     def energy(self) -> float:

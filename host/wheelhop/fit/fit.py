@@ -9,7 +9,7 @@ wrong somewhere must not outvote the rest, nor what is believed of the vehicle.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from wheelhop.fit.height_response import Ground
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import Free, run_parameters
 from wheelhop.fit.result import Derivatives, Fit, RunFit, kept
+from wheelhop.fit.step import Linear, Normal, Prior, damped, least
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
@@ -39,6 +40,9 @@ zero and may be negative, of the number of data: what noise costs."""
 
 CONVERGED_QUICK = 3e-3
 """The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
+
+SOLVED = 0.1
+"""A step is solved for to this share of that, which is small beside what a fit neglects."""
 
 WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
@@ -114,7 +118,7 @@ def follow(workshop: Workshop, before: Model, fitted: Fit, benches: Sequence[Ben
     step = [(model.values[f.name] - before.values[f.name]) / f.scale for f in fitted.shared]
     for run in state.runs if np.isfinite(state.cost) else ():
         normal, own = problem.normal(run, state), state.model.runs[run.bench.run.id]
-        along = np.linalg.solve(_damped(normal.own, 0.0), normal.mixed.T @ step)
+        along = np.linalg.solve(damped(normal.own, 0.0), normal.mixed.T @ step)
         model = model.with_run(run.bench.run.id, _moved(run.own, own, -np.asarray(along)))
     return model
 
@@ -146,7 +150,7 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
         gain = drop / max(state.cost, state.size)
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
-        if 0 <= gain < (CONVERGED_QUICK if problem.known else CONVERGED):
+        if 0 <= gain < problem.converged:
             break
         if gain > 0 and state.cost - AHEAD * drop > bar > -np.inf:
             break
@@ -159,20 +163,6 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
         else:
             state, fresh = problem.linearise(state.model), True
     return problem.concluded(state)
-
-
-@dataclass(frozen=True, eq=False)
-class _Normal:
-    """Normal equations of one run about the current values, per `Free.scale`, heights eliminated:
-    blocks of JᵀRJ/σ² and gradient, each datum by its spread, the run's own priors included; the
-    heights' step and how much less they move per step of the shared and own parameters."""
-
-    shared: Array  # (g, g)
-    mixed: Array  # (g, r)
-    own: Array  # (r, r)
-    shared_gradient: Array  # (g,)
-    own_gradient: Array  # (r,)
-    heights: tuple[ComplexArray, ComplexArray] | None = None  # (2k,), (2k, g + r)
 
 
 class _Problem:
@@ -188,6 +178,7 @@ class _Problem:
         self.workshop, self.belief, self.benches = workshop, belief, benches
         self.shared, self.density_free = belief.free, density_free
         self.known = {} if known is None else known.derivatives
+        self.converged = CONVERGED_QUICK if self.known else CONVERGED
         self.borrowed = set[str]() if known is None else {f.name for f in known.shared}
 
     def own(self, bench: Bench, model: Model) -> tuple[Free, ...]:
@@ -253,7 +244,7 @@ class _Problem:
         given = sum(len(run.own) for run in state.runs) + len(self.shared)
         noise = Noise(state.rss, state.size - given, self.workshop.noise)
         effect = state.model.random_heights
-        if effect is None or all(run.heights is None for run in state.runs):
+        if effect is None or not _of_heights(state.runs):
             sigma = self.workshop.noise or noise.sigma
             runs = tuple(
                 replace(run, spread=run.bench.spread(run.residual, sigma)) for run in state.runs
@@ -271,7 +262,7 @@ class _Problem:
         return self._costed(replace(state, model=model, runs=runs, sigma=noise.sigma))
 
     def _costed(self, state: Fit) -> Fit:
-        if any(run.heights is not None for run in state.runs):
+        if _of_heights(state.runs):
             likelihood = state.rss / state.sigma**2
         else:
             likelihood = sum(r.bench.cost(r.residual, state.sigma) for r in state.runs)
@@ -298,24 +289,17 @@ class _Problem:
         return replace(state, runs=runs, precision=precision, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> Model:
-        matrix, gradient = self.belief.precision.copy(), self.belief.pull(state.model.values)
-        eliminated = []
-        for run in state.runs:
-            normal = self.normal(run, state)
-            own = _damped(normal.own, damping)
-            back = np.linalg.solve(own, np.column_stack([normal.mixed.T, normal.own_gradient]))
-            matrix += normal.shared - normal.mixed @ back[:, :-1]
-            gradient += normal.shared_gradient - normal.mixed @ back[:, -1]
-            eliminated.append((run, normal, back))
-        step = np.asarray(np.linalg.solve(_damped(matrix, damping), gradient))
+        runs = [self.linear(run, state) for run in state.runs]
+        prior = Prior(self.belief.precision, self.belief.pull(state.model.values))
+        enough = SOLVED * self.converged * max(state.cost, state.size)
+        step, own_steps = least(prior, runs, damping, enough)
         model = state.model.with_values(_moved(self.shared, state.model.values, step))
-        for run, normal, back in eliminated:
-            own_step = np.asarray(back[:, -1] - back[:, :-1] @ step)
+        for run, linear, own_step in zip(state.runs, runs, own_steps, strict=True):
             run_id = run.bench.run.id
             values = model.runs.get(run_id, {})
             model = model.with_run(run_id, _moved(run.own, values, own_step))
-            if run.heights is not None and normal.heights is not None:
-                ahead, less = normal.heights
+            if run.heights is not None and linear.heights is not None:
+                ahead, less = linear.heights
                 moved = run.heights.coefficients + ahead - less @ np.concatenate([step, own_step])
                 model = model.with_heights({run_id: moved.reshape(2, -1)})
         return model
@@ -327,43 +311,34 @@ class _Problem:
             total += own.distance(model.runs.get(bench.run.id, {}))
         return total + sum(run.heights.penalty for run in runs if run.heights is not None)
 
-    def normal(self, run: RunFit, state: Fit) -> _Normal:
-        g, weight = len(self.shared), state.sigma**-2
-        columns = run.weighed
-        square = columns.T @ columns * weight
-        slope = columns.T @ run.surprise * weight
-        belief = Belief.of(run.own)
-        heights = None
-        if run.heights is not None:
-            cross = run.heights.ground.project(run.jacobian)
-            residual = run.heights.ground.project(run.residual[:, None])[:, 0]
-            heights = run.heights.step(residual), run.heights.absorbed(cross)
-            square = square - (cross.conj().T @ heights[1]).real * weight
-            slope = slope - (cross.conj().T @ heights[0]).real * weight
-        pull = belief.pull(state.model.runs[run.bench.run.id])
-        # A shape means nothing while its amplitude vanishes: until then it stays where it began.
-        pull[~columns[:, g:].any(axis=0)] = 0.0
-        return _Normal(
-            square[:g, :g],
-            square[:g, g:],
-            square[g:, g:] + belief.precision,
-            slope[:g],
-            slope[g:] + pull,
-            heights,
-        )
+    def linear(self, run: RunFit, state: Fit) -> Linear:
+        """A run of a state, linearised."""
+        own, even = state.model.runs[run.bench.run.id], _of_heights(state.runs)
+        return Linear.of(run, own, state.sigma, even=even)
+
+    def normal(self, run: RunFit, state: Fit) -> Normal:
+        """Its normal equations, weighed by what it leaves."""
+        linear = self.linear(run, state)
+        return linear.normal(linear.weights)
 
     def _posterior(self, state: Fit) -> tuple[Array, float]:
         """Precision of the shared parameters, and the share of prior volume left."""
         matrix, log_volume = self.belief.precision.copy(), self.belief.log_precision
         for run in state.runs:
             normal = self.normal(run, state)
-            own = _damped(normal.own, 0.0)
+            own = damped(normal.own, 0.0)
             matrix += normal.shared - normal.mixed @ np.linalg.solve(own, normal.mixed.T)
             log_volume += Belief.of(run.own).log_precision - np.linalg.slogdet(own)[1]
             log_volume += 0.0 if run.heights is None else run.heights.log_volume
-        matrix = _damped(matrix, 0.0)
+        matrix = damped(matrix, 0.0)
         log_volume -= np.linalg.slogdet(matrix)[1]
         return matrix, 0.5 * float(log_volume)
+
+
+def _of_heights(runs: Sequence[RunFit]) -> bool:
+    """Whether the ground of some run has unknown heights: noise is then told with them, and what is
+    left counts by its squares."""
+    return any(run.heights is not None for run in runs)
 
 
 def _heights_in(run: RunFit, model: Model) -> Heights | None:
@@ -371,15 +346,6 @@ def _heights_in(run: RunFit, model: Model) -> Heights | None:
     if run.heights is None:
         return None
     return replace(run.heights, coefficients=model.heights[run.bench.run.id].ravel())
-
-
-def _damped(matrix: Array, damping: float) -> Array:
-    """Marquardt's damping; the small constant keeps a parameter nothing depends on where it is, and
-    a share as small as rounding tells two from each other that huge data do not.
-
-    Both must stay far below the priors' weight, 1: they alone hold the common scale of all forces.
-    """
-    return matrix + np.diag((damping + 1e-14) * np.diag(matrix) + 1e-6)
 
 
 def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:

@@ -43,6 +43,11 @@ def cost_of(squares: Array, count: int) -> float:
     return float((BELIEVED + count) * logarithm + count * len(squares))
 
 
+def weights_of(squares: Array, count: int) -> Array:
+    """1/ρ² (c,) of the same."""
+    return np.asarray(1.0 / _power(squares, count))
+
+
 def _squares(residual: Array, sigma: float) -> Array:
     with np.errstate(over="ignore"):  # a model that runs away leaves infinitely much
         return np.asarray(((residual / sigma) ** 2).sum(axis=0))

@@ -1,0 +1,90 @@
+"""One step of a fit: the least cost of a linearised model, however its channels are weighed."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy import optimize
+
+from tests.fit.linear import SHARED, SIGMA, SIZE, START, LinearBench, Shop, benches_of
+from wheelhop.fit import fit
+from wheelhop.fit.spread import cost, cost_of, weights_of
+from wheelhop.fit.step import Linear, Prior, least
+
+COUNT, SHARED_NUMBERS, OWN_NUMBERS = 200, 3, 2
+
+
+def counted(powers, count=COUNT):
+    return cost_of(powers, count), weights_of(powers, count)
+
+
+def runs_of(seed, loud):
+    """Two runs with three channels: columns (c, n, m) and residuals (c, n). Every other channel
+    is so many times as loud as the noise, whatever the step."""
+    rng = np.random.default_rng(seed)
+    columns = rng.normal(size=(2, 3, COUNT, SHARED_NUMBERS + OWN_NUMBERS))
+    residuals = (
+        rng.normal(size=(2, 3, COUNT))
+        * np.where(np.arange(6).reshape(2, 3) % 2, loud, 1.0)[:, :, None]
+    )
+    return columns, residuals + columns.sum(axis=3) * 0.5
+
+
+def linear(columns, residual):
+    powers = (residual**2).sum(axis=1)
+    return Linear(
+        columns.transpose(0, 2, 1) @ columns,
+        np.einsum("cnm,cn->cm", columns, residual),
+        powers,
+        Prior(np.eye(OWN_NUMBERS), np.full(OWN_NUMBERS, 0.3)),
+        counted(powers)[1],
+        counted,
+    )
+
+
+@pytest.mark.parametrize("loud", [1.0, 30.0, 1000.0])
+def test_no_other_step_costs_less(loud):
+    """A general minimiser of −2 ln p, which knows no weights, finds the same."""
+    columns, residuals = runs_of(5, loud)
+    prior = Prior(0.5 * np.eye(SHARED_NUMBERS), np.array([0.2, 0.0, -0.1]))
+
+    def whole(numbers):
+        shared, own = numbers[:SHARED_NUMBERS], numbers[SHARED_NUMBERS:].reshape(2, -1)
+        total = prior.cost(shared)
+        for j, r, o in zip(columns, residuals, own, strict=True):
+            left = r - j @ np.concatenate([shared, o])
+            total += cost(left.T, 1.0) + o @ o - 0.6 * o.sum()
+        return total
+
+    start = np.zeros(SHARED_NUMBERS + 2 * OWN_NUMBERS)
+    best = optimize.minimize(whole, start, method="BFGS", options={"gtol": 1e-4})
+    step, own = least(
+        prior, [linear(*run) for run in zip(columns, residuals, strict=True)], 0.0, 1e-9
+    )
+    found = np.concatenate([step, *own])
+    assert found == pytest.approx(best.x, abs=2e-4)
+    assert whole(found) <= whole(best.x) + 1e-6
+
+
+class TwoChannels(LinearBench):
+    """A run with a noise for each of two channels."""
+
+    band = type(LinearBench.band)(count=SIZE // 2)
+
+    def cost(self, residual, sigma):
+        return cost(residual.reshape(SIZE // 2, 2), sigma)
+
+    counted = staticmethod(partial(counted, count=SIZE // 2))
+
+
+def test_a_linear_model_that_leaves_a_channel_much_is_fitted_in_two_steps():
+    """One comes to the minimum, the other confirms it: weights cost no simulation."""
+    benches = []
+    for bench in benches_of(7):
+        loud = 100.0 * SIGMA * np.random.default_rng(8).normal(size=SIZE // 2)
+        measured = bench.measured + np.column_stack([loud, np.zeros(SIZE // 2)]).ravel()
+        benches.append(TwoChannels(bench.run, bench.matrix, measured, bench.names))
+    shop, seen = Shop(), []
+    shop.watch = lambda i, error: seen.append(i)
+    fit(shop, START, SHARED, benches)
+    assert seen == [1, 2]
