@@ -1,6 +1,6 @@
 # `make demo` shows what wheelhop does, `make test` checks that it does it; `make check` asks only what
 # is quick, `make test-all` also what takes minutes. All set up .venv the first time. `make wheels` tries
-# wheel and sdist in clean environments, on every Python from 3.11 on that is there.
+# wheel and sdist in clean environments, on every Python from 3.11 to 3.14 that is there or Debian has.
 
 bin := .venv/bin
 
