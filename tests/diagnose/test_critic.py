@@ -25,12 +25,14 @@ LIBRARY = load_effects()
 INF = float("inf")
 
 
-def number(name, value, sd=0.01, mean=0.0, sigma=INF, lower=-INF, upper=INF, shape=False):
-    return Number(name, value, sd, mean, sigma, lower, upper, max(abs(value), 1e-3), shape)
+def number(
+    name, value, sd=0.01, mean=0.0, sigma=INF, lower=-INF, upper=INF, shape=False, ahead=0.0
+):
+    return Number(name, value, sd, mean, sigma, lower, upper, max(abs(value), 1e-3), shape, ahead)
 
 
 LOSS = number("digressive-damper.front_loss", 0.6, 0.02, lower=0.0, upper=1.0)
-KNEE = number("digressive-damper.knee_m_s", 0.01, 0.001, 0.2, 0.2, 0.01, shape=True)
+KNEE = number("digressive-damper.knee_m_s", 0.01, 0.001, 0.2, 0.2, 0.01, shape=True, ahead=-1.0)
 DAMPER = [LIBRARY["digressive-damper"]]
 
 
@@ -115,10 +117,17 @@ def test_a_law_without_strength_is_none():
 
 
 def test_a_number_on_its_bound_is_said_and_an_absent_amplitude_is_not():
-    mass = number("body.mass_kg", 4.0, 0.1, 200.0, 20.0, lower=4.0)
-    absent = replace(LOSS, value=0.0)
+    mass = number("body.mass_kg", 4.0, 0.1, 200.0, 20.0, lower=4.0, ahead=-1.0)
+    absent = replace(LOSS, value=0.0, ahead=-1.0)
     (finding,) = _bounds([mass, absent], DAMPER)
     assert finding.about == "body.mass_kg" and finding.kind == "at-bound"
+
+
+@pytest.mark.parametrize(("ahead", "said"), [(-0.19, False), (-0.21, True), (0.3, False)])
+def test_a_number_as_likely_to_be_just_short_of_its_bound_is_not_held_by_it(ahead, said):
+    """The truth may well lie there: two standard deviations, of 0.1, outwards are told from it."""
+    mass = number("body.mass_kg", 4.0, 0.1, 200.0, 20.0, lower=4.0, upper=400.0, ahead=ahead)
+    assert bool(list(_bounds([mass], DAMPER))) is said
 
 
 @pytest.mark.parametrize(

@@ -156,6 +156,19 @@ def test_numbers_end_at_their_bounds():
         assert found.model.values["mass"] == bound
 
 
+def test_what_lies_beyond_a_bound_is_how_much_further_a_fit_would_go():
+    """One undamped step leads there, whatever the bounds have cut off; without bounds, nowhere."""
+    benches = benches_of(8, 0.0)
+    free = fit(Shop(), START, SHARED, benches)
+    held = replace(SHARED[1], upper=free.model.values["mass"] - 0.3)
+    found = fit(Shop(), START, (SHARED[0], held), benches)
+    for name, value in free.model.values.items():
+        if name in found.ahead:
+            assert found.model.values[name] + found.ahead[name] == pytest.approx(value, rel=1e-4)
+            assert free.ahead[name] == pytest.approx(0.0, abs=1e-3 * abs(value))
+    assert found.ahead["mass"] == pytest.approx(0.3, rel=1e-2)
+
+
 def test_a_number_that_nothing_depends_on_stays_as_believed():
     """It is known to a thousand of its scales, which is next to nothing."""
     for bench in (benches := benches_of(9, names=("stiffness", "mass", "extra"))):

@@ -38,7 +38,8 @@ NAMED = 3  # numbers, in one sentence
 @dataclass(frozen=True)
 class Number:
     """A number that runs share, as fitted: its value and standard deviation, what was believed of
-    it (infinite `sigma`: nothing), its bounds, and the scale on which it is varied."""
+    it (infinite `sigma`: nothing), its bounds, the scale on which it is varied, and how much
+    further it would go without bounds."""
 
     name: str
     value: float
@@ -49,6 +50,7 @@ class Number:
     upper: float
     scale: float
     is_shape: bool
+    ahead: float
 
 
 def numbers_of(step: Step) -> tuple[list[Number], Array]:
@@ -56,7 +58,10 @@ def numbers_of(step: Step) -> tuple[list[Number], Array]:
     fitted = step.rung.fit
     values, covariance = fitted.model.values, np.asarray(fitted.covariance)
     return [
-        Number(f.name, values[f.name], sd, f.mean, f.sigma, f.lower, f.upper, f.scale, f.is_shape)
+        Number(
+            *(f.name, values[f.name], sd, f.mean, f.sigma, f.lower, f.upper, f.scale, f.is_shape),
+            fitted.ahead[f.name],
+        )
         for f, sd in zip(fitted.shared, np.sqrt(np.diag(covariance)).tolist(), strict=True)
     ], covariance
 
@@ -188,10 +193,13 @@ def _bounds(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Fi
 
 
 def _at_bound(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Number]:
-    """Numbers on a bound, but for strengths of nothing, and laws that become another there."""
+    """Numbers on a bound that would go beyond it by more than the data leave them uncertain: Rao's
+    score test. Not strengths of nothing, nor laws that become another there."""
     said = {f"{e.id}.{limit.parameter}" for e in effects for limit in e.becomes}
     for n in numbers:
-        bounds = [bound for bound in (n.lower, n.upper) if isfinite(bound)]
+        if abs(n.ahead) <= NEAR * n.sd:
+            continue
+        bounds = [bound for bound in (n.lower if n.ahead < 0.0 else n.upper,) if isfinite(bound)]
         if not n.is_shape and any(_of(n, e) for e in effects):
             bounds = [bound for bound in bounds if bound != n.mean]
         if n.name not in said and any(abs(n.value - b) <= AT_BOUND * n.scale for b in bounds):

@@ -219,6 +219,17 @@ class Fit:
         return np.asarray(inverse * np.outer(scale, scale))
 
     @cached_property
+    def ahead(self) -> dict[str, float]:
+        """How much further each shared number would go if nothing bounded it, in its unit: one
+        undamped step, to first order."""
+        pull = Belief.of(self.shared).pull(self.model.values)
+        with np.errstate(invalid="ignore", over="ignore"):  # of a model that runs away
+            for run in self.runs:
+                pull += run.followed().T @ run.surprise / self.sigma**2
+            step = self.covariance @ (pull / [free.scale for free in self.shared])
+        return {f.name: float(s) for f, s in zip(self.shared, step, strict=True)}
+
+    @cached_property
     def deviations(self) -> dict[str, float]:
         """Standard deviation of each shared parameter, in its unit; NaN where nothing tells it.
 
