@@ -39,7 +39,13 @@ def rung(signals, own=2):
     for i, signal in enumerate(signals):
         residual = BAND.coefficients(signal).ravel()
         run = SimpleNamespace(id=str(i), time_s=np.arange(SAMPLES) / 100.0)
-        bench = SimpleNamespace(run=run, band=BAND, size=residual.size, undoubted=np.asarray)
+        bench = SimpleNamespace(
+            run=run,
+            band=BAND,
+            size=residual.size,
+            undoubted=np.asarray,
+            predicted=np.ones(signal.shape[1], dtype=bool),
+        )
         runs.append(RunFit(bench, (None,) * own, residual, None, np.ones(len(residual))))
     return Rung(fit_of(()), fit_of(runs))
 

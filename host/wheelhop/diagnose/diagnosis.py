@@ -130,7 +130,8 @@ class Grounds:
     the run that speaks loudest is left out; ``p_value`` on held-out runs; errors of the last rung
     and of the baseline over the floor; ``by_chance``, the chance that noise alone leaves as much as
     the last rung; ``unseen``, the chance that something is there which these runs could not show;
-    ``cramped``, whether a number of an effect sits on its bound.
+    ``cramped``, whether a number of an effect sits on its bound; ``louder``, whether that is noise
+    only if the sensors are noisier than stated.
     """
 
     log_odds: float
@@ -142,6 +143,7 @@ class Grounds:
     by_chance: float
     unseen: float = 0.0
     cramped: bool = False
+    louder: bool = False
 
     @property
     def more_than_noise(self) -> bool:

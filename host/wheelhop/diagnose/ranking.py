@@ -261,6 +261,11 @@ def _none(baseline: Step, last: Look, grounds: Grounds, limits: Sequence[Limit])
             *_nearest(last),
         ]
     lines = ["The baseline explains the records down to the noise."]
+    if grounds.louder:
+        lines = [
+            f"The baseline comes to {baseline.over_floor:.3f} times the floor and leaves as much"
+            " in every run, whatever track and speed: that is noise, and more of it than stated."
+        ]
     hardly = [limit.effect for limit in limits if limit.unseen > 0.5]
     if hardly:
         lines.append(

@@ -13,14 +13,17 @@ from dataclasses import replace
 from math import erf, exp, inf, log, prod, sqrt, tanh
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from wheelhop.diagnose.critic import cramped
-from wheelhop.diagnose.diagnosis import Diagnosis, Grounds, Limit, Step
+from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, Grounds, Limit, Step
 from wheelhop.diagnose.judge import (
     EXACT,
     SIGNIFICANT,
     Rung,
     by_chance,
+    excess,
     lead,
     left,
     log_odds,
@@ -33,7 +36,9 @@ from wheelhop.diagnose.ranking import Angles, explanation, ranking
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.together import Stand
 from wheelhop.effects import Effect
-from wheelhop.fit import BROAD, Workshop
+from wheelhop.fit import BROAD, Workshop, louder
+
+Array = NDArray[np.float64]
 
 DOUBT = 0.03
 """A rival that leaves only this share more than the effect chosen leaves a doubt, whatever the
@@ -117,6 +122,9 @@ UNKNOWN_SCALE = 0.3
 """Error over the floor, less one, at which "unknown" is two thirds sure: nearer to the floor an
 effect of the library may be too faint to be found."""
 
+PARTS = 4
+"""Of the band: a sensor's noise need not be white."""
+
 SURELY_NONE = 0.1
 """Where the likeliest effect has this chance to be worthless, and noise this chance to leave so
 much, "none" is as sure as it can be."""
@@ -138,9 +146,12 @@ def grounds(
     over, baseline = steps[-1].over_floor, steps[0].over_floor
     at_floor = "unknown" not in verdict
     floor = steps[-1].comparison.floor
-    # The noise that a campaign states is taken at its word: what is more than that is not noise.
+    # The noise that a campaign states is taken at its word, unless what is more looks like noise.
     tolerance = 0.0 if floor.is_stated else floor.tolerance
     chance = by_chance(steps[-1].rung, noise, tolerance, steps[-1].allowed)
+    noisier = noisier_sensors(steps[-1].rung, noise) if floor.is_stated else 0.0
+    louder_so = chance < UNLIKELY <= noisier
+    chance = max(chance, noisier)
     accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
     if verdict[0] in stands:
         final, stand = steps[-1].rung, stands[verdict[0]]
@@ -152,12 +163,43 @@ def grounds(
         base = first.rung
     else:
         closest = min((c.p for c in last.candidates), default=1.0)
-        return Grounds(inf, inf, 1.0, closest, over, baseline, chance)
+        return Grounds(inf, inf, 1.0, closest, over, baseline, chance, louder=louder_so)
     # A rival may be worse than nothing.
     best = min([*rivals, base], key=lambda r: lead(final, r))
     margin = min((_odds(rival, final, at_floor) for rival in rivals), default=inf)
     stability = _stability(best, final)
-    return Grounds(margin, lead(final, best), stability, against, over, baseline, chance)
+    leads = lead(final, best)
+    return Grounds(margin, leads, stability, against, over, baseline, chance, louder=louder_so)
+
+
+def noisier_sensors(rung: Rung, noise: float) -> float:
+    """Chance that sensors noisier than stated are all that a rung leaves: the less of how likely
+    they are so loud, and of how likely every channel, in each part of the band, is as loud in every
+    run. What tracks and speeds bring about is not. (Equal variances: M. Bartlett, Proc. R. Soc. A
+    160 (1937) 268.)"""
+    runs = rung.fit.runs if rung.judging is rung.fit else (*rung.fit.runs, *rung.judging.runs)
+    cells: dict[tuple[int, int], list[Array]] = {}
+    for run in runs:
+        channels = np.flatnonzero(run.bench.predicted).tolist()
+        left = run.residual.reshape(2, -1, len(channels))  # cosines and sines
+        for part, several in enumerate(np.array_split(left, PARTS, axis=1)):
+            for channel, data in zip(channels, several.reshape(-1, len(channels)).T, strict=True):
+                cells.setdefault((channel, part), []).append(data)
+    tests = [_unequal(each) for each in cells.values()]
+    freedom = sum(free for _, free in tests)
+    even = float(chdtrc(freedom, sum(found for found, _ in tests))) if freedom else 0.0
+    return min(even, louder(1.0 + excess(rung, noise)))
+
+
+def _unequal(samples: Sequence[Array]) -> tuple[float, int]:
+    """Bartlett's statistic of samples, χ² if their variances are equal, and its freedom."""
+    count = np.array([len(each) for each in samples], float)
+    power = np.array([np.mean(each**2) for each in samples])
+    if len(samples) < 2 or not (power > 0.0).all():
+        return 0.0, 0
+    n, k = count.sum(), len(samples)
+    unequal = n * np.log(count @ power / n) - count @ np.log(power)
+    return float(unequal / (1.0 + ((1.0 / count).sum() - 1.0 / n) / (3.0 * (k - 1)))), k - 1
 
 
 def confidence(verdict: Sequence[str], grounds: Grounds) -> float:

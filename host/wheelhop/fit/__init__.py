@@ -19,6 +19,7 @@ from wheelhop.fit.placement import find_start, seek_again
 from wheelhop.fit.probe import FitProbe
 from wheelhop.fit.result import Fit, RunFit
 from wheelhop.fit.rig_start import begin_component
+from wheelhop.fit.spread import louder
 
 __all__ = [
     "BROAD",
@@ -46,6 +47,7 @@ __all__ = [
     "follow",
     "foreseen",
     "initial_model",
+    "louder",
     "moves",
     "run_parameters",
     "seek_again",

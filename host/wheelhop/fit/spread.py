@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtr
 
 Array = NDArray[np.float64]
 
@@ -35,6 +36,11 @@ def spread(residual: Array, sigma: float) -> Array:
 def cost(residual: Array, sigma: float) -> float:
     """−2 ln p of a residual (n, c); n c where it is noise of standard deviation σ."""
     return cost_of(_squares(residual, sigma), len(residual))
+
+
+def louder(ratio: float) -> float:
+    """Chance that the sensors' noise has at least this many times the power that is stated."""
+    return float(chdtr(BELIEVED, BELIEVED / ratio))
 
 
 def cost_of(squares: Array, count: int) -> float:

@@ -1,0 +1,64 @@
+"""What is left is the sensors' own noise, more of it than stated, or something that is missing."""
+
+import numpy as np
+import pytest
+from scipy import signal, stats
+
+from tests.diagnose.test_judge import noise, rung
+from wheelhop.diagnose.judge import by_chance
+from wheelhop.diagnose.verdict import noisier_sensors
+from wheelhop.fit import louder
+
+
+def test_noise_that_is_alike_in_every_run_is_noise():
+    """One set of records in ten has a chance of a tenth or less."""
+    rng, tries = np.random.default_rng(1), 200
+    chances = [noisier_sensors(rung(noise(rng), own=0), 1.0) for _ in range(tries)]
+    rare = sum(chance <= 0.1 for chance in chances)
+    assert abs(rare - 0.1 * tries) <= 3 * np.sqrt(0.09 * tries)
+
+
+@pytest.mark.parametrize("coloured", [False, True])
+def test_sensors_a_fifth_noisier_than_stated(coloured):
+    """More than the stated noise leaves, whether white or with twice the power at low frequency;
+    nor need the channels be alike."""
+    rng = np.random.default_rng(2)
+    signals = [1.2 * one * [1.0, 1.2] for one in noise(rng)]
+    if coloured:
+        signals = [signal.lfilter([1.0], [1.0, -0.3], one, axis=0) for one in signals]
+    left = rung(signals, own=0)
+    assert by_chance(left, 1.0, 0.0) < 1e-9
+    assert noisier_sensors(left, 1.0) > 0.05
+
+
+def test_what_is_stronger_in_one_run_than_in_others_is_no_noise():
+    """A sine of a tenth of one run's power; all is 1.7 % more than noise."""
+    signals = noise(np.random.default_rng(3))
+    time_s = np.arange(len(signals[0])) / 100.0
+    signals[2] = signals[2] + 0.45 * np.sin(2.0 * np.pi * 7.0 * time_s)[:, None]
+    assert noisier_sensors(rung(signals, own=0), 1.0) < 1e-3
+
+
+def test_what_moves_through_the_band_with_the_speed_is_no_noise():
+    """Of the same power in every run, at other frequencies."""
+    signals = noise(np.random.default_rng(4))
+    time_s = np.arange(len(signals[0])) / 100.0
+    for i, one in enumerate(signals):
+        one += 0.5 * np.sin(2.0 * np.pi * (3.0 + 5.0 * i) * time_s)[:, None]
+    assert noisier_sensors(rung(signals, own=0), 1.0) < 1e-3
+
+
+def test_sensors_three_times_as_noisy_as_stated_are_not_believed():
+    assert noisier_sensors(rung(noise(np.random.default_rng(5), 3.0), own=0), 1.0) < 0.01
+
+
+def test_one_run_does_not_tell():
+    signals = noise(np.random.default_rng(6))[:1]
+    assert noisier_sensors(rung(signals, own=0), 1.0) == 0.0
+
+
+def test_the_stated_noise_is_as_sure_as_eight_data_would_make_it():
+    """χ² of eight data over its mean falls short of one over the ratio as often."""
+    drawn = stats.chi2.rvs(8, size=20000, random_state=7) / 8.0
+    for ratio in (0.5, 1.0, 1.3, 2.0):
+        assert louder(ratio) == pytest.approx(np.mean(drawn <= 1.0 / ratio), abs=0.01)
