@@ -154,7 +154,32 @@ def refit(workshop: Workshop, rung: Rung, ahead: Rung | None = None) -> Rung:
     model, benches = placed_anew(workshop, rung), workshop.of_role("fit")
     bar = _bar([] if ahead is None else [ahead], model.random_heights is not None)
     found = fit(workshop, model, rung.fit.shared, benches, bar=bar)
+    if model.effects and bar == -inf and not all_noise(found, workshop.noise):
+        found = off_the_plateau(workshop, found)
     return validate(workshop, found, before=model)
+
+
+def off_the_plateau(workshop: Workshop, found: Fit) -> Fit:
+    """A fit with the shapes of its last effect where they are believed to be, if that costs less.
+
+    No derivative leads to a stop that the model never reaches, and a fit may stay wherever it came
+    upon such a plateau. So each shape is put back to what is believed of it, the other numbers
+    along with it as the data hold them together, and the fit goes on.
+    """
+    last, best, benches = found.model.effects[-1].id, found, workshop.of_role("fit")
+    values, covariance = found.model.values, found.covariance
+    for i, shape in enumerate(found.shared):
+        if not shape.name.startswith(f"{last}.") or not (shape.is_shape and isfinite(shape.sigma)):
+            continue
+        along = covariance[i] / covariance[i, i] * (shape.mean - values[shape.name])
+        start = {
+            f.name: min(max(values[f.name] + float(d), f.lower), f.upper)
+            for f, d in zip(found.shared, along, strict=True)
+        }
+        model = found.model.with_values(start)
+        trial = fit(workshop, model, found.shared, benches, found, bar=found.cost)
+        best = min(best, trial, key=lambda one: one.cost)
+    return best if best is found else fit(workshop, best.model, found.shared, benches)
 
 
 def _bar(rivals: Sequence[Rung], has_random_heights: bool) -> float:
