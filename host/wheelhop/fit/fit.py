@@ -30,6 +30,10 @@ ComplexArray = NDArray[np.complex128]
 
 ITERATIONS = 60
 
+FIRST_DAMPING = 1e-3
+"""Until a step has done better than this, what the linearised model foresees of each channel is not
+trusted: they weigh as they do where the step begins."""
+
 LEAST_DAMPING = 1e-8
 """Along what little but the priors holds (every distance gained, against the start) a step of a
 larger damping would be a hundredth of the way."""
@@ -139,7 +143,7 @@ def foreseen(
 
 @RUNS_AWAY
 def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
-    state, damping, fresh = problem.linearise(problem.completed(model)), 1e-3, True
+    state, damping, fresh = problem.linearise(problem.completed(model)), FIRST_DAMPING, True
     if not np.isfinite(state.cost):
         return state
     for iteration in range(ITERATIONS):
@@ -292,6 +296,7 @@ class _Problem:
         runs = [self.linear(run, state) for run in state.runs]
         prior = Prior(self.belief.precision, self.belief.pull(state.model.values))
         enough = SOLVED * self.converged * max(state.cost, state.size)
+        enough = enough if damping < FIRST_DAMPING else np.inf
         step, own_steps = least(prior, runs, damping, enough)
         model = state.model.with_values(_moved(self.shared, state.model.values, step))
         for run, linear, own_step in zip(state.runs, runs, own_steps, strict=True):

@@ -137,7 +137,8 @@ def least(
     prior: Prior, runs: Sequence[Linear], damping: float, enough: float
 ) -> tuple[Array, list[Array]]:
     """The damped step (g,) of the shared numbers, and those (r,) of every run's own, to the least
-    cost; sought until a pass lowers it by no more than `enough`."""
+    cost; sought until a pass lowers it by no more than `enough`. If that is infinite, the first
+    pass is the last, and channels weigh as they do before the step."""
     weights, before = [run.weights for run in runs], np.inf
     for _ in range(PASSES):
         normals = [run.normal(w) for run, w in zip(runs, weights, strict=True)]
