@@ -102,6 +102,15 @@ def test_free_decay():
     assert relative(answer(of, Model(VALUES), x0, v0), expected) < 1e-5
 
 
+def test_a_mass_that_nothing_holds():
+    """A fit may take all stiffness and damping away: x₀ + v₀ t + ½ (F/m) t², under F = 2 N."""
+    free = {**VALUES, "component.stiffness_N_m": 0.0, "component.damping_N_s_m": 0.0}
+    force = np.full_like(TIME_S, 2.0)
+    expected = 0.02 - 0.3 * TIME_S + 0.5 * (2.0 / 5.0) * TIME_S**2
+    of = simulator("force", expected, force)
+    assert relative(answer(of, Model(free), 0.02, -0.3), expected) < 1e-5
+
+
 def test_a_cubic_spring_under_a_force_as_scipy_integrates_it():
     def force(t):
         return 150.0 * np.sin(2 * np.pi * 8.0 * t) + 60.0 * np.sin(2 * np.pi * 3.1 * t)

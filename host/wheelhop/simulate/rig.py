@@ -121,7 +121,7 @@ class RigSimulator:
             fastest = float(np.abs(system.poles()).max())
             per_second = STEPS_PER_PERIOD * min(highest_hz, fastest / np.pi)
             needed_hz = max(per_second, LEAST_PER_PERIOD * highest_hz) / longer
-            step = min(step, 1.0 / needed_hz, 1.0 / fastest)
+            step = min(step, 1.0 / max(needed_hz, fastest))
         needed = math.ceil(1.0 / (self.campaign.sample_rate_hz * step) - 1e-9)
         if not integrated or needed < 3:
             return needed
