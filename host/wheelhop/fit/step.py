@@ -2,9 +2,9 @@
 
 What a channel leaves counts by its logarithm (`spread.py`), so its weight depends on where the step
 ends. The step is solved for again and again, every channel weighed by what the last one would leave
-of it, until the cost falls no more. No pass raises the cost of the linearised model (K. Lange,
-R. Little, J. Taylor, J. Am. Stat. Assoc. 84 (1989) 881), and none simulates anything: JᵀJ, Jᵀr and
-rᵀr of every channel say what any step would leave.
+of it, until the cost falls no more. Undamped, no pass raises the cost of the linearised model
+(K. Lange, R. Little, J. Taylor, J. Am. Stat. Assoc. 84 (1989) 881); and none simulates anything:
+JᵀJ, Jᵀr and rᵀr of every channel say what any step would leave.
 """
 
 from __future__ import annotations
