@@ -22,10 +22,6 @@ from wheelhop.fit.result import RunFit
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-PASSES = 40
-"""So often at most is a step solved for again: where a channel of a model that fits nothing may
-become a hundred times smaller, its weight needs about twenty."""
-
 
 @dataclass(frozen=True, eq=False)
 class Prior:
@@ -140,7 +136,7 @@ def least(
     cost; sought until a pass lowers it by no more than `enough`. If that is infinite, the first
     pass is the last, and channels weigh as they do before the step."""
     weights, before = [run.weights for run in runs], np.inf
-    for _ in range(PASSES):
+    while True:
         normals = [run.normal(w) for run, w in zip(runs, weights, strict=True)]
         matrix, gradient = prior.precision.copy(), prior.pull.copy()
         for normal in normals:
@@ -154,10 +150,9 @@ def least(
         own = [normal.own_step(step, damping) for normal in normals]
         found = [run.after(np.concatenate([step, o])) for run, o in zip(runs, own, strict=True)]
         cost = prior.cost(step) + sum(part for part, _ in found)
-        if before - cost <= enough:
-            break
+        if not before - cost > enough:  # nor where a cost is no number
+            return step, own
         before, weights = cost, [w for _, w in found]
-    return step, own
 
 
 def damped(matrix: Array, damping: float) -> Array:
