@@ -53,7 +53,7 @@ def _served(arguments: tuple[object, ...], home: Path) -> Iterator[tuple[str, su
         yield line.split()[-1], process
     finally:
         process.terminate()
-        process.wait(10)
+        print(process.communicate(timeout=10)[1])  # seen only where a test fails
 
 
 @pytest.fixture(scope="session")
@@ -70,7 +70,8 @@ def browser() -> Iterator[object]:
 
 @pytest.fixture
 def open_page(browser) -> Iterator[Callable[[str], object]]:
-    """A new tab at an address; whatever its console complains of fails the test."""
+    """A new tab at an address; whatever its console complains of fails the test. What stands on the
+    pages in the end is printed: it shows where a test fails."""
     context = browser.new_context(viewport={"width": 1280, "height": 720})
     complaints: list[str] = []
 
@@ -83,6 +84,8 @@ def open_page(browser) -> Iterator[Callable[[str], object]]:
         return page
 
     yield opened
+    for page in context.pages:
+        print(page.url, page.locator("body").inner_text(), sep="\n")
     context.close()
     assert complaints == []
 
