@@ -174,3 +174,17 @@ def test_the_demo_deletes_nothing(tmp_path, monkeypatch):
         begin(Path("wheelhop-demo"))
     assert Path("wheelhop-demo/campaign.toml").read_text() == "precious"
     assert free_folder() == Path("wheelhop-demo-2")
+
+
+def test_no_garbage_is_looked_for_while_a_command_is_imported(tmp_path):
+    (tmp_path / "seen.py").write_text("import gc\ncollecting = gc.isenabled()\n")
+    (tmp_path / "broken.py").write_text("1 / 0\n")
+    script = (
+        "import gc\nfrom wheelhop.cli.main import imported\n"
+        "assert imported('seen').collecting is False\n"
+        "assert gc.isenabled() and gc.get_freeze_count()\n"
+        "try:\n    imported('broken')\nexcept ZeroDivisionError:\n    assert gc.isenabled()\n"
+        "gc.disable()\nimported('json')\nassert not gc.isenabled()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True)
+    assert (done.returncode, done.stderr) == (0, b"")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from argparse import Namespace
@@ -98,7 +98,6 @@ def _run(argv: Sequence[str] | None, interrupts: Sequence[int]) -> int:
 
 
 def _call(arguments: Namespace, interrupts: Sequence[int]) -> int:
-    import gc
     from importlib import import_module
 
     from wheelhop.files import InputError, check_new, check_picture, check_target
@@ -115,16 +114,30 @@ def _call(arguments: Namespace, interrupts: Sequence[int]) -> int:
                     check(vars(arguments)[key])
         if arguments.command in COMPUTING:
             import_module("wheelhop.cli.progress").announce_compilation()
-        command = import_module(f"wheelhop.cli.{module_of(arguments.command)}")
+        command = imported(f"wheelhop.cli.{module_of(arguments.command)}")
         if interrupts:  # what was being imported has made nothing of it
             raise KeyboardInterrupt
-        if not gc.get_freeze_count():
-            # What was imported stays; to look through it for garbage costs a quarter of a second.
-            gc.freeze()
         status: int = command.run(arguments)
         return status
     except InputError as error:
         return _complain(str(error), BAD_INPUT)
+
+
+def imported(module: str) -> Any:
+    """A module and all it needs. What is imported stays: to look through it for garbage, while it
+    comes and ever after, would cost a third of a second."""
+    import gc
+    from importlib import import_module
+
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        return import_module(module)
+    finally:
+        if not gc.get_freeze_count():
+            gc.freeze()
+        if collecting:
+            gc.enable()
 
 
 def module_of(command: str) -> str:
