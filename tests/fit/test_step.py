@@ -80,15 +80,27 @@ class TwoChannels(LinearBench):
     counted = staticmethod(partial(counted, count=SIZE // 2))
 
 
-def test_a_linear_model_that_leaves_a_channel_much_is_fitted_in_three_steps():
-    """The first finds the linear model right, the second comes to the minimum, the third confirms
-    it: weights cost no simulation."""
-    benches = []
+def loud_benches():
+    """Two-channel runs that the model leaves much of, in the first channel."""
     for bench in benches_of(7):
         loud = 1000.0 * SIGMA * np.random.default_rng(8).normal(size=SIZE // 2)
         measured = 30.0 * bench.measured + np.column_stack([loud, np.zeros(SIZE // 2)]).ravel()
-        benches.append(TwoChannels(bench.run, bench.matrix, measured, bench.names))
+        yield TwoChannels(bench.run, bench.matrix, measured, bench.names)
+
+
+def test_a_run_costs_and_weighs_before_a_step_as_its_residual_says():
+    state = fit(Shop(), START, SHARED, list(loud_benches()))
+    for run in state.runs:
+        found = Linear.of(run, state.model.runs[run.bench.run.id], state.sigma, even=False)
+        step_cost, weights = found.after(np.zeros(found.slopes.shape[1]))
+        assert step_cost == pytest.approx(run.bench.cost(run.residual, state.sigma), rel=1e-9)
+        assert weights == pytest.approx(found.weights, rel=1e-9)
+
+
+def test_a_linear_model_that_leaves_a_channel_much_is_fitted_in_three_steps():
+    """The first finds the linear model right, the second comes to the minimum, the third confirms
+    it: weights cost no simulation."""
     shop, seen = Shop(), []
     shop.watch = lambda i, error: seen.append(i)
-    fit(shop, START, SHARED, benches)
+    fit(shop, START, SHARED, list(loud_benches()))
     assert seen == [1, 2, 3]
