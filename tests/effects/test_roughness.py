@@ -9,7 +9,7 @@ from tests import truth
 from tests.simulate.setup import ATV, EFFECTS, campaign_of, model_of, relative, simulated
 from wheelhop.diagnose import Rung
 from wheelhop.diagnose.judge import log_odds
-from wheelhop.diagnose.screen import screen_heights
+from wheelhop.diagnose.screen import screen_best, screen_heights
 from wheelhop.fit import Ground, Heights, Workshop, fit
 from wheelhop.simulate import HeightSeries, Model
 from wheelhop.simulate.motion import MotionSimulator
@@ -218,6 +218,7 @@ def test_what_heights_leave_is_what_the_best_of_them_leave(ground, unevenness):
     start = Heights(ground, np.zeros(2 * ground.series.count, complex), np.ones(1), 1.0)
     theta = {**THETA, "unevenness_m3": unevenness}
     heights = start.believed(ROUGHNESS, theta, 0.4)
+    assert heights.freed(np.zeros((ground.bench.size, 0))).shape == (ground.bench.size, 0)
     noise = np.random.default_rng(0).normal(size=ground.bench.size)
     rough = ground.apply(heights_of(ground.series, theta=theta).reshape(-1, 1))[:, 0]
     found = heights.freed(np.stack([noise, rough], axis=1))
@@ -287,15 +288,19 @@ def test_other_physics_is_not_taken_for_heights(other):
     assert screened(OTHERS[other]).worth < 10.0
 
 
-def test_the_fit_leaves_the_noise_and_charges_for_the_heights():
-    """Residual per degree of freedom: the sensors' noise, to 5 %."""
-    theta = {"unevenness_m3": 1e-7, "waviness": 2.0}
-    workshop, model, base = recorded({ROUGHNESS.id: theta}, 5)
+def fitted_rough(hidden, theta, seed):
+    """A model with heights, fitted to records in which more may be hidden."""
+    workshop, model, base = recorded(hidden | {ROUGHNESS.id: theta}, seed)
     rough = model.with_effect(ROUGHNESS, ROUGHNESS.parameters_for(ATV, ()))
     rough = Model(rough.values, rough.effects, base.model.runs).with_values(
         {f"{ROUGHNESS.id}.{k}": v for k, v in theta.items()}
     )
-    fitted = fit(workshop, rough, (), workshop.of_role("fit"))
+    return workshop, base, fit(workshop, rough, (), workshop.of_role("fit"))
+
+
+def test_the_fit_leaves_the_noise_and_charges_for_the_heights():
+    """Residual per degree of freedom: the sensors' noise, to 5 %."""
+    workshop, base, fitted = fitted_rough({}, {"unevenness_m3": 1e-7, "waviness": 2.0}, 5)
     left = fitted.rss / (fitted.size - sum(run.freedom for run in fitted.runs))
     assert np.sqrt(left) == pytest.approx(workshop.noise, rel=0.05)
     assert base.rss > 3.0 * fitted.rss
@@ -314,3 +319,12 @@ def test_heights_that_are_not_there_gain_no_odds():
     assert fitted.rss < 0.99 * base.rss
     assert log_odds(Rung(base, base), Rung(fitted, fitted), workshop.noise) < 0.0
     assert fitted.evidence < base.evidence
+
+
+def test_beside_rough_ground_the_best_are_sought_like_anywhere():
+    """Friction stands out where heights are free in every run, too."""
+    hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
+    workshop, _, fitted = fitted_rough(hidden, {"unevenness_m3": 1e-7, "waviness": 2.0}, 5)
+    library = [EFFECTS["driver-seat"], EFFECTS["dry-friction"], EFFECTS["sensor-gain"]]
+    best, *_ = screen_best(workshop, fitted, library)
+    assert best.variant.effect.id == "dry-friction"

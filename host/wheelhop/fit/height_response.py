@@ -127,8 +127,8 @@ class Ground:
 
     def complex_of(self, coefficients: Array) -> ComplexArray:
         """Real coefficients (size, m) as complex ones (f, c, m)."""
-        half = self.bench.band.count // 2
-        parts = coefficients.reshape(2, half, -1, coefficients.shape[1])
+        half, (size, m) = self.bench.band.count // 2, coefficients.shape
+        parts = coefficients.reshape(2, half, size // (2 * half), m)
         return np.asarray(parts[0] + 1j * parts[1])
 
     def project(self, columns: Array) -> ComplexArray:

@@ -87,7 +87,7 @@ class Heights:
         """What heights leave of columns (size, m): R times the columns, frequency by frequency.
         Leaks between frequencies are neglected, which is good enough to screen."""
         left = self._remainder @ self.ground.complex_of(columns)
-        left = left.reshape(-1, columns.shape[1])
+        left = left.reshape(len(columns) // 2, columns.shape[1])
         return np.concatenate([left.real, left.imag])
 
     def contribution(self) -> Array:
