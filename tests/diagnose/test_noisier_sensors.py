@@ -39,12 +39,14 @@ def test_what_is_stronger_in_one_run_than_in_others_is_no_noise():
     assert noisier_sensors(rung(signals, own=0), 1.0) < 1e-3
 
 
-def test_what_moves_through_the_band_with_the_speed_is_no_noise():
-    """Of the same power in every run, at other frequencies."""
+@pytest.mark.parametrize("frequencies", [(3, 8, 13, 18, 23, 28), (4, 12, 4, 12, 4, 12)])
+def test_what_moves_through_the_band_with_the_speed_is_no_noise(frequencies):
+    """Of the same power in every run, at other frequencies: at six speeds, or at two of which one
+    is three times the other and both leave what they bring in the lower half of the band."""
     signals = noise(np.random.default_rng(4))
     time_s = np.arange(len(signals[0])) / 100.0
-    for i, one in enumerate(signals):
-        one += 0.5 * np.sin(2.0 * np.pi * (3.0 + 5.0 * i) * time_s)[:, None]
+    for one, frequency_hz in zip(signals, frequencies, strict=True):
+        one += 0.5 * np.sin(2.0 * np.pi * frequency_hz * time_s)[:, None]
     assert noisier_sensors(rung(signals, own=0), 1.0) < 1e-3
 
 

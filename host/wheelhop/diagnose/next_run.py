@@ -48,9 +48,10 @@ class NextRun:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A run that could be driven, and what the two models, refitted, could not both explain."""
+    """A run that could be driven, and what the two models could not both explain of it. A bench
+    remembers whatever was simulated on it: one for every such run would fill the memory."""
 
-    bench: Bench
+    planned: Run
     like: Run
     gain: float
 
@@ -65,25 +66,26 @@ def propose(
     σ, a new fit would absorb what speed, start and the vehicle's numbers can; the rest is evidence:
     Λ = ½ dᵀ (σ² + J C Jᵀ)⁻¹ d, with J the derivatives and C what is believed of those numbers now.
     """
-    trials = [
-        _Trial(bench, like, _gain(workshop, bench, first[1], second[1], refitted=False))
-        for bench, like in _reachable(workshop)
-    ]
+
+    def gain(planned: Run, refitted: bool) -> float:
+        bench = workshop.bench(planned)
+        return _gain(workshop, bench, first[1], second[1], refitted=refitted)
+
+    trials = workshop.each(lambda pair: _Trial(*pair, gain(pair[0], False)), _reachable(workshop))
     trials = [trial for trial in trials if np.isfinite(trial.gain)]
     if not trials:
         return None
     few = sorted(trials, key=lambda trial: -trial.gain)[:FEW]
-    gains = workshop.each(
-        lambda trial: _gain(workshop, trial.bench, first[1], second[1], refitted=True), few
-    )
+    gains = workshop.each(lambda trial: gain(trial.planned, True), few)
     if max(gains) < LEAST_LOG_ODDS:
         return None
     best = few[int(np.argmax(gains))]
-    one, other = (_contribution(workshop, best.bench, rung, id_) for id_, rung in (first, second))
+    bench = workshop.bench(best.planned)
+    one, other = (_contribution(workshop, bench, rung, id_) for id_, rung in (first, second))
     return NextRun(
         like=best.like.id,
         track=best.like.track.kind,
-        speed_kmph=best.bench.run.speed_m_s * 3.6,
+        speed_kmph=best.planned.speed_m_s * 3.6,
         separates=(first[0], second[0]),
         angle_deg=angle_deg(one, other),
         present_angle_deg=present_deg,
@@ -99,7 +101,7 @@ def angle_deg(a: Array, b: Array) -> float:
     return float(np.degrees(np.arccos(min(1.0, abs(float(a @ b)) / norm))))
 
 
-def _reachable(workshop: Workshop) -> Iterator[tuple[Bench, Run]]:
+def _reachable(workshop: Workshop) -> Iterator[tuple[Run, Run]]:
     """Every known track at every speed within the campaign's, and the recorded run most like it."""
     driven = [bench.run for bench in workshop.benches.values() if bench.drive == "road"]
     driven = [run for run in driven if run.speed_m_s > 0]
@@ -111,8 +113,7 @@ def _reachable(workshop: Workshop) -> Iterator[tuple[Bench, Run]]:
         for speed in np.geomspace(slowest, fastest, SPEEDS if fastest > slowest else 1):
             same = [run for run in driven if run.track == track]
             like = min(same, key=lambda run: abs(run.speed_m_s - speed))
-            planned = replace(like, id="next", role="fit", speed_m_s=float(speed))
-            yield workshop.bench(planned), like
+            yield replace(like, id="next", role="fit", speed_m_s=float(speed)), like
 
 
 def _gain(workshop: Workshop, bench: Bench, first: Rung, second: Rung, *, refitted: bool) -> float:
