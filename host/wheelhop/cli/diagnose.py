@@ -8,7 +8,6 @@ from rich.console import Console
 
 from wheelhop.api import diagnose
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.diagnose_fleet import run_fleet
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import (
@@ -29,6 +28,9 @@ def run(arguments: Namespace) -> int:
     Of several campaigns the exit status is 1 if one has no verdict.
     """
     if arguments.more or arguments.out is not None:
+        # Its tables are Arrow's: 25 MB that one campaign does without.
+        from wheelhop.cli.diagnose_fleet import run_fleet
+
         return run_fleet(arguments)
     if arguments.cluster is not None:
         raise CampaignError("--cluster: is for several campaigns; one is diagnosed here")

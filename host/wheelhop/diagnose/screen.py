@@ -116,7 +116,7 @@ class Screened:
     freedom: float
     price: float
     error: float
-    contribution: Mapping[str, Array]
+    contribution: Mapping[str, NDArray[np.floating]]
     information: Array
     along: Mapping[str, float] = field(default_factory=dict)
     others: tuple[Screened, ...] = ()
@@ -264,7 +264,7 @@ def solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
         price=numbers * float(np.log(base.size)) + own_price,
         error=float(np.sqrt(rss / energy)),
         contribution={
-            r.bench.run.id: t.signatures @ np.array(list(amplitudes.values()))
+            r.bench.run.id: t.signatures @ np.array(list(amplitudes.values()), np.float32)
             for r, t in zip(base.runs, tables, strict=True)
         },
         information=_information(np.sum([t.at_noise for t in tables], axis=0), weight, base.sigma),
