@@ -222,11 +222,15 @@ class _Problem:
             trials = [moved[f.name] for f in others]
             trials += [(move.model, systems) for move in together]
             changes = bench.changes((model, systems), trials)
-            for f, change in zip(others, changes, strict=False):
-                columns[f.name] = kept(bench.coefficients(change) / f.step)
+            found = {
+                f.name: bench.coefficients(change) / f.step
+                for f, change in zip(others, changes, strict=False)
+            }
             for move, change in zip(together, changes[len(others) :], strict=True):
                 for k, part in move.parts(bench, change):
-                    columns[new[k].name] = kept(part / new[k].step)
+                    found[new[k].name] = part / new[k].step
+            if found:
+                columns |= zip(found, kept(np.array([*found.values()])), strict=True)
             free = (*self.shared, *own)
             derivatives = Derivatives([columns[f.name] for f in free], len(self.shared))
             heights = None

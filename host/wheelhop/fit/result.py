@@ -35,11 +35,13 @@ class Derivatives:
     shared: int
 
 
-def kept(column: Array) -> NDArray[np.floating]:
-    """A column of derivatives as it is kept; nothing moves where this way lies no stable model."""
+def kept(columns: Array) -> NDArray[np.floating]:
+    """Columns of derivatives (k, size) as they are kept, side by side; nothing moves where a way
+    leads to no stable model."""
     with np.errstate(over="ignore"):  # what no float holds is not finite either
-        short = column.astype(np.float32)
-    return short if np.isfinite(short).all() else np.zeros_like(short)
+        short = columns.astype(np.float32)
+    short[~np.isfinite(short).all(axis=1)] = 0.0
+    return short
 
 
 @dataclass(frozen=True, eq=False)
