@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.diagnose.cases import LIBRARY, SEAT, diagnosed, oracle_of
+from tests.diagnose.cases import FRICTION, LIBRARY, SEAT, baseline_of, diagnosed, oracle_of
 from tests.diagnose.machines import FURTHER, MACHINES, rivals
 from tests.truth import PRESETS, make_effect
 from tests.truth.campaign import make_campaign, write_campaign
@@ -12,8 +12,10 @@ from tests.truth.outside_effects import FrameBending
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline
 from wheelhop.diagnose.critic import cramped
+from wheelhop.diagnose.judge import of_a_law
 from wheelhop.diagnose.ladder import fit_with
 from wheelhop.diagnose.look import step_of
+from wheelhop.diagnose.together import without_idle
 from wheelhop.vehicle import read_nominal
 
 
@@ -34,6 +36,52 @@ def test_what_comes_first_is_its_name(name, tmp_path):
     hidden = make_effect(name, FURTHER[name])
     write_campaign(tmp_path, PRESETS["atv"], [hidden], seed=101, short=True)
     assert diagnosed(tmp_path, rivals(name)).verdict[0] == name
+
+
+BRISTLES = {
+    "sliding_front_N": 55.0,
+    "sliding_rear_N": 49.0,
+    "sticking": 1.3,
+    "stribeck_m_s": 0.02,
+    "bristle_N_m": 4e5,
+    "bristle_N_s_m": 150.0,
+}
+STRUTS = ("dry-friction", "digressive-damper", "mount-bushing", "asymmetric-damper")
+
+
+def quiet(text):
+    pass
+
+
+@pytest.mark.slow
+def test_what_a_law_of_another_form_leaves_is_no_second_law(tmp_path):
+    """Friction that holds more while it sticks: a digressive damper takes most of what Coulomb's
+    law leaves of it, and is not there. Nor does it stay where it came with friction."""
+    hidden = make_effect("dry-friction", BRISTLES)
+    write_campaign(tmp_path, PRESETS["passenger-car"], [hidden], seed=101, short=True, seconds=6.4)
+    library = {name: LIBRARY[name] for name in STRUTS}
+    found = diagnosed(tmp_path, library)
+    assert found.verdict == ("dry-friction",)
+    base = baseline_of(tmp_path)
+    both = fit_with(base, [library["dry-friction"], library["digressive-damper"]], quiet)[-1]
+    assert both.error < 0.97 * found.ladder[-1].rung.error
+    left, _ = without_idle(base.workshop, both, base.rung, quiet)
+    assert [effect.id for effect in left.model.effects] == ["dry-friction"]
+
+
+@pytest.mark.slow
+def test_two_laws_of_the_struts_that_are_there_are_both_named(tmp_path):
+    hidden = {"dry-friction": FRICTION, "asymmetric-damper": {"asymmetry": 0.35}}
+    folder = make_campaign(tmp_path, seed=101, effects=hidden, short=True, seconds=6.4, draft=True)
+    found = diagnosed(folder, {name: LIBRARY[name] for name in STRUTS})
+    assert set(found.verdict) == set(hidden)
+
+
+def test_what_laws_of_one_name_differ_by_is_of_the_law():
+    """Of the amplitude that the first explains they leave up to 0.19, wrong names 0.31 and more."""
+    assert of_a_law(0.19**2, 1.0)
+    assert not of_a_law(0.31**2, 1.0)
+    assert not of_a_law(1e-6, 0.0)  # no law of the struts is there yet
 
 
 def test_a_frame_that_bends_is_no_driver(tmp_path):

@@ -189,7 +189,7 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
         return next(c for c in looks[0].candidates if c.id == "dry-friction").rung, {}
 
     monkeypatch.setattr(ladder, "_look", friction_first)
-    monkeypatch.setattr(ladder, "_without_idle", mount_is_idle)
+    monkeypatch.setattr(ladder, "without_idle", mount_is_idle)
     diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
     assert diagnosis.verdict == ("dry-friction", "unknown")
     assert not any("together" in ranked.reason for ranked in diagnosis.ranking)

@@ -26,12 +26,14 @@ class Rung:
     """A model fitted to the "fit" runs, and what it does on the "validate" runs: when only what
     those leave free is fitted there (``validation``), and, where that leaves more than a model
     which explains the fitted runs should, when the numbers that runs share may move as far as they
-    are uncertain (``update``). ``simulated_wrong`` finds what is ``inexact``."""
+    are uncertain (``update``). ``simulated_wrong`` finds what is ``inexact``; ``by_laws`` is how
+    much less `power` it leaves than without that law of the struts which explains most."""
 
     fit: Fit
     validation: Fit | None
     update: Fit | None = None
     simulated_wrong: Callable[[], float] = lambda: 0.0
+    by_laws: float = 0.0
 
     @cached_property
     def inexact(self) -> float:
@@ -106,6 +108,9 @@ LAW = 0.1
 """A law of the right name leaves about this share, in amplitude, of what its machine does: machines
 part from textbooks. Laws of wrong names leave a third and more (theory, section 10)."""
 
+FEW_LAWS = 2.0
+"""Few laws of the right name leave more than so many times `LAW`."""
+
 SIGNIFICANT = 0.05
 """An effect is accepted below this chance of being mistaken, all effects tried counted."""
 
@@ -175,6 +180,18 @@ def holds_against(base: Rung, rival: Rung, odds: float, tried: int, noise: float
             energy = sum(run.bench.energy for run in rival.judging.runs)
             least += EXACT**2 * energy / (rival.judging.size * noise**2)
     return drop > least and p_value(odds, tried) < SIGNIFICANT
+
+
+def power(rung: Rung) -> float:
+    """What a rung leaves of a datum of the runs that judge, squared and charged."""
+    return rung.judging.charged / rung.judging.size
+
+
+def of_a_law(dropped: float, by_laws: float) -> bool:
+    """Whether one more law of the struts takes no more out of the `power` left than the first may
+    leave of the power that it explains itself, having the right name and another form. What that
+    leaves is a function of the struts' motion, too, and another law takes most of it."""
+    return dropped < (FEW_LAWS * LAW) ** 2 * by_laws
 
 
 def material(rung: Rung) -> float:

@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
-from wheelhop.diagnose.confirm import confirm, refit, without, worth_simulating
+from wheelhop.diagnose.confirm import confirm, refit, worth_simulating
 from wheelhop.diagnose.critic import criticism, refuted
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.forgets import (
@@ -30,11 +30,13 @@ from wheelhop.diagnose.judge import (
     log_odds,
     nearly_all,
     noticeable,
+    of_a_law,
+    power,
 )
 from wheelhop.diagnose.look import Candidate, Look, contradicted, on_one_floor, step_of, steps_of
 from wheelhop.diagnose.ranking import why_not
 from wheelhop.diagnose.screen import Screened, screen
-from wheelhop.diagnose.together import Stand, exchange, look_for_several
+from wheelhop.diagnose.together import Stand, exchange, look_for_several, without_idle
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
 from wheelhop.effects import Effect, Place, beliefs
@@ -182,7 +184,7 @@ def climb(
                 origin, better, steps = anew, group, steps[:1]
         if better is None:
             break
-        (rung, shorter), stands = _without_idle(workshop, better, progress), {}
+        (rung, shorter), stands = without_idle(workshop, better, steps[0].rung, progress), {}
         # If a group comes down to what was chosen first, the first look said how that stands alone.
         if first.chosen is None or [e.id for e in rung.model.effects] != [first.chosen.id]:
             first = origin
@@ -310,36 +312,10 @@ def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate
 def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -> Candidate:
     base, noise = incumbent.against(rival), incumbent.workshop.noise
     odds = log_odds(base, rival, noise)
-    likely = holds_against(base, rival, odds, tried, noise)
-    holds = likely and not contradicted(rival, screened.variant.effect)
-    return Candidate(screened, rival, odds, tried, holds)
-
-
-def _without_idle(
-    workshop: Workshop, rung: Rung, progress: Progress
-) -> tuple[Rung, Mapping[str, Rung]]:
-    """Drop effects whose contribution vanished when the last one joined, the last one included:
-    it may have done no more than help the others' fit out of a side valley.
-
-    Returns the models without one of the effects that stayed, too, as far as they were fitted in
-    full: not where a quick fit leaves so much that a full one could not hold.
-    """
-    shorter: dict[str, Rung] = {}
-    if len(rung.model.effects) < 2:
-        return rung, shorter
-    for effect in rung.model.effects:
-        progress(f"is {effect.id} still needed?")
-        roughly = without(workshop, rung, effect.id, quick=True)
-        if roughly.error_judging > HOPELESS * rung.error_judging:
-            continue
-        without_it = without(workshop, rung, effect.id)
-        base = Incumbent(workshop, without_it).against(rung)
-        odds = log_odds(base, rung, workshop.noise)
-        if holds_against(base, rung, odds, 1, workshop.noise):
-            shorter[effect.id] = without_it
-        else:
-            rung, shorter = without_it, {}
-    return rung, shorter
+    effect = screened.variant.effect
+    of_the_first = effect.on_rig and of_a_law(power(base) - power(rival), base.by_laws)
+    likely = holds_against(base, rival, odds, tried, noise) and not of_the_first
+    return Candidate(screened, rival, odds, tried, likely and not contradicted(rival, effect))
 
 
 def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> list[Rung]:

@@ -37,6 +37,8 @@ from wheelhop.diagnose.judge import (
     lead,
     log_odds,
     nearly_all,
+    of_a_law,
+    power,
 )
 from wheelhop.diagnose.look import Candidate, Look, contradicted
 from wheelhop.diagnose.screen import Screened, screen_best
@@ -179,6 +181,43 @@ def _chosen(look: Look, group: _Group, odds: float, tried: int) -> Look:
         found.append(Candidate(item, group.rung, odds, tried, True, beside=others))
     rest = [c for c in look.candidates if c.id not in group.ids]
     return replace(look, candidates=(*found, *rest), chosen=found[0])
+
+
+def without_idle(
+    workshop: Workshop, rung: Rung, baseline: Rung, progress: Progress
+) -> tuple[Rung, Mapping[str, Rung]]:
+    """Drop effects whose contribution vanished when the last one joined, the last one included:
+    it may have done no more than help the others' fit out of a side valley. Of the laws of the
+    struts drop those that take no more than another may leave.
+
+    Returns the models without one of the effects that stayed, too, as far as they were fitted in
+    full: not where a quick fit leaves so much that a full one could not hold.
+    """
+    shorter: dict[str, Rung] = {}
+    if len(rung.model.effects) < 2:
+        alone = any(effect.on_rig for effect in rung.model.effects)
+        return replace(rung, by_laws=power(baseline) - power(rung) if alone else 0.0), shorter
+    missed = dict[str, float]()
+    for effect in rung.model.effects:
+        progress(f"is {effect.id} still needed?")
+        roughly = without(workshop, rung, effect.id, quick=True)
+        if roughly.error_judging > HOPELESS * rung.error_judging:
+            missed[effect.id] = min(power(roughly), power(baseline)) - power(rung)
+            continue
+        without_it = without(workshop, rung, effect.id)
+        base = Incumbent(workshop, without_it).against(rung)
+        odds = log_odds(base, rung, workshop.noise)
+        if holds_against(base, rung, odds, 1, workshop.noise):
+            shorter[effect.id] = without_it
+            missed[effect.id] = power(base) - power(rung)
+        else:
+            rung, shorter = without_it, {}
+    laws = {e.id: missed[e.id] for e in rung.model.effects if e.on_rig and e.id in missed}
+    by_laws = max(laws.values(), default=0.0)
+    for name, dropped in laws.items():
+        if of_a_law(dropped, by_laws):
+            rung, shorter = shorter.get(name) or without(workshop, rung, name), {}
+    return replace(rung, by_laws=by_laws), shorter
 
 
 RIVALS = 2
