@@ -1,13 +1,20 @@
 """What is left is the sensors' own noise, more of it than stated, or something that is missing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import signal, stats
 
+from tests import truth
+from tests.diagnose.cases import LIBRARY
 from tests.diagnose.test_judge import noise, rung
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import diagnose
 from wheelhop.diagnose.judge import by_chance
 from wheelhop.diagnose.verdict import noisier_sensors
 from wheelhop.fit import louder
+from wheelhop.vehicle import read_nominal
 
 
 def test_noise_that_is_alike_in_every_run_is_noise():
@@ -64,3 +71,19 @@ def test_the_stated_noise_is_as_sure_as_eight_data_would_make_it():
     drawn = stats.chi2.rvs(8, size=20000, random_state=7) / 8.0
     for ratio in (0.5, 1.0, 1.3, 2.0):
         assert louder(ratio) == pytest.approx(np.mean(drawn <= 1.0 / ratio), abs=0.01)
+
+
+def test_noise_stated_a_fifth_too_low_is_no_unknown(tmp_path):
+    """It is more than the floor's uncertainty, and as strong in every run."""
+    folder = truth.make_campaign(
+        tmp_path, seed=101, effects={}, noise_rms=0.25, short=True, seconds=6.4, draft=True
+    )
+    campaign = read_campaign(folder)
+    assert campaign.noise_rms is not None
+    quieter = replace(campaign, noise_rms=0.8 * campaign.noise_rms)
+    library = {name: LIBRARY[name] for name in ("dry-friction", "driver-seat")}
+    found = diagnose(quieter, read_nominal(campaign), library, jobs=1)
+    assert found.ladder[-1].above_floor
+    assert found.verdict == ("none",)
+    assert found.confidence > 0.5
+    assert any("more of it than stated" in line for line in found.explanation)

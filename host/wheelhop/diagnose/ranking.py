@@ -228,7 +228,8 @@ def explanation(
             f"{listed(on_bounds)} sit{plural} on the bound of what is possible: a law that the"
             " library lacks may be what these runs show."
         )
-    if verdict[-1] == "unknown" and steps[-1].above_floor:
+    left_over = verdict[-1] == "unknown" and steps[-1].above_floor
+    if left_over:
         lines.append(
             f"The residual stays at {steps[-1].over_floor:.2f} times the floor and no effect of the"
             " library explains it:"
@@ -240,12 +241,17 @@ def explanation(
             f"{_law_command(steps[-1])} looks for the missing force: where it acts, how it looks,"
             " which name comes nearest and what to record next."
         )
+    elif grounds.louder:
+        lines.append(
+            f"{steps[-1].over_floor:.3f} times the floor is left, as much in every run, whatever"
+            " track and speed: that is noise, and more of it than stated."
+        )
     elif steps[-1].unexplained > 0.0:
         lines.append(_of_the_law(steps))
     for effect in steps[-1].rung.model.effects:
         if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
             lines.append(f"What to correct in campaign.toml: {remedy}.")
-    if not steps[-1].above_floor and len(steps) > 1:
+    if not left_over and len(steps) > 1:
         lines.extend(caveats(steps[-1]))
         lines.append("Where the baseline failed:")
         lines.extend(describe(steps[0].comparison.breakdown))
@@ -261,11 +267,6 @@ def _none(baseline: Step, last: Look, grounds: Grounds, limits: Sequence[Limit])
             *_nearest(last),
         ]
     lines = ["The baseline explains the records down to the noise."]
-    if grounds.louder:
-        lines = [
-            f"The baseline comes to {baseline.over_floor:.3f} times the floor and leaves as much"
-            " in every run, whatever track and speed: that is noise, and more of it than stated."
-        ]
     hardly = [limit.effect for limit in limits if limit.unseen > 0.5]
     if hardly:
         lines.append(

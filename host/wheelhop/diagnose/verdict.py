@@ -59,7 +59,8 @@ def conclude(
     angles = Angles(first.rung.fit, first.screened, first.candidates)
     accepted = steps[-1].added
     on_bounds = cramped(steps[-1])
-    left_over = steps[-1].above_floor or bool(on_bounds)
+    not_noise = steps[-1].above_floor and noisier(steps[-1], workshop.noise) < UNLIKELY
+    left_over = not_noise or bool(on_bounds)
     verdict = (*accepted, "unknown") if left_over else accepted or ("none",)
     shown = limits(last if last.screened else first, accepted)
     stands_on = replace(
@@ -149,9 +150,9 @@ def grounds(
     # The noise that a campaign states is taken at its word, unless what is more looks like noise.
     tolerance = 0.0 if floor.is_stated else floor.tolerance
     chance = by_chance(steps[-1].rung, noise, tolerance, steps[-1].allowed)
-    noisier = noisier_sensors(steps[-1].rung, noise) if floor.is_stated else 0.0
-    louder_so = chance < UNLIKELY <= noisier
-    chance = max(chance, noisier)
+    more_noise = noisier(steps[-1], noise)
+    louder_so = chance < UNLIKELY <= more_noise
+    chance = max(chance, more_noise)
     accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
     if verdict[0] in stands:
         final, stand = steps[-1].rung, stands[verdict[0]]
@@ -189,6 +190,11 @@ def noisier_sensors(rung: Rung, noise: float) -> float:
     freedom = sum(free for _, free in tests)
     even = float(chdtrc(freedom, sum(found for found, _ in tests))) if freedom else 0.0
     return min(even, louder(1.0 + excess(rung, noise)))
+
+
+def noisier(step: Step, noise: float) -> float:
+    """The same of a step of a campaign that states its noise; 0 where none is stated."""
+    return noisier_sensors(step.rung, noise) if step.comparison.floor.is_stated else 0.0
 
 
 def _unequal(samples: Sequence[Array]) -> tuple[float, int]:
