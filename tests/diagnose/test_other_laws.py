@@ -1,6 +1,7 @@
 """Machines of other laws than the library's: what it calls by the same name still wins."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,7 +14,7 @@ from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline
 from wheelhop.diagnose.critic import cramped
 from wheelhop.diagnose.judge import of_a_law
-from wheelhop.diagnose.ladder import fit_with
+from wheelhop.diagnose.ladder import _open, fit_with
 from wheelhop.diagnose.look import step_of
 from wheelhop.diagnose.together import without_idle
 from wheelhop.vehicle import read_nominal
@@ -83,6 +84,16 @@ def test_what_laws_of_one_name_differ_by_is_of_the_law():
     assert of_a_law(0.19**2, 1.0)
     assert not of_a_law(2.5**2 - 1.0, 10.0**2 - 1.0)
     assert not of_a_law(1e-6, 0.0)  # no law of the struts is there yet
+
+
+def test_no_group_is_sought_among_laws_that_could_not_hold():
+    """Of a hundred times the noise's power three are left, or nine: three its law may leave."""
+    workshop = SimpleNamespace(noise=1.0)
+    for left, others in ((3.0, {"driver-seat"}), (9.0, {"driver-seat", "dry-friction"})):
+        judging = SimpleNamespace(charged=left, size=1)
+        rung = SimpleNamespace(judging=judging, by_laws=100.0)
+        library = {name: LIBRARY[name] for name in ("driver-seat", "dry-friction")}
+        assert set(_open(rung, library, workshop)) == others
 
 
 def test_a_frame_that_bends_is_no_driver(tmp_path):

@@ -171,7 +171,7 @@ def climb(
             exchanged = exchange(workshop, rung, shorter, tried, effects, progress)
             stands, better = exchanged.stands, exchanged.rung
         if better is None and room > 1 and steps[-1].above_floor:
-            look = look_for_several(workshop, look, effects, room, progress)
+            look = look_for_several(workshop, look, _open(rung, effects, workshop), room, progress)
             first = origin = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
         part = not nearly_all(first.rung, rung, workshop.noise)
@@ -203,6 +203,13 @@ def climb(
     return conclude(
         workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
     )
+
+
+def _open(rung: Rung, effects: Mapping[str, Effect], workshop: Workshop) -> dict[str, Effect]:
+    """The effects of which a group may hold beside what a rung has: not another law of the struts
+    where all that is left is no more than what its own may leave."""
+    settled = of_a_law(power(rung) - workshop.noise**2, rung.by_laws)
+    return {name: e for name, e in effects.items() if not (settled and e.on_rig)}
 
 
 def _look(

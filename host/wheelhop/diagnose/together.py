@@ -99,7 +99,8 @@ def _promising(
     """The pairs that leave least by screening, each once."""
     present = {effect.id for effect in look.rung.model.effects}
     base = look.rung.fit.evidence
-    firsts = [c for c in look.candidates if c.rung.fit.evidence > base][:FIRSTS]
+    open_to = [c for c in look.candidates if c.id in effects]
+    firsts = [c for c in open_to if c.rung.fit.evidence > base][:FIRSTS]
     found = []
     for first in firsts:
         progress(f"screening the others beside {first.id}")
