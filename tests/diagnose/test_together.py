@@ -185,7 +185,7 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
         found = (c for c in looks[0].candidates if c.id == "dry-friction")
         return replace(looks[-1], chosen=next(found) if len(looks) == 1 else None)
 
-    def mount_is_idle(workshop, rung, progress):
+    def mount_is_idle(workshop, rung, baseline, progress):
         return next(c for c in looks[0].candidates if c.id == "dry-friction").rung, {}
 
     monkeypatch.setattr(ladder, "_look", friction_first)
