@@ -54,7 +54,6 @@ def quiet(text):
     pass
 
 
-@pytest.mark.slow
 def test_what_a_law_of_another_form_leaves_is_no_second_law(tmp_path):
     """Friction that holds more while it sticks: a digressive damper takes most of what Coulomb's
     law leaves of it, and is not there. Nor does it stay where it came with friction."""
