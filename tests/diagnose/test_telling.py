@@ -11,8 +11,9 @@ from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose import screen as screening
 from wheelhop.diagnose import together
 from wheelhop.diagnose.ladder import fit_with
-from wheelhop.diagnose.screen import screen, screen_best, telling
+from wheelhop.diagnose.screen import screen, screen_best, taken_alone, telling
 from wheelhop.diagnose.together import exchange
+from wheelhop.fit import fit
 
 
 def runs_that_leave(*above):
@@ -71,6 +72,24 @@ def test_what_explains_far_less_there_is_not_simulated_in_the_others(strong_fric
     few = {run.bench.run.id for run in telling(base)}
     assert all(asked[name] == few for name in others)
     assert len(few) < len(base.runs)
+
+
+def test_what_the_vehicle_promises_by_itself_is_no_effect_s(strong_friction, monkeypatch):
+    """A fit that ends where its derivatives mislead promises much more for a step of the vehicle
+    alone, here of front tyres 5 % too stiff. No effect is likelier for that."""
+    workshop, fitted = strong_friction.workshop, strong_friction.rung.fit
+    tyre = "wheel.front.tyre_stiffness_N_m"
+    astray = fitted.model.with_values({tyre: 1.05 * fitted.model.values[tyre]})
+    monkeypatch.setitem(fit.__globals__, "ITERATIONS", 0)
+    away = fit(workshop, astray, fitted.shared, workshop.of_role("fit"))
+    alone = taken_alone(away).gain
+    assert taken_alone(fitted).gain < 1e-3 * alone
+    effects = [LIBRARY[n] for n in ("dry-friction", "engine-vibration", "tyre-lift-off")]
+    there = {s.variant.effect.id: s for s in screen(workshop, fitted, effects)}
+    for item in screen(workshop, away, effects):
+        told = there[item.variant.effect.id]
+        assert item.gain == pytest.approx(told.gain, rel=0.15)
+        assert item.error / away.error == pytest.approx(told.error / fitted.error, rel=0.13)
 
 
 def test_where_nothing_is_left_every_run_is_asked(strong_friction, monkeypatch):

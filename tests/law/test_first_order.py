@@ -6,7 +6,7 @@ from tests.component import rig
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.screen import screen, taken_alone
 from wheelhop.diagnose.verdict import limits
 from wheelhop.law.first_order import screen_places
 from wheelhop.law.formula import Formula
@@ -26,7 +26,7 @@ def test_a_sum_of_terms_screens_as_if_it_were_simulated(tmp_path):
     base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
     workshop, fitted, where = base.workshop, base.rung.fit, Where("component", "strut", (0,))
     moves = Moves(workshop, base.rung.model)
-    moved, signatures = moves.of(where), Signatures(workshop, fitted, moves)
+    moved, signatures = moves.of(where), Signatures(workshop, fitted, moves, taken_alone(fitted))
     terms = candidates(moved.extension, moved.rate)[:6]
     alone = [Formula(where, [term]) for term in terms]
     sums = Sums(signatures, alone)

@@ -134,11 +134,12 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
     """
     chosen = [variant for effect in effects for variant in variants(workshop, base, effect)]
     found: dict[str, list[Screened]] = {}
+    alone = taken_alone(base)
     for first in range(0, len(chosen), AT_ONCE):
         some = chosen[first : first + AT_ONCE]
         tables = tabulated(workshop, base, some)
         for i, variant in enumerate(some):
-            result = solve(base, variant, [table[i] for table in tables])
+            result = solve(base, variant, [table[i] for table in tables], alone)
             found.setdefault(variant.effect.id, []).append(result)
     best = {effect_id: _best_of(results) for effect_id, results in found.items()}
     for effect in effects:
@@ -153,11 +154,9 @@ def screen_best(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> lis
     says little of them."""
     if not effects or all_noise(base, workshop.noise):
         return screen(workshop, base, effects)
-    rough = replace(base, runs=telling(base))
-    alone = _vehicle_alone(rough, effects[0])
-    found = screen(workshop, rough, effects)
-    best = max((s.gain - alone for s in found), default=0.0)
-    kept = {s.variant.effect.id for s in found if s.gain - alone >= best / 2 or s.freedom == 0}
+    found = screen(workshop, replace(base, runs=telling(base)), effects)
+    best = max((s.gain for s in found), default=0.0)
+    kept = {s.variant.effect.id for s in found if s.gain >= best / 2 or s.freedom == 0}
     return screen(workshop, base, [effect for effect in effects if effect.id in kept])
 
 
@@ -170,14 +169,23 @@ def telling(base: Fit) -> tuple[RunFit, ...]:
     return tuple(base.runs[i] for i in sorted(enough))
 
 
-def _vehicle_alone(base: Fit, effect: Effect) -> float:
-    """The gain of an effect without numbers, where the vehicle alone moves: a few of the runs that
-    it was fitted to do not hold it where it is."""
+class Taken(NamedTuple):
+    """What a step to first order takes: the drop of the cost, and the sum of squares it leaves."""
+
+    gain: float
+    rss: float
+
+
+def taken_alone(base: Fit) -> Taken:
+    """What the vehicle and every run promise to take by themselves. Nothing where the fit is at its
+    minimum; but where its derivatives mislead, or some of its runs are looked at alone, that is
+    much, and none of it is an effect's."""
     tables = []
     for run in base.runs:
         none = Columns(np.zeros((run.bench.size, 0)), np.zeros((run.bench.size, 0)))
         tables.append(run_table(run, base, none, Known.of(run).with_columns(run, none)))
-    return solve(base, Variant(effect, "", {}, ()), tables).gain
+    _, alone = _taken(base, (), tables)
+    return alone if np.isfinite(alone.gain) else Taken(0.0, base.rss)
 
 
 def tabulated(workshop: Workshop, base: Fit, chosen: Sequence[Variant]) -> list[list[Table]]:
@@ -226,50 +234,63 @@ def _run_tables(
     return [run_table(run, base, c, known.with_columns(run, c)) for c in columns]
 
 
-def solve(base: Fit, variant: Variant, tables: Sequence[Table]) -> Screened:
-    """The amplitudes that explain most of all runs, within their bounds, and what they leave."""
+def solve(
+    base: Fit, variant: Variant, tables: Sequence[Table], alone: Taken | None = None
+) -> Screened:
+    """The amplitudes that explain most of all runs, within their bounds, and what they leave; what
+    is taken `alone`, without them, is not theirs."""
+    alone = alone or Taken(0.0, base.rss)
+    x, taken = _taken(base, variant.amplitudes, tables)
     g = len(base.shared)
-    weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
-    matrix = np.sum([t.matrix for t in tables], axis=0)
-    gradient = np.sum([t.gradient for t in tables], axis=0)
-    matrix[:g, :g] += np.diag(weight + 1e-9 * (base.sigma**2 + weight))
-    own_gain, own_price = sum(t.gain for t in tables), sum(t.price for t in tables)
-    if not (np.isfinite(own_gain) and np.isfinite(own_price)):  # what a run has for itself ran away
-        own_gain, own_price = 0.0, 0.0
-    amplitudes = {p.name: p.absent for p in variant.amplitudes}
-    gain, along, rss = -np.inf, dict[str, float](), base.rss
-    if np.isfinite(matrix).all():  # else the simulation ran away: not at this strength
-        # A signature these runs hardly show must not call for an absurd amplitude.
-        most = ABSURD * np.array([p.scale for p in variant.amplitudes])
-        matrix[g:, g:] += np.diag(1e-9 * np.diag(matrix)[g:] + (base.sigma / most) ** 2)
-        x, gain = _bounded(matrix, gradient, g, variant.amplitudes)
-        amplitudes = {
-            p.name: p.absent + float(d) for p, d in zip(variant.amplitudes, x[g:], strict=True)
-        }
-        along = {f.name: f.scale * float(d) for f, d in zip(base.shared, x[:g], strict=True)}
-        left = [table.left(x) for table in tables]
-        rss = float(sum(squares.sum() for squares in left))
-        gain += sum(
-            beyond(r, base.sigma, squares) for r, squares in zip(base.runs, left, strict=True)
-        )
-    gain = (gain + own_gain) / base.sigma**2
-    energy = sum(run.bench.energy for run in base.runs)
+    away = x[g:].tolist()
+    amplitudes = {p.name: p.absent + d for p, d in zip(variant.amplitudes, away, strict=True)}
+    own_price = sum(t.price for t in tables)
     numbers = sum(not p.switch for p in variant.amplitudes) + len(variant.shapes)
+    left = taken.rss / alone.rss if alone.rss > 0.0 else 1.0
+    energy = sum(run.bench.energy for run in base.runs)
     return Screened(
         variant,
         amplitudes,
-        gain,
+        taken.gain - alone.gain,
         numbers + sum(t.freedom for t in tables),
         # What all runs share has no firm prior: as in BIC, it is worth one datum.
-        price=numbers * float(np.log(base.size)) + own_price,
-        error=float(np.sqrt(rss / energy)),
+        price=numbers * float(np.log(base.size)) + (own_price if np.isfinite(own_price) else 0.0),
+        error=float(np.sqrt(left * base.rss / energy)),
         contribution={
             r.bench.run.id: t.signatures @ np.array(list(amplitudes.values()), np.float32)
             for r, t in zip(base.runs, tables, strict=True)
         },
-        information=_information(np.sum([t.at_noise for t in tables], axis=0), weight, base.sigma),
-        along=along,
+        information=_information(
+            np.sum([t.at_noise for t in tables], axis=0), _weight(base), base.sigma
+        ),
+        along={f.name: f.scale * float(d) for f, d in zip(base.shared, x[:g], strict=True)},
     )
+
+
+def _taken(
+    base: Fit, amplitudes: Sequence[Parameter], tables: Sequence[Table]
+) -> tuple[Array, Taken]:
+    """The step of shared parameters and amplitudes that takes most, and what it takes."""
+    g, weight = len(base.shared), _weight(base)
+    matrix = np.sum([t.matrix for t in tables], axis=0)
+    gradient = np.sum([t.gradient for t in tables], axis=0)
+    matrix[:g, :g] += np.diag(weight + 1e-9 * (base.sigma**2 + weight))
+    if not np.isfinite(matrix).all():  # the simulation ran away: not at this strength
+        return np.zeros(len(gradient)), Taken(-np.inf, base.rss)
+    # A signature these runs hardly show must not call for an absurd amplitude.
+    most = ABSURD * np.array([p.scale for p in amplitudes])
+    matrix[g:, g:] += np.diag(1e-9 * np.diag(matrix)[g:] + (base.sigma / most) ** 2)
+    x, gain = _bounded(matrix, gradient, g, amplitudes)
+    left = [table.left(x) for table in tables]
+    gain += sum(beyond(r, base.sigma, each) for r, each in zip(base.runs, left, strict=True))
+    own_gain = sum(t.gain for t in tables)
+    gain += own_gain if np.isfinite(own_gain) else 0.0  # what a run has for itself may run away
+    return x, Taken(gain / base.sigma**2, float(sum(squares.sum() for squares in left)))
+
+
+def _weight(base: Fit) -> Array:
+    """What is believed of the shared parameters, per scale, times σ²."""
+    return np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
 
 
 def _information(matrix: Array, weight: Array, sigma: float) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, ComponentCampaign
-from wheelhop.diagnose.screen import Screened, solve
+from wheelhop.diagnose.screen import Screened, Taken, solve
 from wheelhop.diagnose.screen_table import Columns, Known, Table, run_table
 from wheelhop.diagnose.signatures import Variant, prepare, signatures, variants
 from wheelhop.effects import Effect
@@ -39,10 +39,14 @@ Columned = Sequence[Sequence[tuple[Effect, str]]]
 
 class Signatures:
     """Signatures (size, a) of terms, effects with amplitudes and nothing else, in the runs of a
-    fit; each is computed once. Whether they `follow_records` or the motion of the model."""
+    fit; each is computed once. Whether they `follow_records` or the motion of the model. What the
+    vehicle takes `alone` counts for no term."""
 
-    def __init__(self, workshop: Workshop, base: Fit, moves: Moves) -> None:
+    def __init__(
+        self, workshop: Workshop, base: Fit, moves: Moves, alone: Taken | None = None
+    ) -> None:
         self.workshop, self.base, self._moves = workshop, base, moves
+        self.by_vehicle = alone
         self.known = workshop.each(Known.of, base.runs)
         self._found: dict[Effect, list[Array]] = {}
         self._free: dict[tuple[Where, Form], FreeForce] = {}
@@ -173,7 +177,7 @@ class Sums:
         chosen = self._chosen(columns)
         base, variant = self._of.base, Variant(total, "", {}, parameters)
         tables = [_summed(table, chosen[self._fine], len(base.shared)) for table in self._tables]
-        found = solve(base, variant, tables)
+        found = solve(base, variant, tables, self._of.by_vehicle)
         if chosen[~self._fine].any():
             return replace(found, gain=-np.inf)
         return found

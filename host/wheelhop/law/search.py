@@ -12,7 +12,7 @@ from wheelhop.diagnose import Progress, Rung, fit_baseline
 from wheelhop.diagnose.confirm import confirm, least_gain
 from wheelhop.diagnose.judge import at_noise
 from wheelhop.diagnose.ladder import fit_with, one_more
-from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.screen import Screened, screen, taken_alone
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, foreseen
@@ -114,7 +114,7 @@ def screened(
     """Every place with what promises most there, and what that was told by."""
     progress("screening free laws at every place")
     moves = Moves(workshop, base.model)
-    signatures = Signatures(workshop, base.fit, moves)
+    signatures = Signatures(workshop, base.fit, moves, taken_alone(base.fit))
     return screen_places(signatures, base, moves), signatures, moves
 
 
