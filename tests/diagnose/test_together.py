@@ -107,7 +107,7 @@ def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simul
     monkeypatch.setattr(confirming, "least_gain", lambda workshop, rung: 0.0)
     for name in ("unforeseen", "noticeable", "all_noise"):
         monkeypatch.setattr(confirming, name, lambda rung, noise: False)
-    grown = together._grown(SimpleNamespace(noise=1.0), group, effects, quiet)
+    grown = together._grown(SimpleNamespace(noise=1.0), group, effects, (), quiet)
     assert tried == simulated and grown is None  # none makes it likelier
 
 
@@ -153,6 +153,11 @@ def test_no_pair_stands_in_for_what_is_not_in_the_library(loose):
     told = []
     assert look_for_several(workshop, look, library, 3, told.append) is look
     assert told[-1] == "screening the others beside progressive-spring and sensor-mount"
+    # Where the search has been with the two, it does not begin to fit them again.
+    told.clear()
+    visited = [frozenset(("progressive-spring", "sensor-mount"))]
+    assert look_for_several(workshop, look, library, 3, told.append, visited) is look
+    assert told[-1].startswith("simulating")
 
 
 @pytest.mark.slow

@@ -97,7 +97,7 @@ def confirm(
     fit does it justice. What has no hope to come as far as one of the models `beside` it ends
     early.
     """
-    bar = _bar(beside, screened.variant.effect.has_random_heights)
+    bar = -inf if screened.variant.effect.has_random_heights else least_cost(beside)
     best: Fit | None = None
     believed = False
     starts = _starts(workshop, base, screened)[: len(SHARES)]
@@ -123,7 +123,9 @@ def confirm(
     rough = validate(workshop, replace(best, model=foreseeing), base.update)
     worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
     if worse:
-        return min(rough, refit(workshop, rough, base), key=lambda rung: rung.fit.cost)
+        return min(
+            rough, refit(workshop, rough, least_cost([base])), key=lambda rung: rung.fit.cost
+        )
     return rough
 
 
@@ -147,14 +149,15 @@ def _believable(found: Fit, free: Sequence[Free]) -> bool:
     return all(abs(values[f.name] - f.mean) < FAR * f.sigma for f in free)
 
 
-def refit(workshop: Workshop, rung: Rung, ahead: Rung | None = None) -> Rung:
+def refit(workshop: Workshop, rung: Rung, bar: float = -inf) -> Rung:
     """Fit all parameters of a rung again, with all derivatives following the model; runs that stay
-    far above the others are placed on their track anew. A fit that has no hope to come as far as
-    the rung `ahead` ends early."""
+    far above the others are placed on their track anew. A fit that has no hope to come below the
+    cost `bar` ends early; the cost of unknown heights of the ground is held against none."""
     model, benches = placed_anew(workshop, rung), workshop.of_role("fit")
-    bar = _bar([] if ahead is None else [ahead], model.random_heights is not None)
+    bar = bar if model.random_heights is None else -inf
     found = fit(workshop, model, rung.fit.shared, benches, bar=bar)
-    if model.effects and bar == -inf and not all_noise(found, workshop.noise):
+    promising = bar == -inf or found.cost < bar
+    if model.effects and promising and not all_noise(found, workshop.noise):
         found = off_the_plateau(workshop, found)
     return validate(workshop, found, before=model)
 
@@ -182,11 +185,11 @@ def off_the_plateau(workshop: Workshop, found: Fit) -> Fit:
     return best if best is found else fit(workshop, best.model, found.shared, benches)
 
 
-def _bar(rivals: Sequence[Rung], has_random_heights: bool) -> float:
-    """The least cost among rivals. Unknown heights have another likelihood: what they cost says
-    nothing of models without."""
+def least_cost(rivals: Sequence[Rung]) -> float:
+    """The least cost among rivals, −∞ without any. Unknown heights have another likelihood: what
+    they cost says nothing of models without."""
     alike = [r.fit.cost for r in rivals if r.model.random_heights is None]
-    return -inf if has_random_heights else min(alike, default=-inf)
+    return min(alike, default=-inf)
 
 
 def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = False) -> Rung:

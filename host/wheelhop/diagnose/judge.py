@@ -266,6 +266,12 @@ def nearly_all(base: Rung, rung: Rung, noise: float) -> bool:
     return noise > 0.0 and excess(rung, noise) <= (1.0 - NEARLY_ALL) * excess(base, noise)
 
 
+def worth_seeking(fit: Fit) -> float:
+    """What has to be taken of a fit's cost to be worth a search of its own: a tenth of what is left
+    above the noise. What takes less leaves that as unexplained as it is."""
+    return (1.0 - NEARLY_ALL) * (fit.cost - fit.size)
+
+
 def lead(rung: Rung, rival: Rung) -> float:
     """By how much more the rival leaves of the runs fitted and held out, in units of what `rung`
     leaves of those it was fitted to, coefficient by coefficient.

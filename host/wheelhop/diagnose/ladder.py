@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from math import inf
 from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
-from wheelhop.diagnose.confirm import confirm, refit, worth_simulating
+from wheelhop.diagnose.confirm import confirm, least_cost, refit, worth_simulating
 from wheelhop.diagnose.critic import criticism, refuted
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.forgets import (
@@ -32,6 +33,7 @@ from wheelhop.diagnose.judge import (
     noticeable,
     of_a_law,
     power,
+    worth_seeking,
 )
 from wheelhop.diagnose.look import Candidate, Look, contradicted, on_one_floor, step_of, steps_of
 from wheelhop.diagnose.ranking import why_not
@@ -178,7 +180,8 @@ def climb(
         if better is None and alone and part and steps[-1].above_floor:
             # The first may have been taken for what only several explain: it takes a place.
             alone = False
-            anew = look_for_several(workshop, first, effects, max_effects, progress)
+            visited = [frozenset(e.id for e in k.rung.model.effects) for k in tried]
+            anew = look_for_several(workshop, first, effects, max_effects, progress, visited)
             group = anew.chosen.rung if anew.chosen is not None else rung
             if anew is not first and Incumbent(workshop, rung).gives_way_to(group):
                 origin, better, steps = anew, group, steps[:1]
@@ -271,13 +274,15 @@ def _refit_leaders(
     """The candidates, the best two that hold fitted with all derivatives; the best first.
 
     A quick fit favours effects that resemble what the vehicle's own parameters do, and it may end
-    where its derivatives no longer hold: before none is believed, the best few are fitted so, too.
+    where its derivatives no longer hold: before none is believed, the best few are fitted so, too,
+    as far as there is hope that they take a part of what is left that is worth it.
     """
     workshop, rung = incumbent.workshop, incumbent.rung
-    leaders = [c for c in candidates if c.holds][:2]
+    leaders, bar = [c for c in candidates if c.holds][:2], -inf
     if not leaders and above_floor:
         # What a fit that went astray makes of runs held out says nothing of the effect.
         leaders = sorted(candidates, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
+        bar = rung.fit.cost - worth_seeking(rung.fit)
     refitted: list[Candidate] = []
     for leader in leaders:
         ahead = next((c.rung for c in refitted if c.holds), None)
@@ -285,8 +290,9 @@ def _refit_leaders(
             refitted.append(leader)
             continue
         progress(f"fitting the vehicle with {leader.id}")
-        better = refit(workshop, leader.rung, ahead)
-        if not at_noise(better, workshop.noise):
+        better = refit(workshop, leader.rung, least_cost([ahead]) if ahead else bar)
+        worth = leader.holds or better.fit.cost < bar
+        if worth and not at_noise(better, workshop.noise):
             better = _best_form(workshop, rung, leader.screened, better)
         refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
@@ -304,7 +310,7 @@ def _best_form(workshop: Workshop, rung: Rung, screened: Screened, found: Rung) 
             present.add(other.variant.choice)
             rival = confirm(workshop, rung, replace(other, others=()), beside=[found])
             if rival.error_judging <= HOPELESS * found.error_judging:
-                rival = refit(workshop, rival, ahead=found)
+                rival = refit(workshop, rival, least_cost([found]))
             if rival.fit.cost < found.fit.cost:
                 found = best_first([found, rival], workshop.noise)[0]
     return found

@@ -13,7 +13,7 @@ library tried in its place, so that the order of acceptance does not decide the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import comb, inf
 from typing import NamedTuple
@@ -29,7 +29,6 @@ from wheelhop.diagnose.confirm import (
 )
 from wheelhop.diagnose.judge import (
     HOPELESS,
-    NEARLY_ALL,
     Rung,
     at_noise,
     best_first,
@@ -39,6 +38,7 @@ from wheelhop.diagnose.judge import (
     nearly_all,
     of_a_law,
     power,
+    worth_seeking,
 )
 from wheelhop.diagnose.look import Candidate, Look, contradicted
 from wheelhop.diagnose.screen import Screened, screen_best
@@ -65,11 +65,17 @@ class _Group(NamedTuple):
 
 
 def look_for_several(
-    workshop: Workshop, look: Look, effects: Mapping[str, Effect], room: int, progress: Progress
+    workshop: Workshop,
+    look: Look,
+    effects: Mapping[str, Effect],
+    room: int,
+    progress: Progress,
+    visited: Collection[frozenset[str]] = (),
 ) -> Look:
     """The look at a residual no single effect explains, with a group of effects chosen that does,
-    at most `room` of them; as it was if there is none."""
-    group = _best_pair(workshop, look, effects, progress)
+    at most `room` of them; as it was if there is none, or the way to it leads over effects that
+    were `visited` together: what can be added to these is known."""
+    group = _best_pair(workshop, look, effects, visited, progress)
     incumbent = Incumbent(workshop, look.rung)
     while group is not None:
         tried = comb(len(effects), len(group.members))
@@ -77,12 +83,18 @@ def look_for_several(
         odds = log_odds(base, group.rung, workshop.noise)
         if _holds(workshop, base, group, odds, tried):
             return _chosen(look, group, odds, tried)
-        group = _grown(workshop, group, effects, progress) if len(group.members) < room else None
+        if len(group.members) == room:
+            break
+        group = _grown(workshop, group, effects, visited, progress)
     return look
 
 
 def _best_pair(
-    workshop: Workshop, look: Look, effects: Mapping[str, Effect], progress: Progress
+    workshop: Workshop,
+    look: Look,
+    effects: Mapping[str, Effect],
+    visited: Collection[frozenset[str]],
+    progress: Progress,
 ) -> _Group | None:
     found: list[_Group] = []
     for first, second in _promising(workshop, look, effects, progress):
@@ -90,7 +102,7 @@ def _best_pair(
         progress(f"simulating {' with '.join(pair.ids)}")
         beside = [group.rung for group in found]
         found.append(pair._replace(rung=confirm(workshop, first.rung, second, beside)))
-    return _fitted(workshop, found, progress)
+    return _fitted(workshop, found, visited, progress)
 
 
 def _promising(
@@ -117,7 +129,11 @@ def _promising(
 
 
 def _grown(
-    workshop: Workshop, group: _Group, effects: Mapping[str, Effect], progress: Progress
+    workshop: Workshop,
+    group: _Group,
+    effects: Mapping[str, Effect],
+    visited: Collection[frozenset[str]],
+    progress: Progress,
 ) -> _Group | None:
     """The group with the effect that explains most beside it; None where none makes it likelier."""
     present = {effect.id for effect in group.rung.model.effects}
@@ -125,8 +141,7 @@ def _grown(
     progress(f"screening the others beside {' and '.join(group.ids)}")
     screened = screen_best(workshop, group.rung.fit, others)
     fitted = group.rung.fit
-    above_noise = fitted.cost - fitted.size
-    hope = max((s.gain for s in screened), default=0.0) > (1.0 - NEARLY_ALL) * above_noise
+    hope = max((s.gain for s in screened), default=0.0) > worth_seeking(fitted)
     found: list[_Group] = []
     # Where the best is no more than a part, many explain nearly as much: not all are simulated.
     # Where all are next to nothing, only what first order cannot judge is.
@@ -142,15 +157,20 @@ def _grown(
         rung = confirm(workshop, group.rung, item, beside)
         found.append(_Group((*group.members, item), rung))
     found = [grown for grown in found if grown.rung.fit.evidence > fitted.evidence]
-    return _fitted(workshop, found, progress)
+    return _fitted(workshop, found, visited, progress)
 
 
-def _fitted(workshop: Workshop, found: list[_Group], progress: Progress) -> _Group | None:
-    """The group the fitted runs favour, fitted with all derivatives. Runs held out judge it only as
-    a whole: without the others, some of its effects make these worse."""
-    if not found:
+def _fitted(
+    workshop: Workshop,
+    found: Sequence[_Group],
+    visited: Collection[frozenset[str]],
+    progress: Progress,
+) -> _Group | None:
+    """The group the fitted runs favour, fitted with all derivatives, unless it was `visited`. Runs
+    held out judge it only as a whole: without the others, some of its effects make these worse."""
+    group = max(found, key=lambda group: group.rung.fit.evidence, default=None)
+    if group is None or frozenset(group.ids) in visited:
         return None
-    group = max(found, key=lambda group: group.rung.fit.evidence)
     progress(f"fitting the vehicle with {' and '.join(group.ids)}")
     return group._replace(rung=refit(workshop, group.rung))
 
