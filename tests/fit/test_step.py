@@ -58,12 +58,13 @@ def test_no_other_step_costs_less(loud):
 
     start = np.zeros(SHARED_NUMBERS + 2 * OWN_NUMBERS)
     best = optimize.minimize(whole, start, method="BFGS", options={"gtol": 1e-4})
-    step, own = least(
+    step, own, promised = least(
         prior, [linear(*run) for run in zip(columns, residuals, strict=True)], 0.0, 1e-9
     )
     found = np.concatenate([step, *own])
     assert found == pytest.approx(best.x, abs=2e-4)
     assert whole(found) <= whole(best.x) + 1e-6
+    assert promised == pytest.approx(whole(start) - whole(found), rel=1e-6)
 
 
 class TwoChannels(LinearBench):

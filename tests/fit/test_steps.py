@@ -73,6 +73,17 @@ def test_derivatives_serve_as_long_as_steps_gain_three_tenths(share, renewed):
     assert [simulated for _, _, simulated in seen[:3]] == ([1, 2, 3] if renewed else [1, 1, 1])
 
 
+def test_derivatives_are_renewed_in_the_runs_that_they_misled_about():
+    """One of three runs is bent; those of the others are right from the first time on."""
+    benches = benches_of(6)
+    bent, *straight = benches
+    bent.law = lambda x: x + 0.01 * x**3
+    bent.measured = bent.matrix @ bent.law(np.linalg.lstsq(bent.matrix, bent.measured)[0])
+    found = fit(Shop(), START, SHARED, benches)
+    assert [bench.asked for bench in straight] == [1, 1] and bent.asked > 2
+    assert found.rss / found.size < 1.2 * SIGMA**2
+
+
 @pytest.mark.parametrize(("bar", "steps"), [(0.7, 1), (0.81, 60), (-np.inf, 60)])
 def test_a_fit_ends_when_ten_steps_as_good_as_the_last_would_not_do(bar, steps):
     """Each of sixty takes 2 % of the cost. After the first, ten more like it would lead to 78 %."""
@@ -100,8 +111,8 @@ def test_a_model_that_runs_away_is_a_step_too_far():
 
 
 def test_a_fit_that_no_step_helps_gives_up():
-    """Derivatives of the wrong sign: eight times as careful each time, up to ten times the model's
-    own resistance, from a thousandth of it."""
+    """Derivatives of the wrong sign: eight times as careful each time, from a thousandth of the
+    model's own resistance to more than all of it."""
     bench, model = single(steepness=-1.0)
     found, seen = watched(bench, model)
     assert len(seen) == 5
@@ -126,6 +137,14 @@ def test_a_fit_that_no_further_step_helps_gives_up():
     bench, model = single(truth=1e3)
     _, seen = watched(Turning(bench.run, bench.matrix, bench.measured, bench.names), model)
     assert [simulated for _, _, simulated in seen] == [1, 2, 3] + 8 * [4]
+
+
+def test_what_promises_nothing_is_tried_once():
+    """Where the fit has ended its derivatives promise no more, though they exaggerate and a step
+    along them does harm: none is made shorter."""
+    bench, model = single(steepness=0.4, begin=0.999)
+    _, seen = watched(bench, model)
+    assert len(seen) == 1
 
 
 def test_a_fit_that_begins_at_its_end_ends_at_once():

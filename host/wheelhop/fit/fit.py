@@ -38,6 +38,9 @@ LEAST_DAMPING = 1e-8
 """Along what little but the priors holds (every distance gained, against the start) a step of a
 larger damping would be a hundredth of the way."""
 
+MOST_DAMPING = 1.0
+"""Where even half a step along true derivatives does not help, none does."""
+
 CONVERGED = 1e-4
 """The fit ends when a step lowers the cost by less than this fraction of it, or, as −2 ln p has no
 zero and may be negative, of the number of data: what noise costs."""
@@ -46,7 +49,8 @@ CONVERGED_QUICK = 3e-3
 """The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
 
 SOLVED = 0.1
-"""A step is solved for to this share of that, which is small beside what a fit neglects."""
+"""A step is solved for to this share of that, which is small beside what a fit neglects; and
+derivatives that missed less in a run's share of the data are not renewed there."""
 
 WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
@@ -143,13 +147,13 @@ def foreseen(
 
 @RUNS_AWAY
 def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
-    state, damping, fresh = problem.linearise(problem.completed(model)), FIRST_DAMPING, True
+    state, damping = problem.linearise(problem.completed(model)), FIRST_DAMPING
     if not np.isfinite(state.cost):
         return state
     for iteration in range(ITERATIONS):
         if problem.shared:
             problem.workshop.watch(iteration + 1, state.error)
-        trial = problem.stepped(state, damping)
+        trial, promised = problem.stepped(state, damping)
         drop = state.cost - trial.cost if np.isfinite(trial.cost) else -np.inf
         gain = drop / max(state.cost, state.size)
         if gain > 0:
@@ -159,13 +163,15 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
         if gain > 0 and state.cost - AHEAD * drop > bar > -np.inf:
             break
         if gain > WORTHWHILE:  # old derivatives still serve: new ones cost many simulations
-            fresh = False
-        elif gain <= 0 and fresh:
-            damping *= 8.0
-            if damping > 10.0:
-                break
+            continue
+        if gain > 0:
+            state = problem.renewed(state)
+        elif promised < problem.converged * max(state.cost, state.size) or damping > MOST_DAMPING:
+            break
+        elif any(run.missed for run in state.runs):
+            state = problem.linearise(state.model)
         else:
-            state, fresh = problem.linearise(state.model), True
+            damping *= 8.0
     return problem.concluded(state)
 
 
@@ -199,10 +205,19 @@ class _Problem:
                 model = model.with_heights({bench.run.id: level, **model.heights})
         return model
 
-    def linearise(self, model: Model) -> Fit:
-        """Residuals, derivatives, noise and cost at a model; infinite if it is not stable."""
-        systems = self.workshop.systems(model)
-        self.workshop.ahead(model, systems, self.benches)
+    def renewed(self, state: Fit) -> Fit:
+        """The state with new derivatives of the runs in which the old ones missed more than is
+        small beside what the fit neglects. A run that is still out of place needs many; the others
+        are done."""
+        least = SOLVED * self.converged * max(state.cost, state.size) / len(state.runs)
+        return self.linearise(state.model, [r for r in state.runs if r.missed**2 < least])
+
+    def linearise(self, model: Model, known: Sequence[RunFit] = ()) -> Fit:
+        """Residuals, derivatives, noise and cost at a model; infinite if it is not stable. Some of
+        the runs are `known` there."""
+        systems, found = self.workshop.systems(model), {run.bench.run.id: run for run in known}
+        benches = [bench for bench in self.benches if bench.run.id not in found]
+        self.workshop.ahead(model, systems, benches)
         moved = {}
         for free in self.shared:
             if free.name not in self.borrowed:
@@ -222,15 +237,15 @@ class _Problem:
             trials = [moved[f.name] for f in others]
             trials += [(move.model, systems) for move in together]
             changes = bench.changes((model, systems), trials)
-            found = {
+            made = {
                 f.name: bench.coefficients(change) / f.step
                 for f, change in zip(others, changes, strict=False)
             }
             for move, change in zip(together, changes[len(others) :], strict=True):
                 for k, part in move.parts(bench, change):
-                    found[new[k].name] = part / new[k].step
-            if found:
-                columns |= zip(found, kept(np.array([*found.values()])), strict=True)
+                    made[new[k].name] = part / new[k].step
+            if made:
+                columns |= zip(made, kept(np.array([*made.values()])), strict=True)
             free = (*self.shared, *own)
             derivatives = Derivatives([columns[f.name] for f in free], len(self.shared))
             heights = None
@@ -241,7 +256,8 @@ class _Problem:
             even = np.ones(bench.size)
             return RunFit(bench, own, residual, derivatives, even, heights)
 
-        runs = tuple(self.workshop.each(linearise_run, self.benches))
+        found |= {run.bench.run.id: run for run in self.workshop.each(linearise_run, benches)}
+        runs = tuple(found[bench.run.id] for bench in self.benches)
         state = Fit(model, self.shared, runs, self.belief.precision, 1.0, np.inf, 0.0)
         return self.weighted(state) if np.isfinite(state.rss) else state
 
@@ -276,19 +292,24 @@ class _Problem:
             likelihood = sum(r.bench.cost(r.residual, state.sigma) for r in state.runs)
         return replace(state, cost=likelihood + self._prior(state.model, state.runs))
 
-    def stepped(self, state: Fit, damping: float) -> Fit:
-        """The state after a damped Gauss–Newton step: residuals and cost (at the same noise) are
-        new, derivatives old."""
-        model = self._moved(state, damping)
+    def stepped(self, state: Fit, damping: float) -> tuple[Fit, float]:
+        """The state after a damped Gauss–Newton step, and the drop of the cost that it promised:
+        residuals and cost (at the same noise) are new, derivatives old."""
+        model, promised = self._moved(state, damping)
         systems = self.workshop.systems(model)
         self.workshop.ahead(model, systems, self.benches)
+        step = _way(self.shared, state.model.values, model.values)
 
         def moved(run: RunFit) -> RunFit:
-            residual = run.bench.residual(model, systems)
-            return replace(run, residual=residual, heights=_heights_in(run, model))
+            residual, run_id = run.bench.residual(model, systems), run.bench.run.id
+            own = _way(run.own, state.model.runs[run_id], model.runs[run_id])
+            foreseen = run.residual - run.jacobian @ np.concatenate([step, own])
+            missed = float(np.linalg.norm((residual - foreseen) / run.spread)) / state.sigma
+            heights = _heights_in(run, model)
+            return replace(run, residual=residual, heights=heights, missed=run.missed + missed)
 
         runs = tuple(self.workshop.each(moved, state.runs))
-        return self._costed(replace(state, model=model, runs=runs))
+        return self._costed(replace(state, model=model, runs=runs)), promised
 
     def concluded(self, state: Fit) -> Fit:
         """The state with precision and prior volume."""
@@ -296,12 +317,12 @@ class _Problem:
         runs = tuple(replace(r, heights=r.heights and r.heights.settled()) for r in state.runs)
         return replace(state, runs=runs, precision=precision, log_volume=log_volume)
 
-    def _moved(self, state: Fit, damping: float) -> Model:
+    def _moved(self, state: Fit, damping: float) -> tuple[Model, float]:
         runs = [self.linear(run, state) for run in state.runs]
         prior = Prior(self.belief.precision, self.belief.pull(state.model.values))
         enough = SOLVED * self.converged * max(state.cost, state.size)
         enough = enough if damping < FIRST_DAMPING else np.inf
-        step, own_steps = least(prior, runs, damping, enough)
+        step, own_steps, promised = least(prior, runs, damping, enough)
         model = state.model.with_values(_moved(self.shared, state.model.values, step))
         for run, linear, own_step in zip(state.runs, runs, own_steps, strict=True):
             run_id = run.bench.run.id
@@ -311,7 +332,7 @@ class _Problem:
                 ahead, less = linear.heights
                 moved = run.heights.coefficients + ahead - less @ np.concatenate([step, own_step])
                 model = model.with_heights({run_id: moved.reshape(2, -1)})
-        return model
+        return model, promised
 
     def _prior(self, model: Model, runs: Sequence[RunFit]) -> float:
         total = self.belief.distance(model.values)
@@ -359,6 +380,11 @@ def _heights_in(run: RunFit, model: Model) -> Heights | None:
 
 def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:
     return {free.name: values.get(free.name, free.mean) + free.step * free.scale}
+
+
+def _way(free: Sequence[Free], before: Mapping[str, float], after: Mapping[str, float]) -> Array:
+    """How far numbers moved, per `Free.scale`."""
+    return np.array([(after[f.name] - before.get(f.name, f.mean)) / f.scale for f in free])
 
 
 def _moved(free: Sequence[Free], values: Mapping[str, float], step: Array) -> dict[str, float]:

@@ -47,8 +47,9 @@ def kept(columns: Array) -> NDArray[np.floating]:
 @dataclass(frozen=True, eq=False)
 class RunFit:
     """One run at the solution: its own parameters, residual (size,) and derivatives; the `spread`
-    (size,) of the residual per the sensors' noise; and the unknown heights of its ground, if an
-    effect adds any."""
+    (size,) of the residual per the sensors' noise; the unknown heights of its ground, if an effect
+    adds any; and how much `missed` the steps made with these derivatives what they foresaw, as the
+    length of a residual per spread."""
 
     bench: Bench
     own: tuple[Free, ...]
@@ -56,6 +57,7 @@ class RunFit:
     derivatives: Derivatives
     spread: Array
     heights: Heights | None = None
+    missed: float = 0.0
 
     @property
     def jacobian(self) -> Array:

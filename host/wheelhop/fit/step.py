@@ -131,11 +131,13 @@ class Linear:
 
 def least(
     prior: Prior, runs: Sequence[Linear], damping: float, enough: float
-) -> tuple[Array, list[Array]]:
+) -> tuple[Array, list[Array], float]:
     """The damped step (g,) of the shared numbers, and those (r,) of every run's own, to the least
-    cost; sought until a pass lowers it by no more than `enough`. If that is infinite, the first
-    pass is the last, and channels weigh as they do before the step."""
+    cost, and by how much it promises to lower that; sought until a pass lowers it by no more than
+    `enough`. If that is infinite, the first pass is the last, and channels weigh as they do before
+    the step."""
     weights, before = [run.weights for run in runs], np.inf
+    start = sum(run.after(np.zeros(run.slopes.shape[1]))[0] for run in runs)
     while True:
         normals = [run.normal(w) for run, w in zip(runs, weights, strict=True)]
         matrix, gradient = prior.precision.copy(), prior.pull.copy()
@@ -151,7 +153,7 @@ def least(
         found = [run.after(np.concatenate([step, o])) for run, o in zip(runs, own, strict=True)]
         cost = prior.cost(step) + sum(part for part, _ in found)
         if not before - cost > enough:  # nor where a cost is no number
-            return step, own
+            return step, own, start - cost
         before, weights = cost, [w for _, w in found]
 
 
