@@ -49,8 +49,7 @@ CONVERGED_QUICK = 3e-3
 """The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
 
 SOLVED = 0.1
-"""A step is solved for to this share of that, which is small beside what a fit neglects; and
-derivatives that missed less in a run's share of the data are not renewed there."""
+"""A step is solved for to this share of that, which is small beside what a fit neglects."""
 
 WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
@@ -206,10 +205,10 @@ class _Problem:
         return model
 
     def renewed(self, state: Fit) -> Fit:
-        """The state with new derivatives of the runs in which the old ones missed more than is
-        small beside what the fit neglects. A run that is still out of place needs many; the others
-        are done."""
-        least = SOLVED * self.converged * max(state.cost, state.size) / len(state.runs)
+        """The state with new derivatives of the runs in which the old ones missed something. A run
+        that is still out of place needs many; the others are done. In those a step goes wrong by
+        less than `SOLVED` of the one that the fit neglects: such a step's square is its cost."""
+        least = SOLVED**2 * self.converged * max(state.cost, state.size) / len(state.runs)
         return self.linearise(state.model, [r for r in state.runs if r.missed**2 < least])
 
     def linearise(self, model: Model, known: Sequence[RunFit] = ()) -> Fit:
