@@ -38,8 +38,8 @@ LEAST_DAMPING = 1e-8
 """Along what little but the priors holds (every distance gained, against the start) a step of a
 larger damping would be a hundredth of the way."""
 
-MOST_DAMPING = 1.0
-"""Where even half a step along true derivatives does not help, none does."""
+MOST_DAMPING = 10.0
+"""Where even a tenth of a step does not help, none does."""
 
 CONVERGED = 1e-4
 """The fit ends when a step lowers the cost by less than this fraction of it, or, as −2 ln p has no
@@ -50,6 +50,9 @@ CONVERGED_QUICK = 3e-3
 
 SOLVED = 0.1
 """A step is solved for to this share of that, which is small beside what a fit neglects."""
+
+NEAR_NOISE = 1.1
+"""A fit that costs no more than so many times what noise does leaves hardly anything else."""
 
 WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
@@ -163,14 +166,13 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
             break
         if gain > WORTHWHILE:  # old derivatives still serve: new ones cost many simulations
             continue
-        if gain > 0:
-            state = problem.renewed(state)
-        elif promised < problem.converged * max(state.cost, state.size) or damping > MOST_DAMPING:
-            break
-        elif any(run.missed for run in state.runs):
-            state = problem.linearise(state.model)
-        else:
+        misled = problem.misled(state)
+        if misled:
+            state = problem.linearise(state.model, [r for r in state.runs if r not in misled])
+        elif gain <= 0:
             damping *= 8.0
+            if damping > MOST_DAMPING or promised < problem.converged * max(state.cost, state.size):
+                break
     return problem.concluded(state)
 
 
@@ -204,12 +206,14 @@ class _Problem:
                 model = model.with_heights({bench.run.id: level, **model.heights})
         return model
 
-    def renewed(self, state: Fit) -> Fit:
-        """The state with new derivatives of the runs in which the old ones missed something. A run
-        that is still out of place needs many; the others are done. In those a step goes wrong by
-        less than `SOLVED` of the one that the fit neglects: such a step's square is its cost."""
-        least = SOLVED**2 * self.converged * max(state.cost, state.size) / len(state.runs)
-        return self.linearise(state.model, [r for r in state.runs if r.missed**2 < least])
+    def misled(self, state: Fit) -> list[RunFit]:
+        """The runs that need new derivatives. Near the noise a run that is still out of place does
+        at every step, and the others are done: a step goes wrong there by less than `SOLVED` of the
+        one that the fit neglects. Where more is left, what derivatives miss leads astray."""
+        near = 0.0 < state.cost < NEAR_NOISE * state.size and self.workshop.noise > 0.0
+        neglected = self.converged * max(state.cost, state.size) / len(state.runs)
+        least = SOLVED**2 * neglected if near else 0.0
+        return [run for run in state.runs if not run.missed**2 <= least]
 
     def linearise(self, model: Model, known: Sequence[RunFit] = ()) -> Fit:
         """Residuals, derivatives, noise and cost at a model; infinite if it is not stable. Some of
