@@ -39,14 +39,14 @@ Columned = Sequence[Sequence[tuple[Effect, str]]]
 
 class Signatures:
     """Signatures (size, a) of terms, effects with amplitudes and nothing else, in the runs of a
-    fit; each is computed once. Whether they `follow_records` or the motion of the model. What the
-    vehicle takes `alone` counts for no term."""
+    fit; each is computed once. Whether they `follow_records` or the motion of the model. What is
+    taken `by_vehicle` alone counts for no term."""
 
     def __init__(
-        self, workshop: Workshop, base: Fit, moves: Moves, alone: Taken | None = None
+        self, workshop: Workshop, base: Fit, moves: Moves, by_vehicle: Taken | None = None
     ) -> None:
         self.workshop, self.base, self._moves = workshop, base, moves
-        self.by_vehicle = alone
+        self.by_vehicle = by_vehicle
         self.known = workshop.each(Known.of, base.runs)
         self._found: dict[Effect, list[Array]] = {}
         self._free: dict[tuple[Where, Form], FreeForce] = {}
