@@ -322,7 +322,8 @@ class _Problem:
 
     def _moved(self, state: Fit, damping: float) -> tuple[Model, float]:
         runs = [self.linear(run, state) for run in state.runs]
-        prior = Prior(self.belief.precision, self.belief.pull(state.model.values))
+        values = state.model.values
+        prior = Prior(self.belief.precision, self.belief.pull(values), self.belief.room(values))
         enough = SOLVED * self.converged * max(state.cost, state.size)
         enough = enough if damping < FIRST_DAMPING else np.inf
         step, own_steps, promised = least(prior, runs, damping, enough)

@@ -5,6 +5,10 @@ ends. The step is solved for again and again, every channel weighed by what the 
 of it, until the cost falls no more. Undamped, no pass raises the cost of the linearised model
 (K. Lange, R. Little, J. Taylor, J. Am. Stat. Assoc. 84 (1989) 881); and none simulates anything:
 JᵀJ, Jᵀr and rᵀr of every channel say what any step would leave.
+
+Numbers have bounds. A step that is cut off where it leaves them no longer leads down: the others
+were to make up for what is cut off. So the least is sought among the steps within the bounds, by an
+active set (J. Nocedal, S. Wright, Numerical Optimization, 2nd ed., section 16.5).
 """
 
 from __future__ import annotations
@@ -25,11 +29,12 @@ ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Prior:
-    """What is believed of p numbers, seen from where they are: precision (p, p) and pull (p,)
-    towards the mean, per `Free.scale`."""
+    """What is believed of p numbers, seen from where they are: precision (p, p), pull (p,) towards
+    the mean, and the room (2, p) below and above within their bounds, per `Free.scale`."""
 
     precision: Array
     pull: Array
+    room: Array
 
     def cost(self, step: Array) -> float:
         """By how much the squared distance from the mean grows."""
@@ -47,10 +52,17 @@ class Normal:
     shared_gradient: Array  # (g,)
     own_gradient: Array  # (r,)
 
-    def own_step(self, step: Array, damping: float) -> Array:
-        """The step (r,) of the own numbers that is best with one (g,) of the shared."""
-        gradient = self.own_gradient - self.mixed.T @ step
-        return np.asarray(np.linalg.solve(damped(self.own, damping), gradient))
+    def held(self, at: Array) -> Normal:
+        """The same where the own numbers' steps are `at` (r,), as far as that is a number."""
+        own, mixed, held = self.own.copy(), self.mixed.copy(), np.isfinite(at)
+        mixed[:, held] = 0.0
+        return Normal(
+            self.shared,
+            mixed,
+            own,
+            self.shared_gradient - self.mixed[:, held] @ at[held],
+            _held(own, self.own_gradient, at),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +97,7 @@ class Linear:
             squares,
             slopes,
             (residual**2).sum(axis=1) * weight,
-            Prior(belief.precision, pull),
+            Prior(belief.precision, pull, belief.room(values)),
             run.spread[: len(residual)] ** -2,
             None if even else run.bench.counted,
         )
@@ -138,23 +150,104 @@ def least(
     the step."""
     weights, before = [run.weights for run in runs], np.inf
     start = sum(run.after(np.zeros(run.slopes.shape[1]))[0] for run in runs)
+    room = np.concatenate([prior.room, *(run.own.room for run in runs)], axis=1)
     while True:
         normals = [run.normal(w) for run, w in zip(runs, weights, strict=True)]
-        matrix, gradient = prior.precision.copy(), prior.pull.copy()
-        for normal in normals:
-            back = np.linalg.solve(
-                damped(normal.own, damping),
-                np.column_stack([normal.mixed.T, normal.own_gradient]),
-            )
-            matrix += normal.shared - normal.mixed @ back[:, :-1]
-            gradient += normal.shared_gradient - normal.mixed @ back[:, -1]
-        step = np.asarray(np.linalg.solve(damped(matrix, damping), gradient))
-        own = [normal.own_step(step, damping) for normal in normals]
+        step, *own = _within(Quadratic.of(prior, normals, damping), room)
         found = [run.after(np.concatenate([step, o])) for run, o in zip(runs, own, strict=True)]
         cost = prior.cost(step) + sum(part for part, _ in found)
         if not before - cost > enough:  # nor where a cost is no number
             return step, own, start - cost
         before, weights = cost, [w for _, w in found]
+
+
+@dataclass(frozen=True, eq=False)
+class Quadratic:
+    """The damped cost of a step with every channel's weight given: that of the shared numbers by
+    themselves, and every run's."""
+
+    matrix: Array  # (g, g)
+    gradient: Array  # (g,)
+    runs: Sequence[Normal]
+
+    @classmethod
+    def of(cls, prior: Prior, normals: Sequence[Normal], damping: float) -> Quadratic:
+        """That of a prior of the shared numbers and the runs' normal equations, damped."""
+        runs = [replace(normal, own=damped(normal.own, damping)) for normal in normals]
+        found = cls(prior.precision, prior.pull, runs)
+        matrix, _, _ = found._eliminated(runs)
+        return replace(found, matrix=prior.precision + damped(matrix, damping) - matrix)
+
+    def least(self, at: Sequence[Array]) -> list[Array]:
+        """The step of the shared numbers and those of every run's own to the least cost, numbers
+        held where `at` is a number."""
+        held, *own_held = at
+        normals = [run.held(own) for run, own in zip(self.runs, own_held, strict=True)]
+        matrix, gradient, backs = self._eliminated(normals)
+        gradient = _held(matrix, gradient, held)
+        step = np.asarray(np.linalg.solve(matrix, gradient))
+        return [step, *(back[:, -1] - back[:, :-1] @ step for back in backs)]
+
+    def slope(self, step: Sequence[Array]) -> list[Array]:
+        """Half of how the cost grows along each number at a step."""
+        shared, *own = step
+        slope = self.matrix @ shared - self.gradient
+        for run, o in zip(self.runs, own, strict=True):
+            slope = slope + run.shared @ shared + run.mixed @ o - run.shared_gradient
+        pairs = zip(self.runs, own, strict=True)
+        return [slope, *(r.mixed.T @ shared + r.own @ o - r.own_gradient for r, o in pairs)]
+
+    def _eliminated(self, normals: Sequence[Normal]) -> tuple[Array, Array, list[Array]]:
+        """Matrix and gradient of the shared numbers where the runs' own follow at their best; and
+        how these do (r, g + 1)."""
+        matrix, gradient = self.matrix.copy(), self.gradient.copy()
+        backs = list[Array]()
+        for run in normals:
+            back = np.linalg.solve(run.own, np.column_stack([run.mixed.T, run.own_gradient]))
+            matrix += run.shared - run.mixed @ back[:, :-1]
+            gradient += run.shared_gradient - run.mixed @ back[:, -1]
+            backs.append(np.asarray(back))
+        return matrix, gradient, backs
+
+
+def _within(quadratic: Quadratic, room: Array) -> list[Array]:
+    """The step within the `room` (2, p) of all numbers, the shared and every run's own, to the
+    least cost.
+
+    From where the numbers are, the way leads to the least cost of those that are not held; where it
+    meets bounds it ends, and they are held there. One that would better leave its bound is let go
+    of, but none twice: rounding must not make that go on for ever.
+    """
+    cuts = np.cumsum([len(quadratic.gradient), *(len(run.own) for run in quadratic.runs)])[:-1]
+    at = np.clip(np.zeros(room.shape[1]), *room)
+    held, kept = np.zeros(len(at), dtype=bool), np.zeros(len(at), dtype=bool)
+    while True:
+        aim = np.concatenate(quadratic.least(np.split(np.where(held, at, np.nan), cuts)))
+        bound = np.clip(aim, *room)
+        beyond = ~held & (abs(aim - bound) > 0.0)
+        if beyond.any():
+            share = np.where(beyond, bound - at, np.inf) / np.where(beyond, aim - at, 1.0)
+            first = beyond & (share <= share.min())
+            at = np.where(first, bound, np.where(held, at, at + share.min() * (aim - at)))
+            held |= first
+            continue
+        slope = np.concatenate(quadratic.slope(np.split(aim, cuts)))
+        better = held & ~kept & np.where(slope < 0.0, aim < room[1], aim > room[0])
+        if not better.any():
+            return np.split(aim, cuts)
+        free = np.argmax(np.where(better, abs(slope), 0.0))
+        at, held[free], kept[free] = aim, False, True
+
+
+def _held(matrix: Array, gradient: Array, at: Array) -> Array:
+    """Makes of a symmetric `matrix` one with which a step is `at` (p,), as far as that is a number;
+    its gradient (p,)."""
+    held = np.isfinite(at)
+    gradient = np.where(held, at, gradient - matrix[:, held] @ at[held])
+    matrix[held] = 0.0
+    matrix[:, held] = 0.0
+    matrix[held, held] = 1.0
+    return gradient
 
 
 def damped(matrix: Array, damping: float) -> Array:
