@@ -111,6 +111,57 @@ def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simul
     assert tried == simulated and grown is None  # none makes it likelier
 
 
+SEAT, SPRING = (SimpleNamespace(id=name, place="body") for name in ("seat", "spring"))
+
+
+def pairs(monkeypatch, *, takes, gain, room, noise=1.0):
+    """Pairs of a seat that takes so much of a cost of 1000 above the noise, and of a spring that
+    screening sees take `gain` beside it, half of that without; and what was screened anew."""
+
+    def spring(gain):
+        variant = SimpleNamespace(effect=SPRING, parameters=())
+        return SimpleNamespace(variant=variant, gain=gain, score=1.0, error=1.0)
+
+    def rung(cost, evidence):
+        fitted = SimpleNamespace(cost=cost, size=5000, evidence=evidence)
+        return SimpleNamespace(fit=fitted, model=SimpleNamespace(effects=[]))
+
+    def screened_anew(workshop, base, others):
+        told.append([effect.id for effect in others])
+        return [spring(gain)]
+
+    told = []
+    monkeypatch.setattr(together, "screen_best", screened_anew)
+    monkeypatch.setattr(together, "least_gain", lambda workshop, rung: 10.0)
+    seat = SimpleNamespace(variant=SimpleNamespace(effect=SEAT))
+    first = Candidate(seat, rung(6000.0 - takes, 1.0), 0.0, 2, False)
+    look = Look(rung(6000.0, 0.0), (seat, spring(gain / 2)), (first,), None)
+    library = {"seat": SEAT, "spring": SPRING}
+    workshop = SimpleNamespace(noise=noise)
+    found = list(together._promising(workshop, look, library, room, quiet))
+    return [(first.id, second.variant.effect.id, second.gain) for first, second in found], told
+
+
+@pytest.mark.parametrize(
+    ("gain", "room", "noise", "tried"),
+    [(170.0, 2, 1.0, False), (180.0, 2, 1.0, True), (170.0, 3, 1.0, True), (170.0, 2, 0.0, True)],
+)
+def test_a_pair_that_must_explain_nearly_all_and_could_not_is_left_alone(
+    gain, room, noise, tried, monkeypatch
+):
+    """With no room for a third. Screening may see a quarter of what the second explains: 200 and
+    four times 175 are nine tenths. Noise that is not known says nothing of what is left."""
+    found, _ = pairs(monkeypatch, takes=200.0, gain=gain, room=room, noise=noise)
+    assert found == ([("seat", "spring", gain)] if tried else [])
+
+
+@pytest.mark.parametrize(("takes", "gain"), [(9.0, 50.0), (11.0, 100.0)])
+def test_beside_what_changes_nothing_the_library_is_as_it_was_screened(takes, gain, monkeypatch):
+    found, told = pairs(monkeypatch, takes=takes, gain=100.0, room=3)
+    assert found == [("seat", "spring", gain)]
+    assert told == ([] if gain == 50.0 else [["spring"]])
+
+
 @pytest.mark.slow
 def test_four_of_which_none_is_seen_alone(tmp_path):
     """Hand-held speed, friction and a driver on his seat, and wheels that leave the ground: until

@@ -38,10 +38,13 @@ REACH = 0.5
 """And every one that screening expects to explain this share of what the best explains."""
 
 
+SEEN = 0.25
+"""Screening may see half the amplitude of an effect, and so this share of what it explains."""
+
+
 def least_gain(workshop: Workshop, rung: Rung) -> float:
-    """What screening must expect at least of an effect that could be material: a quarter of that,
-    as it may see half the amplitude."""
-    return material(rung) / 4 * rung.fit.size
+    """What screening must expect at least of an effect that could be material."""
+    return SEEN * material(rung) * rung.fit.size
 
 
 def worth_simulating(

@@ -13,7 +13,7 @@ library tried in its place, so that the order of acceptance does not decide the 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import comb, inf
 from typing import NamedTuple
@@ -21,6 +21,7 @@ from typing import NamedTuple
 from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm import (
     CONFIRMED,
+    SEEN,
     confirm,
     least_gain,
     refit,
@@ -29,6 +30,7 @@ from wheelhop.diagnose.confirm import (
 )
 from wheelhop.diagnose.judge import (
     HOPELESS,
+    NEARLY_ALL,
     Rung,
     at_noise,
     best_first,
@@ -75,7 +77,7 @@ def look_for_several(
     """The look at a residual no single effect explains, with a group of effects chosen that does,
     at most `room` of them; as it was if there is none, or the way to it leads over effects that
     were `visited` together: what can be added to these is known."""
-    group = _best_pair(workshop, look, effects, visited, progress)
+    group = _best_pair(workshop, look, effects, room, visited, progress)
     incumbent = Incumbent(workshop, look.rung)
     while group is not None:
         tried = comb(len(effects), len(group.members))
@@ -93,11 +95,12 @@ def _best_pair(
     workshop: Workshop,
     look: Look,
     effects: Mapping[str, Effect],
+    room: int,
     visited: Collection[frozenset[str]],
     progress: Progress,
 ) -> _Group | None:
     found: list[_Group] = []
-    for first, second in _promising(workshop, look, effects, progress):
+    for first, second in _promising(workshop, look, effects, room, progress):
         pair = _Group((first.screened, second), first.rung)
         progress(f"simulating {' with '.join(pair.ids)}")
         beside = [group.rung for group in found]
@@ -106,26 +109,46 @@ def _best_pair(
 
 
 def _promising(
-    workshop: Workshop, look: Look, effects: Mapping[str, Effect], progress: Progress
+    workshop: Workshop, look: Look, effects: Mapping[str, Effect], room: int, progress: Progress
 ) -> Iterator[tuple[Candidate, Screened]]:
-    """The pairs that leave least by screening, each once."""
-    present = {effect.id for effect in look.rung.model.effects}
-    base = look.rung.fit.evidence
+    """The pairs that leave least by screening, each once. Those that have no room for a third, and
+    could not explain nearly all by themselves, are left out."""
+    base = look.rung.fit
+    enough = NEARLY_ALL * (base.cost - base.size) if room == 2 and workshop.noise > 0.0 else 0.0
     open_to = [c for c in look.candidates if c.id in effects]
-    firsts = [c for c in open_to if c.rung.fit.evidence > base][:FIRSTS]
+    firsts = [c for c in open_to if c.rung.fit.evidence > base.evidence][:FIRSTS]
     found = []
     for first in firsts:
-        progress(f"screening the others beside {first.id}")
-        others = [e for e in effects.values() if e.id not in present | {first.id}]
-        screened = screen_best(workshop, first.rung.fit, others)
-        least = least_gain(workshop, first.rung)
-        found += [(first, s) for s in screened if s.score > 0 and s.gain > least]
+        least, gain = least_gain(workshop, first.rung), base.cost - first.rung.fit.cost
+        found += [
+            (first, s)
+            for s in _beside(workshop, look, first, effects, gain < least, progress)
+            if s.score > 0 and s.gain > least and gain + s.gain / SEEN > enough
+        ]
     seen = set[frozenset[str]]()
     for first, second in sorted(found, key=lambda pair: pair[1].error):
         ids = frozenset((first.id, second.variant.effect.id))
         if len(seen) < PAIRS and ids not in seen:
             seen.add(ids)
             yield first, second
+
+
+def _beside(
+    workshop: Workshop,
+    look: Look,
+    first: Candidate,
+    effects: Mapping[str, Effect],
+    idle: bool,
+    progress: Progress,
+) -> Iterable[Screened]:
+    """The rest of the library screened beside an effect; where that is `idle` in the runs fitted,
+    as it was screened without."""
+    present = {first.id, *(effect.id for effect in look.rung.model.effects)}
+    others = [effect for name, effect in effects.items() if name not in present]
+    if idle:
+        return [s for s in look.screened if s.variant.effect in others]
+    progress(f"screening the others beside {first.id}")
+    return screen_best(workshop, first.rung.fit, others)
 
 
 def _grown(
