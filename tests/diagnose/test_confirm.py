@@ -1,11 +1,16 @@
 """Confirmation: an effect finds its numbers although the vehicle was bent to make up for it."""
 
+from dataclasses import dataclass
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
+from wheelhop.diagnose import confirm as confirming
 from wheelhop.diagnose.confirm import _saturated, confirm, refit, worth_simulating
+from wheelhop.diagnose.judge import Rung
 from wheelhop.diagnose.screen import screen
 
 
@@ -85,6 +90,42 @@ def test_a_switch_is_no_rival_of_what_explains_nearly_all(tmp_path):
     assert friction.fit.rss < base.rung.fit.rss < lifting.fit.rss
     (left,) = worth_simulating(base.workshop, base.rung, screened, settled=True)
     assert left.variant.effect.id == "dry-friction"
+
+
+@dataclass
+class Quick:
+    """A fit with borrowed derivatives."""
+
+    model: object
+    cost: float
+    error: float
+    evidence: float
+
+
+@pytest.mark.parametrize(("error", "in_full"), [(1.9, True), (2.1, False)])
+def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(error, in_full, monkeypatch):
+    """Wheels lift in a model where they should not: no full fit makes up for that."""
+    switch = SimpleNamespace(amplitudes=[SimpleNamespace(switch=True)], parameters=())
+    switch.effect = SimpleNamespace(has_random_heights=False)
+    model = SimpleNamespace(theta=lambda effect: {}, random_heights=None)
+    base = Rung(SimpleNamespace(cost=100.0, error=1.0, model=model), None)
+
+    quick = Quick(model, cost=150.0, error=error, evidence=0.0)
+    fitted = []
+
+    def full(workshop, rung, bar):
+        fitted.append(bar)
+        return rung
+
+    workshop = SimpleNamespace(noise=1.0, of_role=lambda role: [])
+    monkeypatch.setattr(confirming, "_starts", lambda *_: [("", model)])
+    monkeypatch.setattr(confirming, "_fitted_from", lambda *_: (quick, True))
+    monkeypatch.setattr(confirming, "all_noise", lambda *_: False)
+    monkeypatch.setattr(confirming, "begun", lambda *_: model)
+    monkeypatch.setattr(confirming, "validate", lambda workshop, fit, update: Rung(fit, None))
+    monkeypatch.setattr(confirming, "refit", full)
+    confirm(workshop, base, SimpleNamespace(variant=switch, error=1.0))
+    assert fitted == ([100.0] if in_full else [])
 
 
 @pytest.mark.slow

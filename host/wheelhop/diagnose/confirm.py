@@ -13,7 +13,7 @@ from math import inf, isclose, isfinite
 
 import numpy as np
 
-from wheelhop.diagnose.judge import Rung, all_noise, material, noticeable, unforeseen
+from wheelhop.diagnose.judge import HOPELESS, Rung, all_noise, material, noticeable, unforeseen
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.signatures import with_variant
 from wheelhop.diagnose.validate import validate
@@ -97,7 +97,7 @@ def confirm(
     and so does one that leaves more than noise while another form is as likely: to first order a
     strong effect shows little difference between its forms. The best one counts. A switch changes
     everything at once: where it makes things worse, the derivatives have changed, and only a full
-    fit does it justice. What has no hope to come as far as one of the models `beside` it ends
+    fit does it justice, if there is hope. What has no hope to come as far as one of the models `beside` it ends
     early.
     """
     bar = -inf if screened.variant.effect.has_random_heights else least_cost(beside)
@@ -125,7 +125,7 @@ def confirm(
     foreseeing = begun(workshop, base.model, best.model, effect, shapes, held_out)
     rough = validate(workshop, replace(best, model=foreseeing), base.update)
     worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
-    if worse:
+    if worse and best.error < HOPELESS * base.fit.error:
         return min(
             rough, refit(workshop, rough, least_cost([base])), key=lambda rung: rung.fit.cost
         )
