@@ -97,8 +97,8 @@ def confirm(
     and so does one that leaves more than noise while another form is as likely: to first order a
     strong effect shows little difference between its forms. The best one counts. A switch changes
     everything at once: where it makes things worse, the derivatives have changed, and only a full
-    fit does it justice, if there is hope. What has no hope to come as far as one of the models `beside` it ends
-    early.
+    fit does it justice, if there is hope. What has none to come as far as one of the models
+    `beside` it ends early.
     """
     bar = -inf if screened.variant.effect.has_random_heights else least_cost(beside)
     best: Fit | None = None
