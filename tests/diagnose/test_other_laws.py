@@ -11,11 +11,10 @@ from tests.truth import PRESETS, make_effect
 from tests.truth.campaign import make_campaign, write_campaign
 from tests.truth.outside_effects import FrameBending
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import diagnose, fit_baseline
+from wheelhop.diagnose import diagnose
 from wheelhop.diagnose.critic import cramped
 from wheelhop.diagnose.judge import of_a_law
 from wheelhop.diagnose.ladder import _open, fit_with
-from wheelhop.diagnose.look import step_of
 from wheelhop.diagnose.together import without_idle
 from wheelhop.vehicle import read_nominal
 
@@ -96,14 +95,20 @@ def test_no_group_is_sought_among_laws_that_could_not_hold():
 
 
 def test_a_frame_that_bends_is_no_driver(tmp_path):
-    """Its middle moves all four points exactly as a mass on a spring would that no person is."""
+    """Its middle moves all four points exactly as a mass on a spring would that no person is. Of
+    all numbers only ratios show: the heaviest driver does, in a car a third lighter than stated.
+    That is not believed of either."""
     bending = FrameBending(freq_hz=23.0, zeta=0.05, modal_mass_kg=140.0)
     write_campaign(tmp_path, PRESETS["formula-student"], [bending], seed=101, short=True)
-    campaign = read_campaign(tmp_path)
-    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
-    rung = fit_with(base, [LIBRARY["driver-seat"]], progress=lambda text: None)[-1]
-    assert rung.error > 1.3 * oracle_of(tmp_path / "truth.toml")
-    assert cramped(step_of(base.workshop, rung)) == ["driver-seat.mass_kg"]
+    found = diagnosed(tmp_path, {"driver-seat": LIBRARY["driver-seat"]})
+    assert found.verdict == ("driver-seat", "unknown")
+    assert found.confidence < 0.5
+    baseline, last = found.ladder[0], found.ladder[-1]
+    assert cramped(last) == ["driver-seat.mass_kg"]
+    assert last.rung.error < 1.05 * oracle_of(tmp_path / "truth.toml")
+    before, mass = (step.rung.model.values["body.mass_kg"] for step in (baseline, last))
+    assert mass < 0.67 * before
+    assert "body.mass_kg" in {belief.what for belief in found.beliefs}
 
 
 @pytest.mark.slow
