@@ -114,7 +114,7 @@ def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simul
 SEAT, SPRING = (SimpleNamespace(id=name, place="body") for name in ("seat", "spring"))
 
 
-def pairs(monkeypatch, *, takes, gain, room, noise=1.0):
+def pairs(monkeypatch, *, takes, gain, room, noise=1.0, heights=None):
     """Pairs of a seat that takes so much of a cost of 1000 above the noise, and of a spring that
     screening sees take `gain` beside it, half of that without; and what was screened anew."""
 
@@ -122,9 +122,10 @@ def pairs(monkeypatch, *, takes, gain, room, noise=1.0):
         variant = SimpleNamespace(effect=SPRING, parameters=())
         return SimpleNamespace(variant=variant, gain=gain, score=1.0, error=1.0)
 
-    def rung(cost, evidence):
+    def rung(cost, evidence, heights=None):
         fitted = SimpleNamespace(cost=cost, size=5000, evidence=evidence)
-        return SimpleNamespace(fit=fitted, model=SimpleNamespace(effects=[]))
+        model = SimpleNamespace(effects=[], random_heights=heights)
+        return SimpleNamespace(fit=fitted, model=model)
 
     def screened_anew(workshop, base, others):
         told.append([effect.id for effect in others])
@@ -134,7 +135,7 @@ def pairs(monkeypatch, *, takes, gain, room, noise=1.0):
     monkeypatch.setattr(together, "screen_best", screened_anew)
     monkeypatch.setattr(together, "least_gain", lambda workshop, rung: 10.0)
     seat = SimpleNamespace(variant=SimpleNamespace(effect=SEAT))
-    first = Candidate(seat, rung(6000.0 - takes, 1.0), 0.0, 2, False)
+    first = Candidate(seat, rung(6000.0 - takes, 1.0, heights), 0.0, 2, False)
     look = Look(rung(6000.0, 0.0), (seat, spring(gain / 2)), (first,), None)
     library = {"seat": SEAT, "spring": SPRING}
     workshop = SimpleNamespace(noise=noise)
@@ -160,6 +161,13 @@ def test_beside_what_changes_nothing_the_library_is_as_it_was_screened(takes, ga
     found, told = pairs(monkeypatch, takes=takes, gain=100.0, room=3)
     assert found == [("seat", "spring", gain)]
     assert told == ([] if gain == 50.0 else [["spring"]])
+
+
+def test_what_heights_of_the_ground_cost_leaves_no_pair_out(monkeypatch):
+    """Theirs is another likelihood: by its cost the first would change nothing."""
+    found, told = pairs(monkeypatch, takes=-500.0, gain=100.0, room=2, heights="of the ground")
+    assert found == [("seat", "spring", 100.0)]
+    assert told == [["spring"]]
 
 
 @pytest.mark.slow

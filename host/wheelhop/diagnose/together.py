@@ -23,6 +23,7 @@ from wheelhop.diagnose.confirm import (
     CONFIRMED,
     SEEN,
     confirm,
+    least_cost,
     least_gain,
     refit,
     without,
@@ -119,7 +120,7 @@ def _promising(
     firsts = [c for c in open_to if c.rung.fit.evidence > base.evidence][:FIRSTS]
     found = []
     for first in firsts:
-        least, gain = least_gain(workshop, first.rung), base.cost - first.rung.fit.cost
+        least, gain = least_gain(workshop, first.rung), base.cost - least_cost([first.rung])
         found += [
             (first, s)
             for s in _beside(workshop, look, first, effects, gain < least, progress)
