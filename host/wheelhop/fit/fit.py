@@ -278,8 +278,8 @@ class _Problem:
             )
             return self._costed(replace(state, runs=runs, sigma=sigma))
         parameters = self.workshop.parameters_of(effect) if self.density_free else ()
-        rough = [(run, run.heights) for run in state.runs if run.heights is not None]
-        spectra = [Spectrum.of(h.ground, run.data, run.residual) for run, h in rough]
+        rough = [run for run in state.runs if run.heights is not None]
+        spectra = self.workshop.each(_spectrum, rough)
         theta, noise = find_density(effect, parameters, state.model.theta(effect), spectra, noise)
         model = state.model.with_values({f"{effect.id}.{k}": v for k, v in theta.items()})
         runs = tuple(
@@ -308,7 +308,7 @@ class _Problem:
             own = _way(run.own, state.model.runs[run_id], model.runs[run_id])
             foreseen = run.residual - run.jacobian @ np.concatenate([step, own])
             missed = float(np.linalg.norm((residual - foreseen) / run.spread)) / state.sigma
-            heights = _heights_in(run, model)
+            heights = run.heights and run.heights.at(model.heights[run_id])
             return replace(run, residual=residual, heights=heights, missed=run.missed + missed)
 
         runs = tuple(self.workshop.each(moved, state.runs))
@@ -317,11 +317,11 @@ class _Problem:
     def concluded(self, state: Fit) -> Fit:
         """The state with precision and prior volume."""
         precision, log_volume = self._posterior(state)
-        runs = tuple(replace(r, heights=r.heights and r.heights.settled()) for r in state.runs)
-        return replace(state, runs=runs, precision=precision, log_volume=log_volume)
+        runs = self.workshop.each(RunFit.settled, state.runs)
+        return replace(state, runs=tuple(runs), precision=precision, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> tuple[Model, float]:
-        runs = [self.linear(run, state) for run in state.runs]
+        runs = self.workshop.each(lambda run: self.linear(run, state), state.runs)
         values = state.model.values
         prior = Prior(self.belief.precision, self.belief.pull(values), self.belief.room(values))
         enough = SOLVED * self.converged * max(state.cost, state.size)
@@ -358,8 +358,8 @@ class _Problem:
     def _posterior(self, state: Fit) -> tuple[Array, float]:
         """Precision of the shared parameters, and the share of prior volume left."""
         matrix, log_volume = self.belief.precision.copy(), self.belief.log_precision
-        for run in state.runs:
-            normal = self.normal(run, state)
+        normals = self.workshop.each(lambda run: self.normal(run, state), state.runs)
+        for run, normal in zip(state.runs, normals, strict=True):
             own = damped(normal.own, 0.0)
             matrix += normal.shared - normal.mixed @ np.linalg.solve(own, normal.mixed.T)
             log_volume += Belief.of(run.own).log_precision - np.linalg.slogdet(own)[1]
@@ -369,17 +369,15 @@ class _Problem:
         return matrix, 0.5 * float(log_volume)
 
 
+def _spectrum(run: RunFit) -> Spectrum:
+    assert run.heights is not None
+    return Spectrum.of(run.heights.ground, run.data, run.residual)
+
+
 def _of_heights(runs: Sequence[RunFit]) -> bool:
     """Whether the ground of some run has unknown heights: noise is then told with them, and what is
     left counts by its squares."""
     return any(run.heights is not None for run in runs)
-
-
-def _heights_in(run: RunFit, model: Model) -> Heights | None:
-    """The run's heights where the model has them."""
-    if run.heights is None:
-        return None
-    return replace(run.heights, coefficients=model.heights[run.bench.run.id].ravel())
 
 
 def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:

@@ -135,37 +135,42 @@ class Ground:
         """Gᴴ of coefficients (size, m), for the heights of left and then right paths: (2k, m)."""
         signal = self.complex_of(columns)
         f, c, m = signal.shape
-        parts = []
-        for side in (0, 1):
-            waves = self._waves[side % len(self._waves)]
-            along = (waves.conj().T @ signal.reshape(f, c * m)).reshape(-1, c, m)
-            parts.append(np.einsum("kc,kcm->km", self._response[:, :, side].conj(), along))
-        return np.concatenate(parts)
+        along = [
+            (waves.conj().T @ signal.reshape(f, c * m)).reshape(-1, c, m) for waves in self._waves
+        ]
+        return np.concatenate(
+            [
+                np.einsum("kc,kcm->km", self._response[:, :, side].conj(), along[side % len(along)])
+                for side in (0, 1)
+            ]
+        )
 
     def apply(self, heights: ComplexArray) -> Array:
         """G of heights (2k, m): coefficients (size, m)."""
         k, m = self.series.count, heights.shape[1]
-        total: ComplexArray | float = 0.0
-        for side in (0, 1):
-            waves = self._waves[side % len(self._waves)]
-            part = heights[side * k : (side + 1) * k]
-            moved = np.einsum("kc,km->kcm", self._response[:, :, side], part)
-            total = total + waves @ moved.reshape(k, -1)
-        signal = np.asarray(total).reshape(-1, m)
+        moved = [
+            np.einsum("kc,km->kcm", self._response[:, :, side], heights[side * k : (side + 1) * k])
+            for side in (0, 1)
+        ]
+        if len(self._waves) < len(moved):
+            moved = [moved[0] + moved[1]]
+        parts = [w @ each.reshape(k, -1) for w, each in zip(self._waves, moved, strict=True)]
+        signal = np.sum(parts, axis=0).reshape(-1, m)
         return np.concatenate([signal.real, signal.imag])
 
     def square(self) -> ComplexArray:
         """GᴴG (2k, 2k), 20 MB and more: not kept."""
-        waves, response = self._waves, self._response
-        blocks = [
-            [
-                (waves[i % len(waves)].conj().T @ waves[j % len(waves)])
-                * (response[:, :, i].conj() @ response[:, :, j].T)
-                for j in (0, 1)
-            ]
-            for i in (0, 1)
-        ]
-        return np.block(blocks)
+        k, last = self.series.count, len(self._waves) - 1
+        left, right = self._response.transpose(2, 0, 1)
+        waves = self._waves[last].conj().T @ self._waves[0]
+        found = np.empty((2 * k, 2 * k), dtype=np.complex128, order="F")
+        found[k:, :k] = waves * (right.conj() @ left.T)
+        found[:k, k:] = found[k:, :k].conj().T
+        for i, side in enumerate((left, right)):
+            along = self._waves[min(i, last)]
+            square = waves if last == 0 else along.conj().T @ along
+            found[i * k : (i + 1) * k, i * k : (i + 1) * k] = square * (side.conj() @ side.T)
+        return found
 
 
 IMPULSE_M_S2 = 0.01

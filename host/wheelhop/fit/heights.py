@@ -48,6 +48,10 @@ class Heights:
         variance = np.maximum(density * self.ground.step_rad_m, LEAST_VARIANCE_M2)
         return replace(self, variance=np.tile(variance, 2), sigma=sigma)
 
+    def at(self, coefficients: ComplexArray) -> Heights:
+        """The same with other heights, those (2, k) of the left and the right path."""
+        return replace(self, coefficients=coefficients.ravel())
+
     def settled(self) -> Heights:
         """These heights without the large matrices that led to them, 20 MB a run."""
         light = replace(self, ground=self.ground.anew())
@@ -63,25 +67,25 @@ class Heights:
     @cached_property
     def freedom(self) -> float:
         """Degrees of freedom that the estimate spends."""
-        lower, count = self._factor[0], len(self.variance)
-        inverse = linalg.solve_triangular(lower, np.eye(count), lower=True, check_finite=False)
-        return 2.0 * float(count - np.sum(np.abs(inverse) ** 2))
+        inverse, _ = linalg.lapack.ztrtri(self._lower, lower=1)
+        return 2.0 * float(len(self.variance) - np.sum(np.abs(inverse) ** 2))
 
     @cached_property
     def log_volume(self) -> float:
         """Twice the logarithm of the share of the prior's volume that the record leaves."""
-        return -4.0 * float(np.log(np.diag(self._factor[0]).real).sum())
+        return -4.0 * float(np.log(np.diag(self._lower).real).sum())
 
-    def step(self, slope: ComplexArray) -> ComplexArray:
-        """Gauss–Newton's step (2k,) of the heights alone, Gᴴ times the residual being `slope`."""
+    def step(
+        self, slope: ComplexArray, projected: ComplexArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Gauss–Newton's step (2k,) of the heights alone, Gᴴ times the residual being `slope`; and
+        the heights (2k, m) that stand in for columns of which Gᴴ times each is `projected`."""
         deviation = np.sqrt(self.variance)
-        pull = deviation * slope / self.sigma**2 - self.coefficients / deviation
-        return np.asarray(deviation * self._solved(pull[:, None])[:, 0])
-
-    def absorbed(self, projected: ComplexArray) -> ComplexArray:
-        """Heights (2k, m) that stand in for columns whose projections Gᴴ X are given."""
-        deviation = np.sqrt(self.variance)[:, None]
-        return np.asarray(deviation * self._solved(deviation * projected) / self.sigma**2)
+        pulls = np.column_stack([projected, slope]) * (deviation / self.sigma**2)[:, None]
+        pulls[:, -1] -= self.coefficients / deviation
+        solved = linalg.cho_solve((self._lower, True), pulls, check_finite=False)
+        heights = deviation[:, None] * solved
+        return heights[:, -1], heights[:, :-1]
 
     def freed(self, columns: Array) -> Array:
         """What heights leave of columns (size, m): R times the columns, frequency by frequency.
@@ -93,9 +97,6 @@ class Heights:
     def contribution(self) -> Array:
         """What the heights contribute to the record, (size,), to first order."""
         return self.ground.apply(self.coefficients[:, None])[:, 0]
-
-    def _solved(self, right: ComplexArray) -> ComplexArray:
-        return np.asarray(linalg.cho_solve(self._factor, right, check_finite=False))
 
     @cached_property
     def _remainder(self) -> ComplexArray:
@@ -112,12 +113,10 @@ class Heights:
         return np.asarray(np.eye(response.shape[1]) - response @ (gain * inner) @ adjoint)
 
     @cached_property
-    def _factor(self) -> tuple[ComplexArray, bool]:
-        """Cholesky factor of I + s GᴴG s / σ²."""
+    def _lower(self) -> ComplexArray:
+        """Cholesky's factor of I + s GᴴG s / σ²."""
         deviation = np.sqrt(self.variance) / self.sigma
         matrix = self.ground.square()
         matrix *= np.outer(deviation, deviation)
         matrix[np.diag_indices_from(matrix)] += 1.0
-        lower: ComplexArray
-        lower, flag = linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
-        return lower, flag
+        return np.asarray(np.linalg.cholesky(matrix))  # leaves the other threads at work

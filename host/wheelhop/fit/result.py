@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -146,6 +146,10 @@ class RunFit:
     def freed(self, columns: Array) -> Array:
         """What heights would leave of columns (size, m)."""
         return columns if self.heights is None else self.heights.freed(columns)
+
+    def settled(self) -> RunFit:
+        """The run, its heights without what led to them."""
+        return replace(self, heights=self.heights and self.heights.settled())
 
 
 @dataclass(frozen=True, eq=False)

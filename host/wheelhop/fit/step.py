@@ -105,9 +105,9 @@ class Linear:
 
     def freed(self, heights: Heights, run: RunFit) -> Linear:
         """The same with the unknown heights of the run's ground eliminated."""
-        cross = heights.ground.project(run.jacobian)
-        slope = heights.ground.project(run.residual[:, np.newaxis])[:, 0]
-        ahead, less = heights.step(slope), heights.absorbed(cross)
+        projected = heights.ground.project(np.column_stack([run.jacobian, run.residual]))
+        cross, slope = projected[:, :-1], projected[:, -1]
+        ahead, less = heights.step(slope, cross)
         taken = (cross.conj().T @ np.column_stack([less, ahead])).real / heights.sigma**2
         return replace(
             self,
