@@ -102,15 +102,18 @@ class Quick:
     evidence: float
 
 
-@pytest.mark.parametrize(("error", "in_full"), [(1.9, True), (2.1, False)])
-def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(error, in_full, monkeypatch):
-    """Wheels lift in a model where they should not: no full fit makes up for that."""
+@pytest.mark.parametrize(
+    ("cost", "error", "in_full"), [(150.0, 1.9, True), (150.0, 2.1, False), (100.1, 1.9, False)]
+)
+def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(cost, error, in_full, monkeypatch):
+    """Wheels lift in a model where they should not: no full fit makes up for that. And where none
+    lifts in the runs fitted, a quick fit is as good as a full one."""
     switch = SimpleNamespace(amplitudes=[SimpleNamespace(switch=True)], parameters=())
     switch.effect = SimpleNamespace(has_random_heights=False)
     model = SimpleNamespace(theta=lambda effect: {}, random_heights=None)
-    base = Rung(SimpleNamespace(cost=100.0, error=1.0, model=model), None)
+    base = Rung(SimpleNamespace(cost=100.0, size=100.0, error=1.0, model=model), None)
 
-    quick = Quick(model, cost=150.0, error=error, evidence=0.0)
+    quick = Quick(model, cost=cost, error=error, evidence=0.0)
     fitted = []
 
     def full(workshop, rung, bar):

@@ -19,6 +19,7 @@ from wheelhop.diagnose.signatures import with_variant
 from wheelhop.diagnose.validate import validate
 from wheelhop.effects import Effect
 from wheelhop.fit import (
+    CONVERGED_QUICK,
     Bench,
     Fit,
     FitProbe,
@@ -96,9 +97,9 @@ def confirm(
     screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere,
     and so does one that leaves more than noise while another form is as likely: to first order a
     strong effect shows little difference between its forms. The best one counts. A switch changes
-    everything at once: where it makes things worse, the derivatives have changed, and only a full
-    fit does it justice, if there is hope. What has none to come as far as one of the models
-    `beside` it ends early.
+    everything at once: where it makes things worse by more than a quick fit neglects, the
+    derivatives have changed, and only a full fit does it justice, if there is hope. What has none
+    to come as far as one of the models `beside` it ends early.
     """
     bar = -inf if screened.variant.effect.has_random_heights else least_cost(beside)
     best: Fit | None = None
@@ -124,8 +125,10 @@ def confirm(
     shapes, held_out = best.model.theta(effect), workshop.of_role("validate")
     foreseeing = begun(workshop, base.model, best.model, effect, shapes, held_out)
     rough = validate(workshop, replace(best, model=foreseeing), base.update)
-    worse = best.cost > base.fit.cost and all(p.switch for p in screened.variant.amplitudes)
-    if worse and best.error < HOPELESS * base.fit.error:
+    neglected = CONVERGED_QUICK * max(base.fit.cost, base.fit.size)
+    worse = best.cost > base.fit.cost + neglected
+    switch = all(p.switch for p in screened.variant.amplitudes)
+    if switch and worse and best.error < HOPELESS * base.fit.error:
         return min(
             rough, refit(workshop, rough, least_cost([base])), key=lambda rung: rung.fit.cost
         )
