@@ -71,6 +71,13 @@ def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
     assert look.screened[0].score > 0 and look.candidates == () and look.chosen is None
 
 
+def test_a_ladder_of_one_rung_names_one_effect(loose):
+    """Two explain the car, and are not asked for."""
+    library = {name: LIBRARY[name] for name in FEW}
+    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=1, progress=quiet)
+    assert diagnosis.verdict == ("sensor-mount", "unknown")
+
+
 def test_a_loose_sensor_that_magnifies_friction(loose):
     """The mount rings at 19 Hz, where friction excites the axle: without friction in the model no
     mount explains channel A2, and with A2 as it is no friction explains the car."""

@@ -176,7 +176,7 @@ def climb(
             look = look_for_several(workshop, look, _open(rung, effects, workshop), room, progress)
             first = origin = look if len(steps) == 1 else first
             better = look.chosen.rung if look.chosen is not None else None
-        part = not nearly_all(first.rung, rung, workshop.noise)
+        part = max_effects > 1 and not nearly_all(first.rung, rung, workshop.noise)
         if better is None and alone and part and steps[-1].above_floor:
             # The first may have been taken for what only several explain: it takes a place.
             alone = False
