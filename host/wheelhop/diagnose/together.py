@@ -113,7 +113,9 @@ def _promising(
     workshop: Workshop, look: Look, effects: Mapping[str, Effect], room: int, progress: Progress
 ) -> Iterator[tuple[Candidate, Screened]]:
     """The pairs that leave least by screening, each once. Those that have no room for a third, and
-    could not explain nearly all by themselves, are left out."""
+    could not explain nearly all by themselves, are left out; not those beside an effect the ladder
+    has stood on: a look from there simulates the best few alone, and screening may see a fiftieth
+    of the one that matters."""
     base = look.rung.fit
     enough = NEARLY_ALL * (base.cost - base.size) if room == 2 and workshop.noise > 0.0 else 0.0
     open_to = [c for c in look.candidates if c.id in effects]
