@@ -196,6 +196,11 @@ class Effect:
             return self.on_rig
         return self.on_vehicle and set(self.needs_motions) <= set(motions(vehicle))
 
+    def change_step_s(self, theta: Values, vehicle: Values) -> float:
+        """Integration step for the difference of two records, what a small change makes of them:
+        most of the error is in both, and falls out."""
+        return self.longest_step_s
+
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The parameters, with scales fitting this vehicle; empty: the effect does not apply."""
         raise NotImplementedError

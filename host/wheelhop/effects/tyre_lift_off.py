@@ -29,6 +29,10 @@ class TyreLiftOff(Effect):
     needs_road = True
     longest_step_s = 0.00125  # the tyre's stiffness against the unsprung mass comes and goes
 
+    def change_step_s(self, theta: Values, vehicle: Values) -> float:
+        """Twice as long: where contact is lost hardly depends on it."""
+        return 2.0 * self.longest_step_s
+
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """On or off: the load at which contact is lost is known."""
         return (Parameter("lifts", "1", "1: the tyre cannot pull", 1.0, upper=1.0, switch=True),)

@@ -136,17 +136,20 @@ class RunSimulator:
         waves = self.campaign.band_hz[1] * length / min(speeds)
         return HeightSeries(length, math.ceil(waves))
 
-    def _stride(self, model: Model, path_step_s: float | None = None) -> int:
-        """Integration steps per sample; at most `path_step_s`, else what the wheel's path asks for,
-        and what the effects do."""
-        if path_step_s is None:
-            if self._step_s is None:
-                self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
-            path_step_s = self._step_s
-        frame_step_s = longest_step_s(model.values)
-        longest = min(
-            [path_step_s, frame_step_s, *(effect.longest_step_s for effect in model.effects)]
-        )
+    def _stride(self, model: Model) -> int:
+        """Integration steps per sample: what the wheel's path asks for, and what the effects do."""
+        if self._step_s is None:
+            self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
+        return self._per_sample(model, [self._step_s, *(e.longest_step_s for e in model.effects)])
+
+    def _change_stride(self, model: Model) -> int:
+        """The same for the difference of two records. Kinks of the path get no shorter steps here:
+        what they spoil is nearly the same in both, and falls out of the difference."""
+        steps = (e.change_step_s(model.theta(e, self.run.id), model.values) for e in model.effects)
+        return self._per_sample(model, [STEP_S, *steps])
+
+    def _per_sample(self, model: Model, steps_s: Sequence[float]) -> int:
+        longest = min(longest_step_s(model.values), *steps_s)
         return math.ceil(1.0 / (self.campaign.sample_rate_hz * longest) - 1e-9)
 
     def _kinked(self, model: Model) -> bool:
@@ -194,12 +197,8 @@ class RunSimulator:
     def changes(
         self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
     ) -> list[Array]:
-        """By how much the records (n, n_channels) of several models differ from that of `base`.
-
-        Kinks of the path get no shorter steps here: what they spoil is nearly the same in both
-        records, and falls out of the difference.
-        """
-        strides = [self._stride(model, STEP_S) for model, _ in trials]
+        """By how much the records (n, n_channels) of several models differ from that of `base`."""
+        strides = [self._change_stride(model) for model, _ in trials]
         bases = {stride: i for i, stride in enumerate(sorted(set(strides)))}
         steps = [(*base, stride) for stride in bases]
         steps += [(*trial, stride) for trial, stride in zip(trials, strides, strict=True)]
@@ -313,7 +312,8 @@ class RunSimulator:
 
     def prescribed(self, model: Model, system: System) -> Prescribed:
         """What moves a model from the beginning of the run-up to after the record."""
-        stride = self._stride(model, STEP_S)
+        steps = [STEP_S, *(effect.longest_step_s for effect in model.effects)]
+        stride = self._per_sample(model, steps)
         force = self._forces(model, system, self._times(stride))
         return Prescribed(*self._motion(model, stride), force, stride, self._lead * stride)
 
