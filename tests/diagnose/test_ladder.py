@@ -50,3 +50,34 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
     fitted.clear()
     ladder._refit_leaders(incumbent, candidates, False, lambda text: None)
     assert fitted == {}
+
+
+@pytest.mark.parametrize(("second", "formed"), [(1.5, ["seat"]), (0.5, ["seat", "spring"])])
+def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch):
+    """The forms that are as likely have been tried, roughly. Fitted in full, one that comes first
+    after all may have a form that comes further yet."""
+
+    def candidate(name, error):
+        rung = SimpleNamespace(error_judging=error, fit=SimpleNamespace(cost=100.0 * error))
+        return SimpleNamespace(id=name, holds=True, screened=name, tried=1, rung=rung)
+
+    candidates = [candidate("seat", 1.0), candidate("spring", second)]
+    found = []
+
+    def best_form(workshop, rung, screened, better):
+        found.append(screened)
+        return better
+
+    monkeypatch.setattr(ladder, "refit", lambda workshop, rung, bar: rung)
+    monkeypatch.setattr(ladder, "_best_form", best_form)
+    monkeypatch.setattr(ladder, "least_cost", lambda rungs: rungs[0].fit.cost)
+    monkeypatch.setattr(ladder, "at_noise", lambda rung, noise: False)
+    monkeypatch.setattr(
+        ladder, "best_first", lambda rungs, noise: sorted(rungs, key=lambda r: r.error_judging)
+    )
+    monkeypatch.setattr(
+        ladder, "_judged", lambda incumbent, name, rung, tried: candidate(name, rung.error_judging)
+    )
+    incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=1.0), rung=None)
+    ladder._refit_leaders(incumbent, candidates, True, lambda text: None)
+    assert found == formed

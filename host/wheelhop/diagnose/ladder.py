@@ -292,7 +292,8 @@ def _refit_leaders(
         progress(f"fitting the vehicle with {leader.id}")
         better = refit(workshop, leader.rung, least_cost([ahead]) if ahead else bar)
         worth = leader.holds or better.fit.cost < bar
-        if worth and not at_noise(better, workshop.noise):
+        leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
+        if worth and leads and not at_noise(better, workshop.noise):
             better = _best_form(workshop, rung, leader.screened, better)
         refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
