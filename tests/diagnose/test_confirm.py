@@ -103,7 +103,7 @@ class Quick:
 
 
 @pytest.mark.parametrize(
-    ("cost", "error", "in_full"), [(150.0, 1.9, True), (150.0, 2.1, False), (100.1, 1.9, False)]
+    ("cost", "error", "in_full"), [(150.0, 1.9, True), (150.0, 2.1, False), (100.2, 1.9, False)]
 )
 def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(cost, error, in_full, monkeypatch):
     """Wheels lift in a model where they should not: no full fit makes up for that. And where none

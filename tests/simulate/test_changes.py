@@ -34,6 +34,7 @@ def columns(model):
     [
         ("tyre-lift-off", "", {"lifts": 1.0}, 2, 0.02),
         ("dry-friction", "elastic", slipping(60.0, presliding_N_m=3e5), 2, 0.08),
+        ("dry-friction", "elastic", slipping(60.0, presliding_N_m=1.2e6), 2, 0.1),
         ("dry-friction", "elastic", slipping(60.0, presliding_N_m=5e6), 1, 0.1),
         ("dry-friction", "creeping", slipping(60.0, creep_m_s=0.012), 2, 0.08),
         ("dry-friction", "creeping", slipping(150.0, creep_m_s=0.004), 1, 0.2),

@@ -18,7 +18,7 @@ mass makes 50 Hz and more, its slope of tens of kN s/m decays in less than a mil
 
 GENTLE = 1.0
 """A joint is gentle where what it does before it slips lasts longer than twice its step: with that
-step, derivatives are then wrong by less than 8 %. Beyond, they soon are those of the scheme."""
+step, derivatives are then wrong by less than 10 %. Beyond, they soon are those of the scheme."""
 
 RIG_FORMS = ("sticking", "smooth")
 """Forms that only one component on a rig tells from the others."""
