@@ -5,7 +5,8 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from threading import Barrier, current_thread
+from threading import Barrier, Event, current_thread
+from time import sleep
 
 import numpy as np
 import pytest
@@ -155,3 +156,55 @@ def test_processors_are_those_this_process_may_use(monkeypatch):
     assert processors() == 64
     monkeypatch.setattr(os, "cpu_count", lambda: None)  # the system doesn't say
     assert processors() == 1
+
+
+def test_while_one_batch_is_looked_at_the_threads_are_at_the_next(workshop):
+    """And no further ahead: of the others nothing is made yet."""
+    begun, asked = [Event() for _ in range(4)], []
+
+    def squared(i):
+        begun[i].set()
+        return i * i
+
+    def batches():
+        for i in range(4):
+            asked.append(i)
+            yield [i, i]
+
+    for i, found in enumerate(workshop.in_turn(squared, batches())):
+        assert found == [i * i, i * i]
+        assert asked == [*range(min(i + 2, 4))]
+        assert all(begun[k].wait(10.0) for k in asked)
+
+
+def test_a_run_is_not_worked_on_by_two_threads_at_once(workshop):
+    """Its simulator keeps what it was last asked for."""
+    busy, met = set(), []
+
+    def occupied(item):
+        run, batch = item
+        met.append(run in busy)
+        busy.add(run)
+        sleep(0.001 * (3 - batch % 3))
+        busy.discard(run)
+        return batch
+
+    found = list(workshop.in_turn(occupied, ([("a", i), ("b", i)] for i in range(20))))
+    assert found == [[i, i] for i in range(20)]
+    assert not any(met)
+
+
+def test_a_batch_that_fails_stops_those_behind_it(workshop):
+    """As does a caller who has seen enough."""
+    done = []
+
+    def inverse(i):
+        sleep(0.002 * i)
+        done.append(i)
+        return 1.0 / i
+
+    with pytest.raises(ZeroDivisionError):
+        list(workshop.in_turn(inverse, [[0] * 40, [1] * 40, [2] * 40]))
+    assert 2 not in done and done.count(1) < 40
+    first = next(workshop.in_turn(inverse, [[4], [5], [6]]))
+    assert first == [0.25] and 6 not in done

@@ -13,7 +13,7 @@ not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import log
 from typing import NamedTuple
@@ -135,12 +135,8 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
     chosen = [variant for effect in effects for variant in variants(workshop, base, effect)]
     found: dict[str, list[Screened]] = {}
     alone = taken_alone(base)
-    for first in range(0, len(chosen), AT_ONCE):
-        some = chosen[first : first + AT_ONCE]
-        tables = tabulated(workshop, base, some)
-        for i, variant in enumerate(some):
-            result = solve(base, variant, [table[i] for table in tables], alone)
-            found.setdefault(variant.effect.id, []).append(result)
+    for variant, tables in tabulated(workshop, base, chosen):
+        found.setdefault(variant.effect.id, []).append(solve(base, variant, tables, alone))
     best = {effect_id: _best_of(results) for effect_id, results in found.items()}
     for effect in effects:
         if effect.has_random_heights and (heights := _screened_heights(workshop, base, effect)):
@@ -188,11 +184,24 @@ def taken_alone(base: Fit) -> Taken:
     return alone if np.isfinite(alone.gain) else Taken(0.0, base.rss)
 
 
-def tabulated(workshop: Workshop, base: Fit, chosen: Sequence[Variant]) -> list[list[Table]]:
-    """The tables of these variants, run by run of `base`."""
-    prepared = [prepare(workshop, base.model, variant) for variant in chosen]
+def tabulated(
+    workshop: Workshop, base: Fit, chosen: Sequence[Variant]
+) -> Iterator[tuple[Variant, list[Table]]]:
+    """Each of these variants with its tables, run by run of `base`."""
     systems = workshop.systems(base.model)
-    return workshop.each(lambda run: _run_tables(run, base, systems, prepared), base.runs)
+    parts = [chosen[i : i + AT_ONCE] for i in range(0, len(chosen), AT_ONCE)]
+
+    def of_run(item: tuple[RunFit, list[Prepared]]) -> list[Table]:
+        return _run_tables(item[0], base, systems, item[1])
+
+    def batches() -> Iterator[list[tuple[RunFit, list[Prepared]]]]:
+        for part in parts:
+            prepared = [prepare(workshop, base.model, variant) for variant in part]
+            yield [(run, prepared) for run in base.runs]
+
+    for part, tables in zip(parts, workshop.in_turn(of_run, batches()), strict=True):
+        for i, variant in enumerate(part):
+            yield variant, [table[i] for table in tables]
 
 
 def _best_of(variants: Sequence[Screened]) -> Screened:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import current_thread
@@ -186,6 +187,31 @@ class Workshop:
         if len(given) < 2 or current_thread().name.startswith(self._threads):
             return [function(item) for item in given]
         return list(self._pool.map(function, given))
+
+    def in_turn(
+        self, function: Callable[[S], T], batches: Iterable[Sequence[S]]
+    ) -> Iterator[list[T]]:
+        """`function` of every item, batch by batch: while the caller works on one batch, the
+        threads are at the next. Batches are equally long; of two the items in one place, which may
+        be of the same run, are never worked on at once."""
+
+        def after(previous: Future[T] | None, item: S) -> T:
+            wait([previous] if previous is not None else [])
+            return function(item)
+
+        begun: deque[list[Future[T]]] = deque()
+        try:
+            for batch in batches:
+                before = begun[-1] if begun else [None] * len(batch)
+                pairs = zip(before, batch, strict=True)
+                begun.append([self._pool.submit(after, *pair) for pair in pairs])
+                if len(begun) > 1:
+                    yield [future.result() for future in begun.popleft()]
+            while begun:
+                yield [future.result() for future in begun.popleft()]
+        finally:
+            for future in (future for batch in begun for future in batch):
+                future.cancel()
 
     def ahead(self, model: Model, systems: dict[Drive, System], benches: Sequence[Bench]) -> None:
         """Integrate what the records of a model in these runs ask for, runs side by side; what is

@@ -98,11 +98,11 @@ def foresee(
         if not (numbers or chosen):
             raise CampaignError("nothing to find out: every number is certain, no effect acts")
         progress(f"{len(chosen)} forms of effects in {len(case.drives)} runs")
-        tables = tabulated(workshop, base, chosen)
+        tables = [of_runs for _, of_runs in tabulated(workshop, base, chosen)]
         information = np.stack(
             workshop.each(
-                lambda pair: _information(base, *pair, chosen),
-                list(zip(base.runs, tables, strict=True)),
+                lambda i: _information(base, base.runs[i], [t[i] for t in tables], chosen),
+                range(len(base.runs)),
             )
         )
     prior = np.array([(f.scale / f.sigma) ** 2 for f in numbers])
