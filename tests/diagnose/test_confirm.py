@@ -1,6 +1,6 @@
 """Confirmation: an effect finds its numbers although the vehicle was bent to make up for it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -103,11 +103,20 @@ class Quick:
 
 
 @pytest.mark.parametrize(
-    ("cost", "error", "in_full"), [(150.0, 1.9, True), (150.0, 2.1, False), (100.2, 1.9, False)]
+    ("cost", "error", "beside", "bars"),
+    [
+        (150.0, 1.9, [], [100.0]),
+        (150.0, 2.1, [], []),
+        (100.2, 1.9, [], []),
+        (150.0, 1.9, [130.0, 60.0], [60.0]),
+    ],
 )
-def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(cost, error, in_full, monkeypatch):
+def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(
+    cost, error, beside, bars, monkeypatch
+):
     """Wheels lift in a model where they should not: no full fit makes up for that. And where none
-    lifts in the runs fitted, a quick fit is as good as a full one."""
+    lifts in the runs fitted, a quick fit is as good as a full one. One that has no hope to come as
+    far as the best model beside it ends early."""
     switch = SimpleNamespace(amplitudes=[SimpleNamespace(switch=True)], parameters=())
     switch.effect = SimpleNamespace(has_random_heights=False)
     model = SimpleNamespace(theta=lambda effect: {}, random_heights=None)
@@ -127,8 +136,9 @@ def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(cost, error, in
     monkeypatch.setattr(confirming, "begun", lambda *_: model)
     monkeypatch.setattr(confirming, "validate", lambda workshop, fit, update: Rung(fit, None))
     monkeypatch.setattr(confirming, "refit", full)
-    confirm(workshop, base, SimpleNamespace(variant=switch, error=1.0))
-    assert fitted == ([100.0] if in_full else [])
+    others = [replace(base, fit=SimpleNamespace(cost=each, model=model)) for each in beside]
+    confirm(workshop, base, SimpleNamespace(variant=switch, error=1.0), others)
+    assert fitted == bars
 
 
 @pytest.mark.slow

@@ -129,9 +129,8 @@ def confirm(
     worse = best.cost > base.fit.cost + neglected
     switch = all(p.switch for p in screened.variant.amplitudes)
     if switch and worse and best.error < HOPELESS * base.fit.error:
-        return min(
-            rough, refit(workshop, rough, least_cost([base])), key=lambda rung: rung.fit.cost
-        )
+        full = refit(workshop, rough, least_cost([base, *beside]))
+        return min(rough, full, key=lambda rung: rung.fit.cost)
     return rough
 
 
