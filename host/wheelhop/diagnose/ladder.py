@@ -172,10 +172,6 @@ def climb(
         if better is None and len(rung.model.effects) > 1:
             exchanged = exchange(workshop, rung, shorter, tried, effects, progress)
             stands, better = exchanged.stands, exchanged.rung
-        if better is None and room > 1 and steps[-1].above_floor:
-            look = look_for_several(workshop, look, _open(rung, effects, workshop), room, progress)
-            first = origin = look if len(steps) == 1 else first
-            better = look.chosen.rung if look.chosen is not None else None
         part = max_effects > 1 and not nearly_all(first.rung, rung, workshop.noise)
         if better is None and alone and part and steps[-1].above_floor:
             # The first may have been taken for what only several explain: it takes a place.
@@ -185,6 +181,10 @@ def climb(
             group = anew.chosen.rung if anew.chosen is not None else rung
             if anew is not first and Incumbent(workshop, rung).gives_way_to(group):
                 origin, better, steps = anew, group, steps[:1]
+        if better is None and room > 1 and steps[-1].above_floor:
+            look = look_for_several(workshop, look, _open(rung, effects, workshop), room, progress)
+            first = origin = look if len(steps) == 1 else first
+            better = look.chosen.rung if look.chosen is not None else None
         if better is None:
             break
         (rung, shorter), stands = without_idle(workshop, better, steps[0].rung, progress), {}
