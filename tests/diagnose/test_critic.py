@@ -17,9 +17,11 @@ from wheelhop.diagnose.critic import (
     _no_vehicle,
     _rivals,
     _untold,
+    upheld,
 )
 from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.effects import load_effects
+from wheelhop.gate import Finding
 
 LIBRARY = load_effects()
 INF = float("inf")
@@ -220,3 +222,28 @@ def test_fitted_numbers_that_no_vehicle_has(nominal, is_free):
     found = list(_no_vehicle(SimpleNamespace(rung=SimpleNamespace(fit=fitted)), free))
     assert [f.about for f in found] == [spring] * is_free
     assert all(f.when == "after" for f in found)
+
+
+LATE = Finding("before", "out-of-step", "channels A1 and A2", "The axles are 40 ms late.", "Look.")
+UPSIDE_DOWN = Finding("before", "polarity", "channels B1", "B1 is upside down.", "Turn it over.")
+
+
+def rung(power, *effects):
+    """What leaves so much of a datum's power, in units of the noise's."""
+    judging = SimpleNamespace(charged=1e4 * power, size=10_000)
+    return SimpleNamespace(judging=judging, model=SimpleNamespace(effects=effects))
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "is_left"),
+    [
+        pytest.param(rung(100.0), rung(5.0, *DAMPER), False, id="nearly-all-is-explained"),
+        pytest.param(rung(1.02), rung(1.02), False, id="nothing-is-missing"),
+        pytest.param(rung(100.0), rung(40.0, *DAMPER), True, id="a-part-is-explained"),
+        pytest.param(rung(100.0), rung(1.0, LIBRARY["sensor-skew"]), True, id="by-a-sensor"),
+    ],
+)
+def test_no_clock_is_wrong_where_laws_explain_the_records_as_they_are(first, last, is_left):
+    diagnosis = SimpleNamespace(ladder=[SimpleNamespace(rung=first), SimpleNamespace(rung=last)])
+    left = upheld([LATE, UPSIDE_DOWN], diagnosis, noise=1.0)
+    assert left == ([LATE, UPSIDE_DOWN] if is_left else [UPSIDE_DOWN])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import erfc, isfinite, sqrt
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
+from wheelhop.diagnose.judge import at_noise, nearly_all
 from wheelhop.effects import Effect
 from wheelhop.files.words import listed, percent, significant
 from wheelhop.gate import Finding
@@ -64,6 +65,16 @@ def numbers_of(step: Step) -> tuple[list[Number], Array]:
         )
         for f, sd in zip(fitted.shared, np.sqrt(np.diag(covariance)).tolist(), strict=True)
     ], covariance
+
+
+def upheld(findings: Iterable[Finding], diagnosis: Diagnosis, noise: float) -> list[Finding]:
+    """What was said before the fit, less what the verdict refutes. Laws that the nominal vehicle
+    lacks shift phases as a clock does that is wrong. Where with these laws, and all clocks as they
+    are, next to nothing is left, none was."""
+    first, last = diagnosis.ladder[0].rung, diagnosis.ladder[-1].rung
+    explained = at_noise(last, noise) or nearly_all(first, last, noise)
+    in_step = explained and all(effect.place != "sensor" for effect in last.model.effects)
+    return [f for f in findings if not (in_step and f.kind == "out-of-step")]
 
 
 def criticism(diagnosis: Diagnosis) -> list[Finding]:

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
 from wheelhop.diagnose.confirm import confirm, least_cost, refit, worth_simulating
-from wheelhop.diagnose.critic import criticism, refuted
+from wheelhop.diagnose.critic import criticism, refuted, upheld
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.forgets import (
     FORGETS,
@@ -138,7 +138,8 @@ def diagnose_from(
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
     diagnosis = climb(base, effects, max_effects=max_effects, progress=progress, watch=watch)
     bounced = never_forgotten(base.workshop, diagnosis.ladder[-1].rung)
-    findings = *gated.findings, *bounced, *criticism(diagnosis)
+    said = upheld(gated.findings, diagnosis, base.workshop.noise)
+    findings = *said, *bounced, *criticism(diagnosis)
     diagnosis = replace(diagnosis, findings=findings, beliefs=tuple(refuted(diagnosis)))
     last = diagnosis.ladder[-1]
     between = any(e.place in BETWEEN for e in last.rung.model.effects) or last.above_floor
