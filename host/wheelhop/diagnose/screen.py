@@ -132,7 +132,32 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
 
     Effects that do not apply to this campaign are left out.
     """
-    chosen = [variant for effect in effects for variant in variants(workshop, base, effect)]
+    return _screened(workshop, base, effects, _forms(workshop, base, effects))
+
+
+def screen_best(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Screened]:
+    """Screen `effects` where only the best count: first in the runs that tell most; then, in all
+    runs, those that explained there at least half as much as the best. Switches stay: first order
+    says little of them."""
+    forms = _forms(workshop, base, effects)
+    if effects and not all_noise(base, workshop.noise):
+        found = _screened(workshop, replace(base, runs=telling(base)), effects, forms)
+        best = max((s.gain for s in found), default=0.0)
+        kept = {s.variant.effect.id for s in found if s.gain >= best / 2 or s.freedom == 0}
+        effects = [effect for effect in effects if effect.id in kept]
+    return _screened(workshop, base, effects, forms)
+
+
+def _forms(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Variant]:
+    return [variant for effect in effects for variant in variants(workshop, base, effect)]
+
+
+def _screened(
+    workshop: Workshop, base: Fit, effects: Sequence[Effect], forms: Sequence[Variant]
+) -> list[Screened]:
+    """These effects in their forms, those of others left out; best first."""
+    ids = {effect.id for effect in effects}
+    chosen = [variant for variant in forms if variant.effect.id in ids]
     found: dict[str, list[Screened]] = {}
     alone = taken_alone(base)
     for variant, tables in tabulated(workshop, base, chosen):
@@ -142,18 +167,6 @@ def screen(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Scr
         if effect.has_random_heights and (heights := _screened_heights(workshop, base, effect)):
             best[effect.id] = heights
     return sorted(best.values(), key=lambda s: -s.score)
-
-
-def screen_best(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> list[Screened]:
-    """Screen `effects` where only the best count: first in the runs that tell most; then, in all
-    runs, those that explained there at least half as much as the best. Switches stay: first order
-    says little of them."""
-    if not effects or all_noise(base, workshop.noise):
-        return screen(workshop, base, effects)
-    found = screen(workshop, replace(base, runs=telling(base)), effects)
-    best = max((s.gain for s in found), default=0.0)
-    kept = {s.variant.effect.id for s in found if s.gain >= best / 2 or s.freedom == 0}
-    return screen(workshop, base, [effect for effect in effects if effect.id in kept])
 
 
 def telling(base: Fit) -> tuple[RunFit, ...]:
