@@ -69,8 +69,8 @@ def numbers_of(step: Step) -> tuple[list[Number], Array]:
 
 def upheld(findings: Iterable[Finding], diagnosis: Diagnosis, noise: float) -> list[Finding]:
     """What was said before the fit, less what the verdict refutes. Laws that the nominal vehicle
-    lacks shift phases as a clock does that is wrong. Where with these laws, and all clocks as they
-    are, next to nothing is left, none was."""
+    lacks shift phases as a wrong clock does. If they explain nearly everything with all clocks as
+    they are, no clock was wrong."""
     first, last = diagnosis.ladder[0].rung, diagnosis.ladder[-1].rung
     explained = at_noise(last, noise) or nearly_all(first, last, noise)
     in_step = explained and all(effect.place != "sensor" for effect in last.model.effects)

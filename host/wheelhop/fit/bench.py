@@ -200,15 +200,21 @@ class Workshop:
             return function(item)
 
         begun: deque[list[Future[T]]] = deque()
+
+        def results() -> list[T]:
+            found = [future.result() for future in begun[0]]
+            begun.popleft()
+            return found
+
         try:
             for batch in batches:
                 before = begun[-1] if begun else [None] * len(batch)
                 pairs = zip(before, batch, strict=True)
                 begun.append([self._pool.submit(after, *pair) for pair in pairs])
                 if len(begun) > 1:
-                    yield [future.result() for future in begun.popleft()]
+                    yield results()
             while begun:
-                yield [future.result() for future in begun.popleft()]
+                yield results()
         finally:
             for future in (future for batch in begun for future in batch):
                 future.cancel()
