@@ -61,8 +61,8 @@ def _forms(
 def _baseline_columns(base: Baseline) -> Array:
     """What the vehicle's numbers and every run's own can absorb, (data, parameters)."""
     runs = base.rung.fit.runs
-    shared = np.vstack([run.shared_jacobian for run in runs])
-    return np.hstack([shared, block_diag(*(run.own_jacobian for run in runs))])
+    split = [np.hsplit(run.jacobian, [run.derivatives.shared]) for run in runs]
+    return np.hstack([np.vstack([s for s, _ in split]), block_diag(*(own for _, own in split))])
 
 
 def _prior(base: Baseline, count: int) -> Array:

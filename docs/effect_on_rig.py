@@ -46,7 +46,7 @@ def loop(effect: Effect | None, amplitude_m: float) -> tuple[Array, Array, Array
     time = np.arange(round(3.0 / FREQUENCY_HZ * RATE_HZ)) / RATE_HZ
     omega = 2.0 * np.pi * FREQUENCY_HZ
     x, v = amplitude_m * np.sin(omega * time), amplitude_m * omega * np.cos(omega * time)
-    values, effects = dict(COMPONENT), ()
+    values, effects = dict(COMPONENT), tuple[Effect, ...]()
     if effect is not None:
         values |= {f"{effect.id}.{k}": n for k, n in strengths(effect).items()}
         effects = (effect,)

@@ -3,6 +3,8 @@ time, and where the change lies by motion (or channel) and frequency."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib as mpl
 import numpy as np
 from effect_stage import (
@@ -38,7 +40,7 @@ INK, SOFT, RULE = "#1b1f24", "#5b6470", "#dfe3e8"
 BASELINE, EFFECT = "#c8540a", "#0b66a8"
 PANELS = [(0.07, 0.25, 0.2, 0.6), (0.335, 0.25, 0.26, 0.6), (0.69, 0.25, 0.235, 0.6)]
 HEAT = LinearSegmentedColormap.from_list("paper to blue", ["#ffffff", "#9cc3e0", EFFECT, "#06263f"])
-STYLE = {
+STYLE: dict[Any, object] = {
     "font.size": 8.5,
     "axes.titlesize": 9.0,
     "axes.titlelocation": "left",

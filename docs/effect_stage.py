@@ -110,7 +110,7 @@ def history(effect: Effect, count: int) -> Array:
     if effect.id == "left-right-drift":
         return np.linspace(0.0, 1.0, count)
     if isinstance(effect, AccelerationMoment):
-        return np.sin(2 * np.pi * np.arange(count) * KNOT_S)  # of 1 s period
+        return np.asarray(np.sin(2 * np.pi * np.arange(count) * KNOT_S))  # of 1 s period
     return np.ones(count)
 
 

@@ -19,7 +19,6 @@ from wheelhop.diagnose import Diagnosis, diagnose
 from wheelhop.effects import load_effects
 from wheelhop.files.words import percent
 from wheelhop.report.cases import Case, cases
-from wheelhop.report.words import judged
 from wheelhop.vehicle import read_vehicle
 
 DOCS = Path(__file__).parent
@@ -70,8 +69,8 @@ def draw_case(upper: Axes, lower: Axes, case: Case, added: str) -> None:
 
 def draw_ladder(axes: Axes, diagnosis: Diagnosis) -> None:
     """The held-out error, rung by rung, down to the noise floor."""
-    errors, floors = np.array([judged(step) for step in diagnosis.ladder]).T
-    floor = floors[-1]
+    errors = np.array([step.rung.error for step in diagnosis.ladder])
+    floor = diagnosis.ladder[-1].floor
     x = np.arange(len(errors))
     names = ["baseline", *(f"+ {step.added[-1]}" for step in diagnosis.ladder[1:])]
     axes.axhline(100 * floor, color=SOFT, ls=(0, (4, 3)), lw=1.0)

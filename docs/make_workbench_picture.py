@@ -11,11 +11,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 DOCS = Path(__file__).parent
 EXAMPLE = DOCS.parent / "examples/open-driver-seat"
-SIZE = {"width": 1280, "height": 860}
+SIZE: ViewportSize = {"width": 1280, "height": 860}
 
 
 def main() -> None:
@@ -23,7 +23,8 @@ def main() -> None:
     chromium = shutil.which("chromium") or sys.exit("no Chromium: apt-get install chromium")
     with tempfile.TemporaryDirectory() as other, sync_playwright() as playwright:
         folder = Path(shutil.copytree(EXAMPLE, Path(other) / EXAMPLE.name))
-        command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser", folder]
+        arguments = ["workbench", "--no-browser", str(folder)]
+        command = [sys.executable, "-m", "wheelhop.cli.main", *arguments]
         server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         try:
             assert server.stdout is not None
