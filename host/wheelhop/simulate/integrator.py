@@ -99,10 +99,28 @@ def _sample(  # type: ignore[no-untyped-def]
             store(y, row + o, plus(load(y, row + o), splat(1.0), load(mean, n + o)))
 
 
+@numba.njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _lean(acc, room, leaning, z):  # type: ignore[no-untyped-def]
+    """Adds to the accelerations what masses do that stand upright (`System.leaning`): they follow
+    from the accelerations without it, as these masses are a small part of the whole."""
+    of_state, of_acceleration, to_acceleration = leaning
+    n, count = acc.shape[0], (len(of_state[0]) - 1) // 2
+    _apply(room, 0, of_state, z)
+    _apply(room, 2 * count, of_acceleration, acc)
+    for i in range(count):
+        angle, rate = load(room, i), load(room, count + i)
+        faster, lift = load(room, 2 * count + i), load(room, 3 * count + i)
+        store(room, i, plus(plus(splat(0.0), rate, rate), angle, faster))
+        store(room, count + i, plus(splat(0.0), angle, lift))
+    _apply(room, 4 * count, to_acceleration, room)
+    for i in range(n):
+        store(acc, i, plus(load(acc, i), splat(1.0), load(room, 4 * count + i)))
+
+
 @_compiled
 def _integrate(  # type: ignore[no-untyped-def]
-    y, room, motion, extension, output, groups, laws, parameters, u, du, w, q, dt, first, stride,
-    ends, weights,
+    y, room, motion, extension, output, leaning, groups, laws, parameters, u, du, w, q, dt, first,
+    stride, ends, weights,
 ):  # fmt: skip
     """Run-time loop; lanes are the last axis of all arrays but `parameters`. It goes by the vector
     z = (x, ẋ, u, u̇, w, f) of state, prescribed motions, applied forces and laws' forces: `motion`
@@ -113,7 +131,7 @@ def _integrate(  # type: ignore[no-untyped-def]
     n, ports = q.shape[0] // 2, parameters.shape[1]
     driven = 2 * n + 2 * u.shape[1]
     forced = driven + w.shape[1]
-    z, port, change, acc, v_old, a_old, mean = room
+    z, port, change, acc, v_old, a_old, mean, lean = room
     for i in range(2 * n):
         store(z, i, load(q, i))
     _drive(z, 2 * n, u, du, w, 0, dt)
@@ -136,6 +154,8 @@ def _integrate(  # type: ignore[no-untyped-def]
                 for i in range(ports):
                     store(z, forced + i, load(port, FORCE * ports + i))
             _apply(acc, 0, motion, z)
+            if lean.shape[0]:
+                _lean(acc, lean, leaning, z)
             if stage == 0:
                 _sample(
                     y, output, mean, q, acc, v_old, a_old, t, first, stride, ends, weights,
@@ -191,7 +211,8 @@ class Task:
     def make(self) -> tuple[object, ...]:
         """What mechanisms that are integrated side by side have in common."""
         s = self.system
-        return (*s.output.shape, *self.height.shape, *self.force.shape, s.port_law, s.laws)
+        sizes = (*s.output.shape, *self.height.shape, *self.force.shape, len(s.upright))
+        return (*sizes, s.port_law, s.laws)
 
 
 def integrate(
@@ -280,8 +301,10 @@ def _mechanisms(systems: tuple[System, ...]) -> tuple[object, ...]:
     """Their matrices and laws: a fit asks for the same ones side by side in every run."""
     laws = systems[0].laws
     motion, extension, output = zip(*(system.explicit for system in systems), strict=True)
+    leaning = zip(*(system.leaning for system in systems), strict=True)
     return (
         *(_sparse(motion), _sparse(extension), _sparse(output)),
+        tuple(_sparse(matrices) for matrices in leaning),
         groups_of(systems[0].port_law, laws),
         addresses(laws),
         laws_side_by_side([system.law_parameters for system in systems]),
@@ -290,10 +313,13 @@ def _mechanisms(systems: tuple[System, ...]) -> tuple[object, ...]:
 
 def _room(task: Task) -> tuple[Array, ...]:
     """The loop's own vectors: z, the ports, the sums of a step, accelerations, velocities and
-    accelerations at its beginning, their mean over the window and what the outputs show of it."""
+    accelerations at its beginning, their mean over the window and what the outputs show of it, and
+    what stands upright."""
     c, n = task.system.output.shape
     ports, k, m = len(task.system.port_law), task.force.shape[1], task.height.shape[1]
-    rows = (2 * n + 2 * m + k + ports, 6 * ports, 2 * n, n, n, n, n + c)
+    upright = len(task.system.upright)
+    lean = 4 * upright + n if upright else 0
+    rows = (2 * n + 2 * m + k + ports, 6 * ports, 2 * n, n, n, n, n + c, lean)
     z, port, *others = (aligned((count, LANES)) for count in rows)
     return (z, port.reshape(6, ports, LANES), *others)
 

@@ -35,7 +35,7 @@ class Job:
     def make(self) -> tuple[object, ...]:
         """What models that are integrated side by side have in common."""
         s = self.system
-        shapes = *s.output.shape, s.force.shape[1]
+        shapes = *s.output.shape, s.force.shape[1], len(s.upright)
         return self.stride, self.per_sample, *shapes, s.port_law, s.laws
 
     @property

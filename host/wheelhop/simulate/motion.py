@@ -92,6 +92,7 @@ def _with_followers(system: System) -> System:
         input_damping=longer(system.input_damping),
         force=longer(system.force),
         port=np.ascontiguousarray(longer(system.port.T).T),
+        upright=np.pad(system.upright, ((0, 0), (0, 0), (0, 2 * n))),
         output=np.eye(3 * n),
     )
 

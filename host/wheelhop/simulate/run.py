@@ -214,7 +214,7 @@ class RunSimulator:
             job = self._job(model, system, stride, [*jobs[:1], *jobs[-1:], *self._done])
             if job.acceleration is None and job not in waiting:
                 base = bases.setdefault(job.base, job)
-                if base is job or system.laws or self.drive == "axles":
+                if base is job or not system.is_linear or self.drive == "axles":
                     waiting.append(job)
                     alike = sum(other.make == job.make for other in waiting)
                     if alike == LANES:
@@ -258,7 +258,7 @@ class RunSimulator:
         if self.drive == "axles":
             return None
         job = self._job(model, system, self._stride(model), self._done)
-        superposed = not system.laws and job.base in [other.base for other in self._done]
+        superposed = system.is_linear and job.base in [other.base for other in self._done]
         return None if superposed or job.acceleration is not None else job
 
     def keep(self, job: Job) -> None:

@@ -5,9 +5,10 @@ applied forces w(t) is
 
     M q̈ + C q̇ + K q = B u + D u̇ + E w − Σ Pᵀ f(δ, δ̇),     δ = P q + R u
 
-with f the nonlinear force laws. Parts are added one by one between *nodes*; the matrices are
-formed at the end, so that a part may be added in any order, and a flexible mode of the body
-changes the motion of every point already attached to it.
+with f the nonlinear force laws. Masses that stand upright on a foot and lean add what is written at
+:meth:`Assembly.add_upright`. Parts are added one by one between *nodes*; the matrices are formed at
+the end, so that a part may be added in any order, and a flexible mode of the body changes the
+motion of every point already attached to it.
 """
 
 from __future__ import annotations
@@ -68,9 +69,31 @@ class System:
     port_law: tuple[int, ...]  #: (p,) index into `laws` for each port
     laws: tuple[Law, ...]
     law_parameters: Array  #: (p, LAW_PARAMETERS or more)
+    upright: Array  #: (s, 2, n) of what stands upright: its foot's vertical displacement, its angle
+    upright_moment: Array  #: (s,) mass × height, kg·m
     output: Array  #: (c, n) output displacement = output @ q; NaN row: not predicted
     coordinates: tuple[str, ...] = ()  #: (n,) names of the free coordinates
     port_by: tuple[str, ...] = ()  #: (p,) input that each port's force is times, "" for none
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether what moves it twice as much moves it twice as far."""
+        return not self.laws and not len(self.upright)
+
+    @cached_property
+    def leaning(self) -> tuple[Array, Array, Array]:
+        """Three matrices for what stands upright. Times (x, ẋ) the first gives its angles and their
+        rates; times ẍ the second gives their second rates and the accelerations of the feet. Times
+        what pushes the feet and what turns the angles, per moment, the third gives accelerations.
+        """
+        foot, angle = self.upright[:, 0], self.upright[:, 1]
+        none = np.zeros_like(angle)
+        pushed = np.concatenate([foot, angle]).T * np.tile(self.upright_moment, 2)
+        return (
+            np.block([[angle, none], [none, angle]]),
+            np.concatenate([angle, foot]),
+            np.linalg.solve(self.mass, pushed),
+        )
 
     @cached_property
     def explicit(self) -> tuple[Array, Array, Array]:
@@ -111,6 +134,7 @@ class Assembly:
     _masses: list[tuple[Row, float]] = field(default_factory=list)
     _springs: list[tuple[Row, float, float]] = field(default_factory=list)
     _laws: list[tuple[Row, Law, tuple[float, ...], str]] = field(default_factory=list)
+    _uprights: list[tuple[Row, Row, float]] = field(default_factory=list)
     _forces: list[Row] = field(default_factory=list)
     _outputs: list[Row | None] = field(default_factory=list)
 
@@ -139,6 +163,16 @@ class Assembly:
         """A nonlinear force −f(δ, δ̇) along the extension `row`, in N; on a rig times the recorded
         input `by`, if one is named."""
         self._laws.append((row, law, parameters, by))
+
+    def add_upright(self, foot: Row, angle: Row, moment_kg_m: float) -> None:
+        """What a mass m adds that stands at a height h above its foot and leans by an angle φ: it
+        comes down by h φ²/2. Its moment is m h; a negative one takes away.
+
+        To the second order in φ its kinetic energy ½ m (ż − h φ φ̇)² pushes the foot up with
+        m h (φ̇² + φ φ̈) and turns the angle with m h z̈ φ. Its mass and inertia are added elsewhere,
+        and so is its weight, which acts as a spring.
+        """
+        self._uprights.append((foot, angle, moment_kg_m))
 
     def add_force(self, row: Row) -> None:
         """An applied force along `row`; its history is the next column of w(t)."""
@@ -189,6 +223,7 @@ class Assembly:
         parameters = np.zeros((len(self._laws), width))
         for i, (_, _, values, _) in enumerate(self._laws):
             parameters[i, : len(values)] = values
+        upright = self._stack([row for *rows, _ in self._uprights for row in rows])
         output = np.full((len(self._outputs), n), np.nan)
         for i, out in enumerate(self._outputs):
             if out is not None:
@@ -205,6 +240,8 @@ class Assembly:
             port_law=tuple(laws.index(law) for _, law, *_ in self._laws),
             laws=laws,
             law_parameters=parameters,
+            upright=upright[:, :n].reshape(-1, 2, n),
+            upright_moment=np.array([moment for *_, moment in self._uprights]),
             output=output,
             coordinates=tuple(self._free),
             port_by=tuple(by for *_, by in self._laws),
