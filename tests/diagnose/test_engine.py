@@ -1,5 +1,6 @@
 """An engine in runs that were fitted is the engine of those held out."""
 
+import numpy as np
 import pytest
 
 from tests import truth
@@ -33,7 +34,8 @@ def test_a_strong_line_is_found_in_the_runs_held_out(tmp_path):
     assert found.error_validate < 0.2 * base.rung.error_validate
     assert found.model.values["engine-vibration.freq_hz"] == pytest.approx(HZ, rel=0.03)
     for own in found.model.runs.values():
-        force = {key: own[f"engine-vibration.{key}"] for key in ("cos_N", "sin_N", "excess")}
-        assert force["cos_N"] ** 2 + force["sin_N"] ** 2 == pytest.approx(FORCE_N**2, rel=0.05)
+        force = {key: own[f"engine-vibration.{key}"] for key in ("cos_m_s2", "sin_m_s2", "excess")}
+        shaken = np.hypot(force["cos_m_s2"], force["sin_m_s2"])
+        assert shaken == pytest.approx(FORCE_N / place["body.mass_kg"], rel=0.05)
         turned = (1.0 + force["excess"]) * found.model.values["engine-vibration.freq_hz"]
         assert turned == pytest.approx(HZ, rel=2e-3)

@@ -124,15 +124,15 @@ def test_frame_twist_leaves_the_middle_of_the_wheelbase_alone():
 @given(st.floats(5.0, 40.0), st.floats(-100.0, 100.0), st.floats(-100.0, 100.0))
 def test_engine_vibration_is_a_harmonic_force_locked_to_time(frequency, cosine, sine):
     effect, time = EFFECTS["engine-vibration"], np.linspace(0.0, 2.0, 400)
-    theta = {"freq_hz": frequency, "cos_N": cosine, "sin_N": sine}
+    theta = {"freq_hz": frequency, "cos_m_s2": cosine, "sin_m_s2": sine}
     (history,) = effect.forces(theta, SETTING, time, *np.zeros((2, len(time), 4)))
     amplitude, phase = np.hypot(cosine, sine), np.arctan2(sine, cosine)
     since = time - (SETTING.record_start_s + SETTING.end_s) / 2
     np.testing.assert_allclose(
         history, amplitude * np.cos(2 * pi * frequency * since - phase), atol=1e-9
     )
-    summary = effect.summary([OwnValues(SETTING, theta)] * 2)
-    assert summary["force_N"] == pytest.approx(amplitude)
+    summary = effect.summary([OwnValues(SETTING, {**ATV, **theta})] * 2)
+    assert summary["force_N"] == pytest.approx(ATV["body.mass_kg"] * amplitude)
     assert summary["spread_fraction"] == summary["wander_fraction"] == 0.0
 
 
@@ -147,12 +147,14 @@ def test_the_force_turns_with_an_engine_whose_speed_wanders(frequency, excess, s
     theta |= dict(zip(history, rng.normal(0.0, 0.01, len(history)), strict=True))
     parts = [
         effect.forces({**theta, part: 1.0}, SETTING, time, *np.zeros((2, len(time), 4)))[0]
-        for part in ("cos_N", "sin_N")
+        for part in ("cos_m_s2", "sin_m_s2")
     ]
     angle = np.unwrap(np.arctan2(parts[1], parts[0]))
     own_hz = np.gradient(angle, time) / (2 * pi)
     np.testing.assert_allclose(np.hypot(*parts), 1.0)
-    summary = effect.summary([OwnValues(SETTING, {**theta, "cos_N": 1.0, "sin_N": 0.0})])
+    summary = effect.summary(
+        [OwnValues(SETTING, {**ATV, **theta, "cos_m_s2": 1.0, "sin_m_s2": 0.0})]
+    )
     wander = own_hz / frequency - 1.0 - excess
     assert np.sqrt(np.var(wander)) == pytest.approx(summary["wander_fraction"], rel=0.05)
 
@@ -177,7 +179,7 @@ def test_an_engine_that_idles_unsteadily_is_followed(frequency, seed):
         theta = {**shapes, **effect.run_starts(probe, run, shapes)[0]}
         cosine, sine = (
             effect.forces({**theta, part: 1.0}, run, time, *np.zeros((2, len(time), 4)))[0]
-            for part in ("cos_N", "sin_N")
+            for part in ("cos_m_s2", "sin_m_s2")
         )
         away = np.exp(1j * angles[run.run_id]) * (cosine - 1j * sine)
         away = np.angle(away * np.conj(away.mean()))
@@ -187,7 +189,7 @@ def test_an_engine_that_idles_unsteadily_is_followed(frequency, seed):
 def test_engine_vibration_pushes_at_the_engine():
     system = system_with("engine-vibration", {"freq_hz": 20.0})
     expected = [1.0, -ATV["engine.x_m"], ATV["engine.y_m"], 0, 0, 0, 0]
-    np.testing.assert_allclose(system.force[:, 0], expected)
+    np.testing.assert_allclose(system.force[:, 0], ATV["body.mass_kg"] * np.array(expected))
 
 
 class Records:

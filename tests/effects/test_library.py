@@ -1,5 +1,7 @@
 """The library: what every effect says of itself, and effects from a user's file."""
 
+import re
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -261,3 +263,41 @@ def test_the_base_class_does_nothing():
     idle = Model(base.values, (Idle(),), base.runs)
     one, other = (simulated(campaign_of(RUN), model)["run"] for model in (base, idle))
     np.testing.assert_array_equal(one, other)
+
+
+def strong(form):
+    """Every number of a form well away from where it is absent: shared, and a run's own."""
+    shared = {p.name: p.starts[0] if p.is_shape else p.absent + p.scale
+              for p in form.parameters_for(ATV, CHANNELS)}  # fmt: skip
+    setting = RunSimulator(campaign_of(RUN), campaign_of(RUN).runs[0], 4.0).setting
+    return shared, {p.name: p.absent + 0.5 * p.scale for p in form.per_run(setting)}
+
+
+def heavier(values, units):
+    """Twice the mass, and whatever holds it twice as strong."""
+    found = dict(values)
+    for name, unit in units.items():
+        above, _, below = unit.partition("/")
+        for part, factor in ((above, 2.0), (below, 0.5)):
+            found[name] *= factor if {"N", "kg"} & set(re.split("[·²³]", part)) else 1.0
+    return found
+
+
+VEHICLE_UNITS = {key: "kg" for key in ATV if re.search("mass|inertia|stiffness|damping", key)}
+
+
+MOVING = [f for f in FORMS if f.values[0].on_vehicle and f.values[0].place != "sensor"]
+
+
+@pytest.mark.parametrize("form", MOVING)
+def test_records_do_not_show_how_heavy_the_vehicle_is(form):
+    """Twice as heavy on springs and dampers twice as strong, with an effect whose forces are twice
+    as large, it moves as it did. What is free in a run is the same for both: a belief in it must
+    not say how heavy the vehicle is."""
+    shared, own = strong(form)
+    units = {p.name: p.unit for p in form.parameters_for(ATV, CHANNELS)}
+    records = []
+    for values, theta in ((ATV, shared), (heavier(ATV, VEHICLE_UNITS), heavier(shared, units))):
+        model = replace(model_of(values, RUN, form.id, theta, own=own), effects=(form,))
+        records.append(simulated(campaign_of(RUN), model)["run"])
+    np.testing.assert_allclose(records[1], records[0], atol=1e-6 * np.abs(records[0]).max())

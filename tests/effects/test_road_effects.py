@@ -123,9 +123,10 @@ def test_a_wheel_out_of_balance_agrees_with_mujoco(corner):
     campaign = campaign_of({run_id: run})
     way = run.start_m + run.speed_m_s * middle_s(campaign, model_of(ATV, {run_id: run}))
     phase = way / radius + np.random.default_rng(run.seed).uniform(0.0, 2 * np.pi)
+    eccentricity = imbalance / ATV[f"wheel.{end}.unsprung_mass_kg"]
     own = {
-        f"{name}_cos_kg_m": imbalance * np.cos(phase),
-        f"{name}_sin_kg_m": -imbalance * np.sin(phase),
+        f"{name}_cos_m": eccentricity * np.cos(phase),
+        f"{name}_sin_m": -eccentricity * np.sin(phase),
     }
     model = model_of(
         ATV, {run_id: run}, "wheel-imbalance", {f"{end}_m": radius}, choice=name, own=own
@@ -158,8 +159,8 @@ def test_an_imbalance_pulls_once_a_turn_with_u_omega_squared(corner, u, phase, s
     way = np.repeat(speed * time[:, None], 4, axis=1)
     names = ("front_left", "front_right", "rear_left", "rear_right")
     theta = {"front_m": 0.3, "rear_m": 0.25}
-    theta |= {f"{names[corner]}_cos_kg_m": u * np.cos(phase)}
-    theta |= {f"{names[corner]}_sin_kg_m": u * np.sin(phase)}
+    theta |= {f"{names[corner]}_cos_m": u * np.cos(phase)}
+    theta |= {f"{names[corner]}_sin_m": u * np.sin(phase)}
     force = turning(theta, way, np.full_like(way, speed), time)
     omega = speed / (0.3 if corner < 2 else 0.25)
     expected = u * omega**2 * np.cos(omega * (time - 10.3 / 2) - phase)
@@ -171,7 +172,7 @@ def test_an_imbalance_follows_its_own_wheel_as_its_speed_changes():
     time = np.linspace(0.0, 10.3, 8001)
     way = np.stack([5.0 * time + 0.1 * i * time**2 for i in range(4)], axis=1)
     speed = np.stack([5.0 + 0.2 * i * time for i in range(4)], axis=1)
-    theta = {"front_m": 0.3, "rear_m": 0.3, "rear_right_cos_kg_m": 0.1}
+    theta = {"front_m": 0.3, "rear_m": 0.3, "rear_right_cos_m": 0.1}
     force = turning(theta, way, speed, time)[:, 3]
     up = np.flatnonzero((force[:-1] < 0) & (force[1:] >= 0))
     turns = np.diff(way[up, 3]) / (2 * np.pi * 0.3)
@@ -220,18 +221,19 @@ def test_imbalance_summary_tells_run_out_from_imbalance(exponent):
     effect = EFFECTS["wheel-imbalance"].with_choice("rear_left")
     runs = []
     for v in (2.0, 3.0, 4.0, 6.0):
-        theta = {"rear_left_cos_kg_m": 0.3 * v ** (exponent - 2.0), "rear_left_sin_kg_m": 0.0}
+        theta = {**ATV, "rear_left_cos_m": 0.02 * v ** (exponent - 2.0), "rear_left_sin_m": 0.0}
         runs.append(OwnValues(RunSetting(f"{v}", v, -4.0, 0.0, 10.3, True), theta))
     summary = effect.summary(runs)
     assert summary["speed_exponent"] == pytest.approx(exponent, abs=1e-6)
     if exponent == 2.0:
-        assert summary["rear_left_kg_m"] == pytest.approx(0.3)
+        imbalance = 0.02 * ATV["wheel.rear.unsprung_mass_kg"]
+        assert summary["rear_left_kg_m"] == pytest.approx(imbalance)
 
 
 def test_imbalance_summary_keeps_quiet_about_an_exponent_the_runs_do_not_show():
     effect = EFFECTS["wheel-imbalance"].with_choice("rear_left")
     runs = [
-        OwnValues(RunSetting(f"{v}", v, -4.0, 0.0, 10.3, True), {"rear_left_cos_kg_m": u})
+        OwnValues(RunSetting(f"{v}", v, -4.0, 0.0, 10.3, True), {**ATV, "rear_left_cos_m": u})
         for v, u in ((2.0, 0.1), (3.0, 0.9), (4.0, 0.05), (6.0, 0.2))
     ]
     assert set(effect.summary(runs)) == {"rear_left_kg_m"}
@@ -241,7 +243,8 @@ def test_an_imbalance_pushes_its_axle():
     parts = baseline(ATV, CHANNELS, "road")
     EFFECTS["wheel-imbalance"].with_choice("rear_left").modify({"rear_m": 0.28}, ATV, parts)
     force = parts.system(body_inertia(ATV)).force
-    np.testing.assert_allclose(force[:, 0], [0, 0, 0, 0, 0, 1, 0])
+    mass = ATV["wheel.rear.unsprung_mass_kg"]
+    np.testing.assert_allclose(force[:, 0], [0, 0, 0, 0, 0, mass, 0])
 
 
 # --- tyre envelope ------------------------------------------------------------------------------

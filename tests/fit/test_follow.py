@@ -16,7 +16,7 @@ def test_an_engines_speed_in_a_run_follows_the_mean_of_all_runs():
     first is a turn and more of phase at the record's ends."""
     track = truth.Track("washboard", {"amplitude_mm": 5.0, "pitch_mm": 600.0})
     runs = {"held": truth.Run(track, 3.4, 36.2, np.arange(1024) / 100.0)}
-    engine = {"cos_N": 300.0, "sin_N": 0.0, "excess": 0.02}
+    engine = {"cos_m_s2": 1.3, "sin_m_s2": 0.0, "excess": 0.02}
     true = model_of(ATV, runs, "engine-vibration", {"freq_hz": 14.0}, own=engine)
     clean = simulated(campaign_of(runs), true)
     workshop = Workshop(campaign_of(runs, clean, noise_rms=0.1), true)

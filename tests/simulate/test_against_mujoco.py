@@ -194,17 +194,18 @@ def test_the_runs_show_what_is_compared(case):
 def test_an_engine_shakes_the_body_whatever_the_road():
     """Its phase is drawn per run: sin(2πft + φ) is cos·sin φ + sin·cos φ, t counted from the middle
     of what sensors' windows reach."""
-    run_id, force, frequency = "twist", 80.0, 22.0
+    run_id, force_N, frequency = "twist", 80.0, 22.0
+    force = force_N / ATV["body.mass_kg"]
     end = RunSimulator(campaign_of(RUNS), campaign_of(RUNS).runs[-1], 4.0).setting.end_s
     phase = 2 * np.pi * frequency * (TIME[0] + end) / 2 + np.random.default_rng(
         RUNS[run_id].seed
     ).uniform(0.0, 2 * np.pi)
     place = {"x_m": ATV["engine.x_m"], "y_m": ATV["engine.y_m"]}
     measured = driven(
-        run_id, {"engine-vibration": {"force_N": force, "freq_hz": frequency, **place}}
+        run_id, {"engine-vibration": {"force_N": force_N, "freq_hz": frequency, **place}}
     )
     run = {run_id: RUNS[run_id]}
-    own = {"cos_N": force * np.sin(phase), "sin_N": force * np.cos(phase)}
+    own = {"cos_m_s2": force * np.sin(phase), "sin_m_s2": force * np.cos(phase)}
     model = model_of(ATV, run, "engine-vibration", {"freq_hz": frequency}, own=own)
     assert relative(simulated(campaign_of(run), model)[run_id], measured) < REACHED
     still = simulated(campaign_of(run), model_of(ATV, run))[run_id]

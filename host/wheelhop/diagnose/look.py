@@ -132,7 +132,7 @@ def _run_by_run(rung: Rung, effect: Effect) -> list[OwnValues]:
     found, prefix = [], f"{effect.id}."
     for run in rung.fit.runs:
         if run.bench.simulator.acts(effect):
-            theta = rung.model.theta(effect, run.bench.run.id)
+            theta = {**rung.model.values, **rung.model.theta(effect, run.bench.run.id)}
             own = run.uncertainties(rung.fit.sigma)
             known_to = {k.removeprefix(prefix): v for k, v in own.items() if k.startswith(prefix)}
             found.append(OwnValues(run.bench.simulator.setting, theta, known_to))

@@ -143,8 +143,8 @@ class RunSetting:
 
 
 class OwnValues(NamedTuple):
-    """What an effect leaves free in one run, as fitted: the run, the values, and their standard
-    deviations as far as they are known."""
+    """What an effect leaves free in one run, as fitted: the run, the values, those of the vehicle
+    by their full names among them, and their standard deviations as far as they are known."""
 
     run: RunSetting
     values: Values

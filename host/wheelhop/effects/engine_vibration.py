@@ -13,6 +13,10 @@ from wheelhop.effects.history import History
 from wheelhop.effects.line import phase_along, shared, strength
 from wheelhop.vehicle import Assembly, node_of
 
+EXPECTED_M_S2 = 1.0
+"""Force over the body's mass that is believed of an engine. Forces themselves would not do: records
+show a force and a mass only by their ratio, and a belief in small ones makes the vehicle light."""
+
 SPREAD = 0.05
 """An idling engine's speed differs so much from run to run: one standard deviation."""
 
@@ -40,7 +44,7 @@ class EngineVibration(Effect):
     place = "body"
     title = "a harmonic force at the engine, locked to time and not to the road"
     equation = (
-        r"F = F_c \cos \varphi + F_s \sin \varphi,"
+        r"F = m (a_c \cos \varphi + a_s \sin \varphi),"
         r"\quad \varphi = 2\pi f \left[(1 + \delta)(t - t_m) + \sum_j c_j B_j(t)\right],"
         r"\quad B_j \text{ cubic B-splines, 0.4 s apart, } t_m \text{ mid-record}"
     )
@@ -65,8 +69,10 @@ class EngineVibration(Effect):
         # A wander of period T and relative size w gains a time of w T / 2π; T about 5 s.
         scale = WANDER * 5.0 / (2 * pi)
         return (
-            Parameter("cos_N", "N", "cosine part of the force", 30.0),
-            Parameter("sin_N", "N", "sine part of the force", 30.0),
+            Parameter("cos_m_s2", "m/s²", "cosine part of the force per mass of the body",
+                      EXPECTED_M_S2),
+            Parameter("sin_m_s2", "m/s²", "sine part of the force per mass of the body",
+                      EXPECTED_M_S2),
             Parameter("excess", "1", "frequency over that of all runs, less one", SPREAD,
                       lower=-0.5, upper=0.5, starts=(0.0,)),
             *history.parameters("s", "time gained by a faster engine", scale, is_shape=True),
@@ -106,7 +112,10 @@ class EngineVibration(Effect):
     def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """Amplitude of the force and relative wander within a run, root mean squares over the runs;
         the frequencies' standard deviation from run to run, relative."""
-        forces = [theta["cos_N"] ** 2 + theta["sin_N"] ** 2 for _, theta, _ in runs]
+        forces = [
+            theta["body.mass_kg"] ** 2 * (theta["cos_m_s2"] ** 2 + theta["sin_m_s2"] ** 2)
+            for _, theta, _ in runs
+        ]
         found = {"force_N": float(np.sqrt(np.mean(forces)))}
         wanders = []
         for run, theta, _ in runs:
@@ -119,12 +128,12 @@ class EngineVibration(Effect):
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """A force on the engine: on the body at its place, if it has no mount of its own."""
-        parts.add_force(((1.0, node_of(vehicle, "engine")),))
+        parts.add_force(((vehicle["body.mass_kg"], node_of(vehicle, "engine")),))
 
     def forces(
         self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array
     ) -> Sequence[Array]:
-        """The force's history."""
+        """History of the force per mass of the body."""
         turned_s = (1.0 + theta.get("excess", 0.0)) * (
             time_s - (run.record_start_s + run.end_s) / 2
         )
@@ -132,7 +141,7 @@ class EngineVibration(Effect):
         if gained is not None:
             turned_s = turned_s + gained[0]
         angle = 2 * pi * theta["freq_hz"] * turned_s
-        cosine, sine = theta.get("cos_N", 0.0), theta.get("sin_N", 0.0)
+        cosine, sine = theta.get("cos_m_s2", 0.0), theta.get("sin_m_s2", 0.0)
         return (cosine * np.cos(angle) + sine * np.sin(angle),)
 
     def _history(self, run: RunSetting) -> History:

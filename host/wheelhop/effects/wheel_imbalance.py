@@ -19,8 +19,10 @@ WHEELS: Mapping[str, tuple[int, ...]] = {
 }
 """The wheels that turn out of balance, by the name of the form."""
 
-SCALE_KG_M = 0.5
-"""At 20 km/h a fifth of the weight on a wheel of a small vehicle: it shows at any speed."""
+SCALE_M = 0.04
+"""Of a wheel of 12 kg at 20 km/h a fifth of the weight that a small vehicle puts on it: it shows at
+any speed. It is not the imbalance itself that is free: records show a force and a mass only by
+their ratio, and a belief in small forces makes the vehicle light."""
 
 SHOWN = 3.0
 """A force this many times its uncertainty is one: of less, noise makes an amplitude, too."""
@@ -49,7 +51,7 @@ class WheelImbalance(Effect):
     title = "a force that turns with the wheel, growing with speed squared"
     equation = (
         r"F = \dot\alpha^2 (u_c \cos\alpha + u_s \sin\alpha),\quad \alpha = x / r,"
-        r"\ u = m\,e \text{ the imbalance}"
+        r"\ u = m\,e \text{ the imbalance, } m \text{ the unsprung mass}"
     )
     source = (
         "rotating imbalance, e.g. H. Dresig, F. Holzweissig, Dynamics of Machinery (Springer 2010),"
@@ -101,12 +103,12 @@ class WheelImbalance(Effect):
         return parameters
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
-        """Cosine and sine part of each imbalance, the angle counted from mid-record."""
+        """Cosine and sine part of each eccentricity, the angle counted from mid-record."""
         if run.speed_m_s <= 0:
             return ()
         return tuple(
             Parameter(
-                f"{_name(i)}_{part}_kg_m", "kg·m", f"{word} part of the imbalance", SCALE_KG_M
+                f"{_name(i)}_{part}_m", "m", f"{word} part of imbalance per unsprung mass", SCALE_M
             )
             for i in self.wheels
             for part, word in (("cos", "cosine"), ("sin", "sine"))
@@ -138,11 +140,11 @@ class WheelImbalance(Effect):
         speed = np.array([run.speed_m_s for run, _, _ in runs])
         found, strongest, known_to = {}, np.zeros(len(runs)), np.zeros(len(runs))
         for i in self.wheels:
-            force = speed**2 * np.array([np.hypot(*_parts(theta, i)) for _, theta, _ in runs])
+            force = speed**2 * _imbalance(i, [(theta, theta) for _, theta, _ in runs])
             found[f"{_name(i)}_kg_m"] = float(np.sqrt((force**2).sum() / (speed**4).sum()))
             if np.linalg.norm(force) > np.linalg.norm(strongest):
                 strongest = force
-                known_to = speed**2 * np.array([np.hypot(*_parts(u, i)) for _, _, u in runs])
+                known_to = speed**2 * _imbalance(i, [(theta, sd) for _, theta, sd in runs])
         exponent = _exponent(speed, strongest, known_to)
         return found if exponent is None else {**found, "speed_exponent": exponent}
 
@@ -153,12 +155,12 @@ class WheelImbalance(Effect):
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """A force on each axle."""
         for i in self.wheels:
-            parts.add_force(((1.0, axle(i)),))
+            parts.add_force(((vehicle[_mass(i)], axle(i)),))
 
     def forces(
         self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array
     ) -> Sequence[Array]:
-        """The forces' histories."""
+        """Histories of the forces per unsprung mass."""
         middle_s = (run.record_start_s + run.end_s) / 2
         histories = []
         for i in self.wheels:
@@ -188,7 +190,16 @@ def _name(corner: int) -> str:
     return tuple(WHEELS)[corner]
 
 
+def _mass(corner: int) -> str:
+    return f"wheel.{axle_name(corner)}.unsprung_mass_kg"
+
+
 def _parts(theta: Values, corner: int) -> tuple[float, float]:
-    """Cosine and sine part of a wheel's imbalance, kg·m; 0 in a run where they are not stated."""
+    """Cosine and sine part of a wheel's eccentricity, m; 0 in a run where they are not stated."""
     name = _name(corner)
-    return theta.get(f"{name}_cos_kg_m", 0.0), theta.get(f"{name}_sin_kg_m", 0.0)
+    return theta.get(f"{name}_cos_m", 0.0), theta.get(f"{name}_sin_m", 0.0)
+
+
+def _imbalance(corner: int, runs: Sequence[tuple[Values, Values]]) -> Array:
+    """Of vehicles and eccentricities, run by run: kg·m."""
+    return np.array([of[_mass(corner)] * np.hypot(*_parts(parts, corner)) for of, parts in runs])
