@@ -59,3 +59,39 @@ def test_what_runs_share_with_their_own_numbers_is_not_known_twice():
         for r in fit.runs
     ]
     assert max(abs(run.followed()).max() for run in twice) < 1e-12
+
+
+HEAVY = Free("body.mass_kg", mean=100.0, sigma=10.0, scale=10.0)
+STIFF = Free("suspension.front.stiffness_N_m", mean=4e4, sigma=4e3, scale=4e3)
+LONG = Free("geometry.wheelbase_m", mean=1.4, sigma=0.1, scale=0.1)
+
+
+def told(free, drive, given=None):
+    """Relative standard deviations where derivatives with an error make all numbers known to one
+    part in a million."""
+    values = {f.name: f.mean for f in free}
+    shared, bench = tuple(free), SimpleNamespace(drive=drive)
+    run = SimpleNamespace(
+        bench=bench,
+        followed=lambda: np.zeros((1, len(free))),
+        by_block=lambda columns: np.zeros((1, len(free))),
+    )
+    model = Model({**values, **(given or {})}, ())
+    fit = Fit(model, shared, (run,), 1e12 * np.eye(len(free)), SIGMA, 0.0, 0.0)
+    return [fit.uncertainty(f.name) / f.mean for f in free]
+
+
+def test_masses_and_forces_are_known_as_well_as_their_common_scale():
+    """Two numbers believed to a tenth tell it to a tenth over √2; a length is no force, and what
+    stands in vehicle.toml for a driver who moves with the body moves nothing."""
+    mass, stiffness, length = told([HEAVY, STIFF, LONG], "road", {"driver.mass_kg": 75.0})
+    assert mass == stiffness == pytest.approx(0.1 / np.sqrt(2))
+    assert length < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("drive", "given"), [("rig", {}), ("road", {"wheel.front.unsprung_mass_kg": 15.0})]
+)
+def test_the_common_scale_is_known_where_a_force_or_a_mass_is(drive, given):
+    """On a rig that measures the force, and on a vehicle of which a part was weighed."""
+    assert max(told([HEAVY, STIFF], drive, given)) < 1e-5

@@ -14,6 +14,7 @@ from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.diagnose.judge import at_noise, nearly_all
 from wheelhop.effects import Effect
 from wheelhop.files.words import listed, percent, significant
+from wheelhop.fit import of_forces
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
 from wheelhop.vehicle import Vehicle
@@ -31,7 +32,6 @@ FAIR = 0.5
 """A band is fair if the error in it is at most this much of that over all, or beyond it the model
 leaves more than there is; and if it holds at least this much of the band, counted in octaves."""
 MISFIT = 1.5  # an estimated floor over a second estimate
-SCALED = ("body.mass", "inertia", "stiffness", "damping", "unsprung_mass")
 ALONG_SCALE = 0.9
 NAMED = 3  # numbers, in one sentence
 
@@ -272,7 +272,7 @@ def _untold(numbers: Sequence[Number], covariance: Array) -> Iterator[Finding]:
     names = [numbers[i].name for i in believed]
     scale = np.array(
         [
-            numbers[i].value / numbers[i].sigma if any(s in name for s in SCALED) else 0.0
+            numbers[i].value / numbers[i].sigma if of_forces(name) else 0.0
             for i, name in zip(believed, names, strict=True)
         ]
     )

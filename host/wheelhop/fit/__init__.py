@@ -12,6 +12,7 @@ from wheelhop.fit.parameters import (
     effect_parameters,
     effect_run_parameters,
     initial_model,
+    of_forces,
     run_parameters,
     vehicle_parameters,
 )
@@ -50,6 +51,7 @@ __all__ = [
     "initial_model",
     "louder",
     "moves",
+    "of_forces",
     "run_parameters",
     "seek_again",
     "update",

@@ -21,6 +21,12 @@ PLACES = (".x_m", ".y_m")
 """How numbers end that may be negative."""
 
 
+def of_forces(name: str) -> bool:
+    """Whether a number counts masses or forces, as the unit says that its name ends with: were all
+    of them twice as large, the vehicle would move as it does."""
+    return not {"N", "kg"}.isdisjoint(name.rpartition(".")[2].split("_"))
+
+
 @dataclass(frozen=True)
 class Free:
     """A free number: its prior mean and standard deviation (inf: nothing is known), the scale on

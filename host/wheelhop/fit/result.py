@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from wheelhop.fit.belief import Belief
 from wheelhop.fit.bench import Bench
 from wheelhop.fit.heights import Heights
-from wheelhop.fit.parameters import Free
+from wheelhop.fit.parameters import Free, of_forces
 from wheelhop.simulate import Model
+from wheelhop.vehicle import ABOARD
 
 Array = NDArray[np.float64]
 
@@ -244,7 +245,8 @@ class Fit:
         What a model leaves is neither as small nor as white as noise, and the numbers scatter as
         the pulls of its half-seconds do (J. MacKinnon, M. Nielsen, M. Webb, Cluster-robust
         inference, J. Econometrics 232 (2023) 272, eq. 7). They are never known better than noise
-        alone would have them.
+        alone would have them, nor masses and forces better than what is believed of their common
+        scale, whatever derivatives with an error seem to tell of it.
         """
         g = len(self.shared)
         more = np.zeros((g, g))
@@ -257,7 +259,22 @@ class Fit:
             half = self.covariance / scale  # per what the pulls are per
             grown = np.einsum("ij,jk,ik->i", half, more, half)
             spread = np.sqrt(np.diag(self.covariance) + np.maximum(grown, 0.0))
+        spread = np.maximum(spread, self._of_scale)
         return {f.name: float(s) for f, s in zip(self.shared, spread, strict=True)}
+
+    @property
+    def _of_scale(self) -> Array:
+        """Standard deviation (g,) that every shared number has because records do not show the
+        common scale of masses and forces; 0 of others, and where one of these numbers is given or
+        a rig measures the force."""
+        values = {f.name: self.model.values[f.name] * of_forces(f.name) for f in self.shared}
+        aboard = tuple(f"{name}." for name in ABOARD)
+        given = [k for k in self.model.values.keys() - values if of_forces(k)]
+        told = sum((values[f.name] / f.sigma) ** 2 for f in self.shared)
+        stated = any(not key.startswith(aboard) for key in given)
+        if not told or stated or self.runs[0].bench.drive == "rig":
+            return np.zeros(len(values))
+        return np.asarray(np.abs([*values.values()]) / np.sqrt(told))
 
     def uncertainty(self, name: str) -> float:
         """Standard deviation of a shared parameter, in its unit; see `deviations`."""
