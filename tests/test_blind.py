@@ -16,7 +16,7 @@ from benchmarks.blind.answers import read_answers, write_answers
 from benchmarks.blind.outside import OUTSIDE
 from benchmarks.blind.plan import EFFECTS, FIRST_SEED, KINDS, plan
 from benchmarks.blind.recipes import RECIPES
-from benchmarks.blind.score import Outcome
+from benchmarks.blind.score import MASS, Outcome, outcome
 from benchmarks.blind.statistics import rates, reliability, wilson
 from benchmarks.blind.strength import Unreachable, Wanted, seek
 from benchmarks.blind.vehicles import Car
@@ -55,6 +55,28 @@ def answer(kind, hidden, verdict, confidence=0.9, ranking=(), error=1.0):
 )
 def test_an_answer_is_counted_as_it_should_be(kind, hidden, verdict, confidence, passed):
     assert answer(kind, hidden, verdict, confidence).passed is passed
+
+
+@pytest.mark.parametrize(
+    ("kind", "verdict", "mass", "off"),
+    [
+        ("clear", ("backlash",), 206.0, 3.0),
+        ("clear", ("backlash",), None, None),  # its table says no mass
+        ("clear", ("backlash", "sensor-gain"), 206.0, None),
+        ("mass-believed", ("backlash",), 206.0, None),  # what was believed of it is wrong
+    ],
+)
+def test_a_mass_counts_where_all_is_named(kind, verdict, mass, off):
+    """By how many of the deviations stated for it it is not the true one, 200 kg."""
+    case = next(c for c in plan(FIRST_SEED["dev"], 1, EFFECTS) if c.kind == "clear")
+    case = replace(case, kind=kind, hidden=("backlash",))
+    told = {} if mass is None else {MASS: mass}
+    last = {"error_validate": 0.01, "parameters": told, "uncertainties": dict.fromkeys(told, 2.0)}
+    ended = {"status": 0, "seconds": 1.0, "complaint": ""}
+    made = {"baseline_over_floor": 3.0, "oracle_rel_validate": 0.01}
+    said = {"verdict": verdict, "confidence": 0.9, "ladder": [last]}
+    found = outcome(case, made, ended, said, 200.0)
+    assert (found.mass_off if found.tells_mass else None) == off
 
 
 def test_rates_and_their_intervals():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
@@ -179,7 +180,9 @@ def _outcome(case: Case, work: Work) -> Outcome | None:
     made, ended = read_json(work.truth_json(case.campaign)), read_json(work.timing(case.name))
     if made is None or ended is None or "unreachable" in made:
         return None
-    return outcome(case, made, ended, read_json(work.diagnosis(case.name)))
+    truth = tomllib.loads(work.truth_toml(case.campaign).read_text())
+    mass_kg = truth["vehicle_true"]["body"]["mass_kg"]
+    return outcome(case, made, ended, read_json(work.diagnosis(case.name)), mass_kg)
 
 
 if __name__ == "__main__":

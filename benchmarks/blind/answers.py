@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Sequence
+from math import isnan, nan
 from pathlib import Path
 
 from benchmarks.blind.plan import Case
@@ -11,7 +12,7 @@ from benchmarks.blind.score import Outcome
 
 NUMBERS = ("confidence", "baseline_over_floor", "error_over_floor", "seconds")
 LISTS = ("verdict", "ranking")
-COLUMNS = ("name", "asked", *LISTS, *NUMBERS, "complaint")
+COLUMNS = ("name", "asked", *LISTS, *NUMBERS, "complaint", "mass_off")
 RANKED = 3
 """So many effects of a ranking are kept; no figure of the table needs more."""
 
@@ -23,6 +24,7 @@ def write_answers(file: Path, outcomes: Sequence[Outcome], unmade: Iterable[str]
         writer.writeheader()
         for o in outcomes:
             row = {name: f"{getattr(o, name):.6g}" for name in NUMBERS}
+            row["mass_off"] = "" if isnan(o.mass_off) else f"{o.mass_off:.6g}"
             row |= {"verdict": "+".join(o.verdict), "ranking": "+".join(o.ranking[:RANKED])}
             writer.writerow({"name": o.name, "asked": "yes", **row, "complaint": o.complaint})
         writer.writerows({"name": name, "asked": "no"} for name in unmade)
@@ -54,4 +56,5 @@ def _outcome(case: Case, row: dict[str, str]) -> Outcome:
         error_over_floor=error,
         seconds=seconds,
         complaint=row["complaint"],
+        mass_off=float(row.get("mass_off") or nan),  # older tables do not say it
     )

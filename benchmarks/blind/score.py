@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from math import isnan, nan
 from typing import Any
 
 from benchmarks.blind.plan import Case
@@ -14,6 +15,12 @@ SINGLE = ("clear", "weak", "faint")
 
 CONFIDENT = 0.5
 """Below this, a wrong first entry is no claim."""
+
+MASS = "body.mass_kg"
+"""Of the vehicle's numbers the one that stands for the common scale of masses and forces."""
+
+FAR = 3.0
+"""Standard deviations beyond which a number is not what it is said to be."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +38,7 @@ class Outcome:
     error_over_floor: float  # last rung's error_validate over that of the true model (its noise)
     seconds: float
     complaint: str = ""
+    mass_off: float = nan  # body mass less the true one, per standard deviation that was stated
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -62,6 +70,12 @@ class Outcome:
     def exact(self) -> bool:
         """All that is hidden is named, and nothing else."""
         return set(self.named) == set(self.hidden) and bool(self.verdict)
+
+    @property
+    def tells_mass(self) -> bool:
+        """Whether the mass counts: all is named, what was believed of it is right, and the answer
+        says it."""
+        return self.exact and self.kind != "mass-believed" and not isnan(self.mass_off)
 
     @property
     def among_three(self) -> bool:
@@ -99,12 +113,14 @@ def outcome(
     made: Mapping[str, Any],
     ended: Mapping[str, Any],
     diagnosis: Mapping[str, Any] | None,
+    mass_kg: float,
 ) -> Outcome:
-    """From the truth's JSON, how the program ended, and what it wrote."""
+    """From the truth's JSON, how the program ended, what it wrote, and the body's true mass."""
     spoke = diagnosis is not None and ended["status"] == 0
     said = diagnosis if spoke and diagnosis is not None else {}
     ladder = said.get("ladder") or [{}]
     error = ladder[-1].get("error_validate")
+    mass, deviation = (ladder[-1].get(k, {}).get(MASS) for k in ("parameters", "uncertainties"))
     return Outcome(
         name=case.name,
         kind=case.kind,
@@ -117,4 +133,5 @@ def outcome(
         error_over_floor=float("inf") if error is None else error / made["oracle_rel_validate"],
         seconds=float(ended["seconds"]),
         complaint=str(ended["complaint"]),
+        mass_off=(mass - mass_kg) / deviation if mass and deviation else nan,
     )

@@ -10,7 +10,7 @@ from math import inf, isfinite, sqrt
 import numpy as np
 
 from benchmarks.blind.reality import REALITY
-from benchmarks.blind.score import SINGLE, Outcome
+from benchmarks.blind.score import FAR, SINGLE, Outcome
 
 Z = 1.96  # two-sided 95 %
 
@@ -112,6 +112,8 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
 
     real = [kind for kind in REALITY if any(o.kind == kind for o in outcomes)]
     label = "in reality: a wrong name above 50 %"
+    told = [o for o in outcomes if o.tells_mass]
+    near = sum(abs(o.mass_off) <= FAR for o in told)
     wrong = rate(label, " ".join(real), lambda o: o.is_false_claim, 0.05, at_least=False)
     return [
         rate("clear, single: top-1", "clear", lambda o: o.passed, 0.95),
@@ -128,6 +130,7 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
         rate("four: three or more, none wrong", "four", lambda o: o.passed, 0.70),
         *(rate(f"in reality: {kind}", kind, lambda o: o.passed, 0.0) for kind in real),
         *([wrong] if real else []),
+        *([Rate("all named: body mass within 3 sd", near, len(told), 0.95)] if told else []),
     ]
 
 
