@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.simulate.setup import ATV
 from wheelhop.effects import OwnValues, RunSetting
 from wheelhop.effects.wheel_imbalance import WheelImbalance
 
@@ -12,7 +13,7 @@ EFFECT = WheelImbalance("front_left")
 def run(speed, size, known_to=0.0):
     setting = RunSetting(f"at {speed}", speed, -2.0, 0.0, 10.0, True)
     names = [p.name for p in EFFECT.per_run(setting)]
-    return OwnValues(setting, dict.fromkeys(names, size), dict.fromkeys(names, known_to))
+    return OwnValues(setting, ATV | dict.fromkeys(names, size), dict.fromkeys(names, known_to))
 
 
 def runs(exponent):
