@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.simulate.setup import ATV, CHANNELS, EFFECTS
+from tests import truth
+from tests.simulate.setup import ATV, CHANNELS, EFFECTS, campaign_of, model_of, simulated
 from tests.truth.closed_form import matrices
 from wheelhop.effects import OwnValues, RunSetting
 from wheelhop.simulate import Model, frequency_response
@@ -119,6 +120,42 @@ def test_frame_twist_leaves_the_middle_of_the_wheelbase_alone():
         (EFFECTS["frame-twist"],),
     )
     assert model.system(channels, "road").output[0, -1] == pytest.approx(0.0, abs=1e-12)
+
+
+TIME = np.arange(400) / 100.0
+UNEVEN = {
+    name: truth.Run(truth.Track(kind, size), speed, 36.0, TIME)
+    for name, kind, size, speed in (
+        ("twist", "chassis-twist", {"amplitude_mm": 150.0, "pitch_mm": 2000.0}, 4.2),
+        ("herringbone", "herringbone", {"amplitude_mm": 20.0, "pitch_mm": 800.0}, 5.1),
+        ("one side", "one-sided-washboard", {"amplitude_mm": 20.0, "pitch_mm": 600.0}, 3.6),
+    )
+}
+
+
+@pytest.fixture(scope="module")
+def twisted():
+    """By how much a frame that twists changes all records, in band: a column of numbers."""
+    campaign = campaign_of(UNEVEN)
+    rigid = simulated(campaign, model_of(ATV, UNEVEN))
+
+    def change(freq_hz, zeta, participation):
+        theta = {"freq_hz": freq_hz, "zeta": zeta, "participation_1_kg": participation}
+        soft = simulated(campaign, model_of(ATV, UNEVEN, "frame-twist", theta))
+        return np.concatenate([truth.in_band(soft[k] - rigid[k]).ravel() for k in UNEVEN])
+
+    return change
+
+
+@pytest.mark.parametrize("freq_hz", [3.5, 4.5, 7.0, 9.5, 14.0, 22.0, 40.0])
+def test_a_frames_mode_resembles_itself_from_some_start(twisted, freq_hz):
+    """Below its resonance a mode pushes as it pulls above: begun on the wrong side the best it can
+    do is not to be there."""
+    starts = EFFECTS["frame-twist"].parameters_for(ATV, CHANNELS)[1].starts
+    whole = twisted(freq_hz, 0.03, 0.01)
+    faint = np.array([twisted(start, 0.05, 1e-4) for start in starts])
+    alike = faint @ whole / np.linalg.norm(faint, axis=1) / np.linalg.norm(whole)
+    assert alike.max() > 0.7
 
 
 @given(st.floats(5.0, 40.0), st.floats(-100.0, 100.0), st.floats(-100.0, 100.0))
