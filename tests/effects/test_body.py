@@ -80,6 +80,16 @@ def test_driver_seat_sits_where_the_vehicle_says():
     assert abs(left - right) > 0.05 * abs(left)
 
 
+@pytest.mark.parametrize(("stated", "away"), [({"driver.x_m": 0.2}, 0.3), ({}, np.inf)])
+def test_a_driver_sits_where_he_is_said_to_or_nearly(stated, away):
+    """A payload on springs at the tail is none; if nothing is said of him he may sit anywhere."""
+    vehicle = {key: value for key, value in ATV.items() if key != "driver.x_m"} | stated
+    *_, place = EFFECTS["driver-seat"].parameters_for(vehicle, CHANNELS)
+    (begun,) = place.starts
+    assert begun == stated.get("driver.x_m", 0.0)
+    assert (place.lower, place.upper) == (begun - away, begun + away)
+
+
 @given(st.floats(3.0, 40.0), st.floats(0.005, 0.4), st.floats(2e-3, 5e-2))
 def test_frame_twist_alone_has_its_frequency_and_damping(frequency, zeta, participation):
     """With springs next to nothing the mode is free: its pole is ω (−ζ + i √(1 − ζ²))."""

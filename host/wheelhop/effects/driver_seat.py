@@ -12,6 +12,9 @@ from wheelhop.vehicle import Assembly, Body, between, motions, on_mounts
 HEAVIER = 1.4
 """So many times what is stated of him a driver weighs at most, with helmet, cushion and luggage."""
 
+AWAY_M = 0.3
+"""So far from where vehicle.toml puts him a driver sits at most: the length of a seat's rail."""
+
 
 class DriverSeat(Effect):
     """Part of the sprung mass sits on a spring and damper (vertical)."""
@@ -35,12 +38,15 @@ class DriverSeat(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Mass that moves on the seat, the seat's resonance, and where it is."""
+        x_m, away = vehicle.get("driver.x_m", 0.0), AWAY_M if "driver.x_m" in vehicle else inf
         place = Parameter(
             "x_m",
             "m",
             "how far the seat is ahead of the centre of mass",
             0.05,
-            starts=(vehicle.get("driver.x_m", 0.0),),
+            lower=x_m - away,
+            upper=x_m + away,
+            starts=(x_m,),
         )
         stated = vehicle.get("driver.mass_kg", 75.0)
         heaviest = HEAVIER * stated if "driver.mass_kg" in vehicle else inf
