@@ -10,7 +10,7 @@ from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose import confirm as confirming
 from wheelhop.diagnose import ladder, together
 from wheelhop.diagnose.confirm import confirm
-from wheelhop.diagnose.judge import at_noise, log_odds
+from wheelhop.diagnose.judge import Rung, at_noise, log_odds
 from wheelhop.diagnose.look import Candidate, Look
 from wheelhop.diagnose.screen import screen
 from wheelhop.diagnose.together import look_for_several
@@ -175,6 +175,20 @@ def test_what_heights_of_the_ground_cost_leaves_no_pair_out(monkeypatch):
     found, told = pairs(monkeypatch, takes=-500.0, gain=100.0, room=2, heights="of the ground")
     assert found == [("seat", "spring", 100.0)]
     assert told == [["spring"]]
+
+
+def test_numbers_free_in_every_run_do_not_choose_the_group(monkeypatch):
+    """An engine of every run's own can fit the runs fitted best, and says least of those held out:
+    the numbers are those of a digressive damper on soft mounts (11671)."""
+    monkeypatch.setattr(together, "refit", lambda workshop, rung: rung)
+
+    def group(name, fitted, held_out):
+        rung = Rung(SimpleNamespace(evidence=fitted), SimpleNamespace(evidence=held_out))
+        effect = SimpleNamespace(id=name)
+        return together._Group((SimpleNamespace(variant=SimpleNamespace(effect=effect)),), rung)
+
+    found = [group("engine-vibration", 56216, 20378), group("mount-bushing", 55250, 22323)]
+    assert together._fitted(None, found, (), quiet).ids == ["mount-bushing"]
 
 
 @pytest.mark.slow

@@ -192,9 +192,10 @@ def _fitted(
     visited: Collection[frozenset[str]],
     progress: Progress,
 ) -> _Group | None:
-    """The group the fitted runs favour, fitted with all derivatives, unless it was `visited`. Runs
-    held out judge it only as a whole: without the others, some of its effects make these worse."""
-    group = max(found, key=lambda group: group.rung.fit.evidence, default=None)
+    """The group that is likeliest in the runs fitted and those held out, fitted with all
+    derivatives, unless it was `visited`. The runs fitted alone would favour numbers that are free
+    in each of them."""
+    group = max(found, key=lambda group: group.rung.evidence, default=None)
     if group is None or frozenset(group.ids) in visited:
         return None
     progress(f"fitting the vehicle with {' and '.join(group.ids)}")
