@@ -44,7 +44,7 @@ class FrameTwist(Effect):
                 5.0,
                 lower=3.0,
                 upper=60.0,
-                starts=(5.3, 8.0, 12.0, 18.0, 26.0),
+                starts=(8.0, 12.0, 18.0, 26.0, 5.3),
             ),
             Parameter(
                 "zeta", "1", "its damping ratio", 0.04, lower=0.003, upper=0.5, starts=(0.05,)
