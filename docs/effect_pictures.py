@@ -216,6 +216,9 @@ def draw_force(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None
         axes.set_xlabel("time, s")
         axes.set_ylabel("m/s²")
         return
+    # What the effect makes of its history is a force on something; levers are shorter than 1 m.
+    system = change.model.system(stage.campaign.channels, "road")
+    history = history * np.abs(system.force[:, 0]).max()
     turned = np.flatnonzero(np.diff(np.sign(history)) > 0)
     shown = slice(turned[0], turned[2] + 1) if len(turned) > 2 else slice(None)
     axes.plot(1e3 * (time[shown] - time[shown][0]), history[shown], color=EFFECT)

@@ -273,8 +273,9 @@ class Effect:
     def forces(
         self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array
     ) -> Sequence[Array]:
-        """Histories (T,), N, of the forces added in `modify` by `add_force`, in that order;
-        ``way_m`` and ``speed_m_s`` (T, 4) are the way each wheel has come and its rate."""
+        """Histories (T,) of the forces added in `modify` by `add_force`, in that order: N once they
+        are times the coefficients of their rows. ``way_m`` and ``speed_m_s`` (T, 4) are the way
+        each wheel has come and its rate."""
         return ()
 
     def sense(
