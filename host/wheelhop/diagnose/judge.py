@@ -343,9 +343,13 @@ def _cost(rung: Rung, noise: float) -> float:
 def _foreseen(rung: Rung) -> tuple[RunFit, ...]:
     """The runs that judge, none of them fitted to itself."""
     held_out = () if rung.judging is rung.fit else rung.judging.runs
-    if sum(run.blocks for run in held_out) >= FEW_BLOCKS:
-        return held_out
-    return (*held_out, *left_out(rung.fit))
+    return held_out if enough_held_out(rung) else (*held_out, *left_out(rung.fit))
+
+
+def enough_held_out(rung: Rung) -> bool:
+    """Whether the runs held out judge by themselves: no derivatives are asked for then."""
+    held_out = () if rung.judging is rung.fit else rung.judging.runs
+    return sum(run.blocks for run in held_out) >= FEW_BLOCKS
 
 
 def _gains(base: RunFit, rival: RunFit) -> Array:

@@ -163,7 +163,7 @@ def climb(
     steps = [step_of(workshop, rung)]
     look = _look(workshop, steps[0], effects, max_effects, progress, watch)
     first = origin = look
-    tried = [replace(look, screened=())]  # signatures are large, and serve but once
+    tried = [look.remembered()]
     alone = look.chosen is not None
     shorter: Mapping[str, Rung] = {}
     stands: Mapping[str, Stand] = {}
@@ -203,7 +203,7 @@ def climb(
             break
         room = max_effects - len(rung.model.effects)
         look = _look(workshop, step, effects, room, progress, watch)
-        tried.append(replace(look, screened=()))
+        tried.append(look.remembered())
     return conclude(
         workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
     )

@@ -8,7 +8,7 @@ from math import hypot
 
 from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.diagnosis import Step
-from wheelhop.diagnose.judge import Rung, p_value
+from wheelhop.diagnose.judge import Rung, enough_held_out, p_value
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.signatures import Variant
 from wheelhop.effects import Effect, OwnValues
@@ -55,6 +55,23 @@ class Look:
     screened: tuple[Screened, ...]
     candidates: tuple[Candidate, ...]
     chosen: Candidate | None
+
+    def remembered(self) -> Look:
+        """The look as later ones ask for it: how well each candidate did. Signatures serve but
+        once, and so do derivatives where enough runs are held out to judge without."""
+        candidates = tuple(replace(c, rung=_remembered(c.rung)) for c in self.candidates)
+        return replace(self, screened=(), candidates=candidates)
+
+
+def _remembered(rung: Rung) -> Rung:
+    if not enough_held_out(rung):
+        return rung
+    return replace(
+        rung,
+        fit=rung.fit.without_derivatives,
+        validation=rung.validation and rung.validation.without_derivatives,
+        update=rung.update and rung.update.without_derivatives,
+    )
 
 
 def step_of(workshop: Workshop, rung: Rung, baseline: Step | None = None) -> Step:

@@ -192,7 +192,7 @@ def taken_alone(base: Fit) -> Taken:
     tables = []
     for run in base.runs:
         none = Columns(np.zeros((run.bench.size, 0)), np.zeros((run.bench.size, 0)))
-        tables.append(run_table(run, base, none, Known.of(run).with_columns(run, none)))
+        tables.append(run_table(run, base, none, Known.of(run)))
     _, alone = _taken(base, (), tables)
     return alone if np.isfinite(alone.gain) else Taken(0.0, base.rss)
 
@@ -253,7 +253,7 @@ def _run_tables(
     """Tables of all variants for one run; products of the baseline's columns are formed once."""
     known = Known.of(run)
     columns = signatures(run, base.model, systems, prepared)
-    return [run_table(run, base, c, known.with_columns(run, c)) for c in columns]
+    return [run_table(run, base, c, known) for c in columns]
 
 
 def solve(

@@ -38,23 +38,55 @@ class Table:
     price: float  # of these: the logarithm of prior over posterior volume, twice
     signatures: NDArray[np.float32]  # (size, a), per spread
     back: Array  # (n, g + a + 1): own parameters per step of the others, and by themselves
-    products: Array  # (c, n + g + a + 1, …): of all columns and the residual, channel by channel
+    products: Products
     at_noise: Array  # the matrix as it would be if nothing but noise were left
 
     def left(self, x: Array) -> Array:
         """Σ residual² (c,) of every channel after a step of shared parameters and amplitudes."""
         own = self.back[:, -1] - self.back[:, :-1] @ x
-        step = np.concatenate([-own, -x, [1.0]])
-        return np.asarray(np.maximum(self.products @ step @ step, 0.0))
+        a = self.signatures.shape[1]
+        own, own_of_effect = np.split(own, [len(own) - self.freedom])
+        shared, amplitudes = np.split(x, [len(x) - a])
+        known = np.concatenate([-own, -shared, [1.0]])
+        return self.products.squares(known, np.concatenate([-own_of_effect, -amplitudes]))
+
+
+@dataclass(frozen=True, eq=False)
+class Products:
+    """Products of columns, channel by channel: of those known, which all variants of a run have in
+    common, and of a variant's own."""
+
+    known: Array  # (c, k, k)
+    across: Array  # (c, k, m)
+    among: Array  # (c, m, m)
+
+    def squares(self, known: Array, added: Array) -> Array:
+        """Sum of squares (c,) of the columns, so many times each, taken together."""
+        found = self.known @ known @ known
+        found = found + (2.0 * self.across.transpose(0, 2, 1) @ known + self.among @ added) @ added
+        return np.asarray(np.maximum(found, 0.0))
+
+    def weighed(self, weights: Array) -> Array:
+        """The matrix (k + m, k + m) with every channel weighed."""
+        known, across, among = (
+            np.tensordot(weights, part, axes=1) for part in (self.known, self.across, self.among)
+        )
+        return np.block([[known, across], [across.T, among]])
+
+    def summed(self, chosen: Array) -> Products:
+        """Those of sums of the added columns, `chosen` (m, s) of them."""
+        across, among = self.across @ chosen, chosen.T @ self.among @ chosen
+        return Products(self.known, np.asarray(across), np.asarray(among))
 
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """A run's columns free of heights (c, n, k): own, shared and residual; and their products
-    (c, k, k), channel by channel."""
+    """A run's columns free of heights (c, n, k): own, shared and residual; their products
+    (c, k, k), channel by channel; and the own ones (size, r) per spread."""
 
     free: Array
     products: Array
+    own: Array
 
     @classmethod
     def of(cls, run: RunFit) -> Known:
@@ -66,19 +98,15 @@ class Known:
         free = _by_channel(run, free)
         products = _by_channel(run, columns).transpose(0, 2, 1) @ free
         products[:, -1] = products[:, :, -1]
-        return cls(free, products)
+        return cls(free, products, own / run.spread[:, None])
 
-    def with_columns(self, run: RunFit, more: Columns) -> Array:
-        """Products of all columns in the order: own, effect's own, shared, amplitudes, residual."""
+    def with_columns(self, run: RunFit, more: Columns) -> Products:
+        """Products with an effect's own columns and its amplitudes' added."""
         added = np.hstack([more.own, more.amplitudes])
         freed, added = _by_channel(run, run.freed(added)), _by_channel(run, added)
         across = self.free.transpose(0, 2, 1) @ added
         among = added.transpose(0, 2, 1) @ freed
-        r, q, known = len(run.own), more.own.shape[1], self.products.shape[1]
-        order = [*range(r), *range(known, known + q), *range(r, known - 1)]
-        order += [*range(known + q, known + added.shape[2]), known - 1]
-        whole = np.block([[self.products, across], [across.transpose(0, 2, 1), among]])
-        return np.asarray(whole[:, order][:, :, order])
+        return Products(self.products, np.asarray(across), np.asarray(among))
 
 
 def _by_channel(run: RunFit, columns: Array) -> Array:
@@ -87,18 +115,24 @@ def _by_channel(run: RunFit, columns: Array) -> Array:
     return np.asarray(columns.reshape(count, channels, columns.shape[1]).transpose(1, 0, 2))
 
 
-def run_table(run: RunFit, base: Fit, signatures: Columns, products: Array) -> Table:
-    """The table of a variant from its signatures and the products of all columns."""
-    channels, spread = len(products), run.spread[:, None]
-    whole = np.tensordot(run.spread[:channels] ** -2, products, axes=1)
+def run_table(run: RunFit, base: Fit, signatures: Columns, known: Known) -> Table:
+    """The table of a variant from its signatures and what is known of the run."""
+    products = known.with_columns(run, signatures)
+    spread = run.spread[:, None]
     columns, own_columns = signatures.amplitudes / spread, signatures.own / spread
     r, q, g = len(run.own), own_columns.shape[1], len(base.shared)
-    n = r + q
+    n, k = r + q, r + g + 1
+    # The order from here on: own, effect's own, shared, amplitudes, residual.
+    order = [*range(r), *range(k, k + q), *range(r, k - 1), *range(k + q, k + q + columns.shape[1])]
+    order.append(k - 1)
+    channels = len(products.known)
+    whole = products.weighed(run.spread[:channels] ** -2)[np.ix_(order, order)]
+    even = products.weighed(np.ones(channels))[np.ix_(order, order)]
     prior = np.array([(f.scale / f.sigma) ** 2 for f in run.own] + [1.0] * q) * base.sigma**2
     firm = np.diag(prior + 1e-9 * (base.sigma**2 + prior))
     inner = whole[:n, :n] + firm
     back, rest = _eliminated(whole, firm)
-    nuisance = np.hstack([run.weighed[:, g:], own_columns])
+    nuisance = np.hstack([known.own, own_columns])
     return Table(
         rest[:-1, :-1],
         rest[:-1, -1],
@@ -108,7 +142,7 @@ def run_table(run: RunFit, base: Fit, signatures: Columns, products: Array) -> T
         (columns - nuisance @ back[:, g:-1]).astype(np.float32),
         back,
         products,
-        _eliminated(products.sum(axis=0), firm)[1][:-1, :-1],
+        _eliminated(even, firm)[1][:-1, :-1],
     )
 
 

@@ -214,6 +214,12 @@ class Fit:
         return sum(run.bench.size for run in self.runs)
 
     @property
+    def without_derivatives(self) -> Fit:
+        """The same, for what never asks for them: they are by far most of it."""
+        runs = [replace(r, derivatives=Derivatives((), r.derivatives.shared)) for r in self.runs]
+        return replace(self, runs=tuple(runs))
+
+    @property
     def posterior(self) -> Belief:
         """What is known of the shared parameters after the fit."""
         return Belief.after(self.shared, self.model.values, self.precision)

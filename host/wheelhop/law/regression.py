@@ -141,7 +141,7 @@ class Sums:
         def table(given: tuple[RunFit, Known, Array]) -> Table:
             run, known, own = given
             part = Columns(own[:, self._fine], own[:, :0])
-            return run_table(run, base, part, known.with_columns(run, part))
+            return run_table(run, base, part, known)
 
         given = zip(base.runs, signatures.known, columns, strict=True)
         self._tables = workshop.each(table, list(given))
@@ -193,7 +193,6 @@ class Sums:
 
 def _summed(table: Table, chosen: Array, shared: int) -> Table:
     """The table of sums of its amplitudes, `chosen` (a, s) of them."""
-    own = len(table.back)
     some = np.flatnonzero(chosen.any(axis=1))
 
     def of(before: int, after: int) -> tuple[list[int], Array]:
@@ -209,13 +208,13 @@ def _summed(table: Table, chosen: Array, shared: int) -> Table:
         matrix[before + len(some) :, before + chosen.shape[1] :] = np.eye(after)
         return kept, matrix
 
-    (i, among), (j, last), (k, whole) = of(shared, 0), of(shared, 1), of(own + shared, 1)
+    (i, among), (j, last) = of(shared, 0), of(shared, 1)
     return replace(
         table,
         matrix=among.T @ table.matrix[np.ix_(i, i)] @ among,
         gradient=table.gradient[i] @ among,
         signatures=table.signatures[:, some] @ chosen[some].astype(np.float32),
         back=table.back[:, j] @ last,
-        products=whole.T @ table.products[:, k][:, :, k] @ whole,
+        products=table.products.summed(chosen),
         at_noise=among.T @ table.at_noise[np.ix_(i, i)] @ among,
     )

@@ -143,5 +143,5 @@ def _information(base: Fit, run: RunFit, tables: list[Table], chosen: list[Varia
         parts.append(np.nan_to_num(table.signatures * scale, posinf=0.0, neginf=0.0))
     together = np.hstack([np.zeros((size, 0)), *parts])
     columns = Columns(together, np.zeros((size, 0)))
-    table = run_table(run, base, columns, Known.of(run).with_columns(run, columns))
+    table = run_table(run, base, columns, Known.of(run))
     return table.at_noise / base.sigma**2
