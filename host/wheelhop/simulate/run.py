@@ -64,7 +64,7 @@ REACH = 1.08
 MOVING_PLACES = ("track", "speed", "wheel", "sensor")
 """Where effects change the prescribed motion; faults of sensors do where axles are measured."""
 
-KEPT_MOTIONS = 4
+KEPT_MOTIONS = 2
 
 AT_ONCE = 4 * LANES
 """Of hundreds of starts so many models, each with its motion of the ground, are held at once."""
