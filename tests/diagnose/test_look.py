@@ -8,6 +8,7 @@ import pytest
 from tests.diagnose.test_judge import noise, rung
 from wheelhop.diagnose.judge import Rung, log_odds
 from wheelhop.diagnose.look import Candidate, Look
+from wheelhop.diagnose.screen import Screened
 from wheelhop.fit import Fit
 from wheelhop.fit.result import Derivatives
 
@@ -19,8 +20,11 @@ def with_columns(fit: Fit) -> Fit:
 
 
 def remembered(rung: Rung) -> Rung:
-    look = Look(rung, (), (Candidate(None, rung, 0.0, 1, True),), None)
-    return look.remembered().candidates[0].rung
+    screened = Screened(None, {}, 0.0, 0.0, 0.0, 0.0, {"0": np.ones(9)}, np.zeros((0, 0)))
+    look = Look(rung, (screened,), (Candidate(screened, rung, 0.0, 1, True),), None)
+    after = look.remembered()
+    assert not after.screened and not after.candidates[0].screened.contribution
+    return after.candidates[0].rung
 
 
 @pytest.mark.parametrize(("held_out", "kept"), [(1, 1), (2, 0)])

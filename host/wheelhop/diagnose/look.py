@@ -59,8 +59,11 @@ class Look:
     def remembered(self) -> Look:
         """The look as later ones ask for it: how well each candidate did. Signatures serve but
         once, and so do derivatives where enough runs are held out to judge without."""
-        candidates = tuple(replace(c, rung=_remembered(c.rung)) for c in self.candidates)
-        return replace(self, screened=(), candidates=candidates)
+        candidates = [
+            replace(c, screened=replace(c.screened, contribution={}), rung=_remembered(c.rung))
+            for c in self.candidates
+        ]
+        return replace(self, screened=(), candidates=tuple(candidates))
 
 
 def _remembered(rung: Rung) -> Rung:
