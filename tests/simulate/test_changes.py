@@ -55,3 +55,15 @@ def test_a_change_is_as_good_in_twice_the_step_as_long_as_a_law_is_gentle(
 def test_an_effect_that_says_nothing_has_one_step():
     law = Effect()
     assert law.change_step_s({}, {}) == law.longest_step_s
+
+
+def test_light_wheels_on_strong_dampers_are_followed(monkeypatch):
+    """A fit may come by wheels of 2 kg. In steps of 2.5 ms their motion would grow without end, and
+    a fit that knows no derivative stays where it is."""
+    light = {f"wheel.{end}.unsprung_mass_kg": 2.0 for end in ("front", "rear")}
+    strong = {f"suspension.{end}.damping_N_s_m": 2500.0 for end in ("front", "rear")}
+    model = model_of(ATV, RUNS).with_values({**light, **strong})
+    found = columns(model)
+    monkeypatch.setattr("wheelhop.simulate.run.STABLE", 0.1)
+    exact = columns(model)
+    assert np.linalg.norm(found - exact) < 0.02 * np.linalg.norm(exact)

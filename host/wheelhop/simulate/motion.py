@@ -41,7 +41,7 @@ class MotionSimulator(RunSimulator):
 
     def motion(self, model: Model, system: System) -> Motion:
         """What moves, from rest on."""
-        stride = self._stride(model)
+        stride = self._stride(model, system)
         height, rate = self._motion(model, stride)
         n = len(system.mass)
         task = Task(

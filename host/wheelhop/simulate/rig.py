@@ -118,7 +118,7 @@ class RigSimulator:
         integrated = self.campaign.drive == "force"
         if integrated:
             highest_hz = self.campaign.band_hz[1]
-            fastest = float(np.abs(system.poles()).max())
+            fastest = system.fastest_1_s
             per_second = STEPS_PER_PERIOD * min(highest_hz, fastest / np.pi)
             needed_hz = max(per_second, LEAST_PER_PERIOD * highest_hz) / longer
             step = min(step, 1.0 / max(needed_hz, fastest))

@@ -29,6 +29,7 @@ from wheelhop.simulate.prescribed import (
     ways,
     wheel_path,
 )
+from wheelhop.simulate.runge_kutta import STABLE
 from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
 from wheelhop.simulate.unevenness import HeightSeries, slowness
 from wheelhop.track import Wheel, make_track
@@ -133,23 +134,23 @@ class RunSimulator:
         seconds = self.setting.end_s - self.setting.record_start_s + REMEMBERED_S
         speeds = [self.run.speed_m_s, *(self.run.course.speed_m_s if self.run.course else ())]
         length = max(speeds) * seconds + REACH * REMEMBERED_M
-        waves = self.campaign.band_hz[1] * length / min(speeds)
-        return HeightSeries(length, math.ceil(waves))
+        return HeightSeries(length, math.ceil(self.campaign.band_hz[1] * length / min(speeds)))
 
-    def _stride(self, model: Model) -> int:
+    def _stride(self, model: Model, system: System) -> int:
         """Integration steps per sample: what the wheel's path asks for, and what the effects do."""
         if self._step_s is None:
             self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
-        return self._per_sample(model, [self._step_s, *(e.longest_step_s for e in model.effects)])
+        steps = (effect.longest_step_s for effect in model.effects)
+        return self._per_sample(model, system, [self._step_s, *steps])
 
-    def _change_stride(self, model: Model) -> int:
+    def _change_stride(self, model: Model, system: System) -> int:
         """The same for the difference of two records. Kinks of the path get no shorter steps here:
         what they spoil is nearly the same in both, and falls out of the difference."""
         steps = (e.change_step_s(model.theta(e, self.run.id), model.values) for e in model.effects)
-        return self._per_sample(model, [STEP_S, *steps])
+        return self._per_sample(model, system, [STEP_S, *steps])
 
-    def _per_sample(self, model: Model, steps_s: Sequence[float]) -> int:
-        longest = min(longest_step_s(model.values), *steps_s)
+    def _per_sample(self, model: Model, system: System, steps_s: Sequence[float]) -> int:
+        longest = min(longest_step_s(model.values), STABLE / system.fastest_1_s, *steps_s)
         return math.ceil(1.0 / (self.campaign.sample_rate_hz * longest) - 1e-9)
 
     def _kinked(self, model: Model) -> bool:
@@ -190,7 +191,7 @@ class RunSimulator:
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
         """The same for several models with their equations of motion; side by side, they cost
         little more than one."""
-        steps = [(*trial, self._stride(trial[0])) for trial in trials]
+        steps = [(*trial, self._stride(*trial)) for trial in trials]
         parts = (steps[i : i + AT_ONCE] for i in range(0, len(steps), AT_ONCE))
         return [record for part in parts for record in self._integrated(part)]
 
@@ -198,7 +199,7 @@ class RunSimulator:
         self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]
     ) -> list[Array]:
         """By how much the records (n, n_channels) of several models differ from that of `base`."""
-        strides = [self._change_stride(model) for model, _ in trials]
+        strides = [self._change_stride(*trial) for trial in trials]
         bases = {stride: i for i, stride in enumerate(sorted(set(strides)))}
         steps = [(*base, stride) for stride in bases]
         steps += [(*trial, stride) for trial, stride in zip(trials, strides, strict=True)]
@@ -257,7 +258,7 @@ class RunSimulator:
         beside that of other runs, and kept."""
         if self.drive == "axles":
             return None
-        job = self._job(model, system, self._stride(model), self._done)
+        job = self._job(model, system, self._stride(model, system), self._done)
         superposed = system.is_linear and job.base in [other.base for other in self._done]
         return None if superposed or job.acceleration is not None else job
 
@@ -313,7 +314,7 @@ class RunSimulator:
     def prescribed(self, model: Model, system: System) -> Prescribed:
         """What moves a model from the beginning of the run-up to after the record."""
         steps = [STEP_S, *(effect.longest_step_s for effect in model.effects)]
-        stride = self._per_sample(model, steps)
+        stride = self._per_sample(model, system, steps)
         force = self._forces(model, system, self._times(stride))
         return Prescribed(*self._motion(model, stride), force, stride, self._lead * stride)
 
@@ -396,5 +397,4 @@ class RunSimulator:
         return state
 
     def _position(self, model: Model) -> Array | None:
-        on_track = self._track is not None
-        return np.asarray(self.way(model)[:, :2].mean(axis=1)) if on_track else None
+        return None if self._track is None else np.asarray(self.way(model)[:, :2].mean(axis=1))

@@ -15,3 +15,8 @@ TO_NEXT = (0.5, 0.5, 1.0, 0.0)
 WEIGHTS = (1.0, 2.0, 2.0, 1.0)
 TOTAL = 6.0
 """WEIGHTS[i] / TOTAL = b_i: what a stage's rate is worth in the step."""
+
+STABLE = 2.0
+"""No step is longer than this over the fastest pole: from 2.8 on what is left of the start grows
+from step to step (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed.,
+section IV.2)."""

@@ -121,6 +121,11 @@ class System:
         a[n:, n:] = -np.linalg.solve(self.mass, self.damping)
         return np.asarray(np.linalg.eigvals(a), dtype=np.complex128)
 
+    @cached_property
+    def fastest_1_s(self) -> float:
+        """The largest of their magnitudes."""
+        return float(np.abs(self.poles()).max())
+
 
 @dataclass
 class Assembly:
