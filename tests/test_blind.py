@@ -119,6 +119,13 @@ def test_the_amount_is_found_that_shows_as_much_as_wanted(power, visible, aim):
         seek(lambda amount: 1.0 + 0.1 * amount / (1.0 + amount), Wanted(3.0, 2.0, 4.0), 1.0, (1, 9))
 
 
+def test_no_tracks_are_made_that_no_wheel_follows():
+    """However clear is wanted: on steeper ones the campaign is refused, or the simulation ends."""
+    wanted = Wanted(4.0, 2.0, inf)
+    amount, ratio = seek(lambda a: 1.0 + a if a < 1.7 else inf, wanted, 3.0, (0.1, 9.0))
+    assert ratio == 1.0 + amount and amount < 1.7
+
+
 def test_every_effect_of_the_library_is_asked_for():
     """On vehicles: rigs have `benchmarks/rigs.py`."""
     of_vehicles = {name for name, effect in verbs.load_effects().items() if effect.on_vehicle}

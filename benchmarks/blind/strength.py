@@ -69,7 +69,7 @@ def seek(
     last: tuple[float, float] | None = None
     for _ in range(TRIALS):
         ratio = measure(amount)
-        if wanted.low <= ratio <= wanted.high:
+        if wanted.low <= ratio <= wanted.high and ratio < inf:
             return amount, ratio
         part = log(own_part(ratio))
         if last is not None and abs(log(amount) - last[0]) > 1e-6:
