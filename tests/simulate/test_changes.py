@@ -7,6 +7,7 @@ from tests import truth
 from tests.simulate.setup import ATV, CHANNELS, TIME, campaign_of, model_of
 from wheelhop.effects import Effect
 from wheelhop.simulate import RunSimulator
+from wheelhop.simulate.abreast import integrate_jobs
 from wheelhop.vehicle import axle_name
 
 WASHBOARD = truth.Track("washboard", {"amplitude_mm": 25.0, "pitch_mm": 600.0})
@@ -67,3 +68,32 @@ def test_light_wheels_on_strong_dampers_are_followed(monkeypatch):
     monkeypatch.setattr("wheelhop.simulate.run.STABLE", 0.1)
     exact = columns(model)
     assert np.linalg.norm(found - exact) < 0.02 * np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize("kept", [1, 4])
+def test_what_is_kept_of_motions_changes_nothing(kept, monkeypatch):
+    """What an engine's force changes is superposed on the record without, whatever was asked for in
+    between: integrated by itself it would be another number, and take longer."""
+    monkeypatch.setattr("wheelhop.simulate.run.KEPT_MOTIONS", kept)
+    monkeypatch.setattr("wheelhop.simulate.run.integrate_jobs", counted := Counted())
+    model = model_of(ATV, RUNS, "engine-vibration", {"freq_hz": 11.0}, own={"cos_m_s2": 0.5})
+    campaign = campaign_of(RUNS)
+    simulator = RunSimulator(campaign, campaign.runs[0], 4.0)
+    systems = model.system(CHANNELS, "road")
+    own = model.runs["run"]
+    further = [{**own, "start_m": own["start_m"] + 0.01 * i} for i in range(1, 6)]
+    louder = {**own, "engine-vibration.cos_m_s2": 1.5}
+    trials = [model.with_run("run", numbers) for numbers in (*further, louder)]
+    simulator.changes((model, systems), [(trial, systems) for trial in trials])
+    assert counted.jobs == 1 + len(further)
+
+
+class Counted:
+    """Integrates, and counts."""
+
+    jobs = 0
+
+    def __call__(self, asked):
+        given = list(asked)
+        self.jobs += len(given)
+        integrate_jobs(given)

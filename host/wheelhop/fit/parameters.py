@@ -10,8 +10,8 @@ import numpy as np
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, RigRun, Run
 from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
+from wheelhop.simulate.job import PATH_KEYS
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
-from wheelhop.simulate.run import PATH_KEYS
 from wheelhop.vehicle import ABOARD, Vehicle, motions, on_mounts
 
 SPEED_UNCERTAINTY = 0.06

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,15 @@ from wheelhop.simulate.model import Model
 from wheelhop.vehicle import System
 
 Array = NDArray[np.float64]
+
+PATH_KEYS = (
+    *("geometry.wheelbase_m", "geometry.track_width_m"),
+    *(f"wheel.{axle}.{size}_m" for axle in ("front", "rear") for size in ("radius", "width")),
+)
+"""The vehicle's numbers on which the wheels' path depends."""
+
+MOVING_PLACES = ("track", "speed", "wheel", "sensor")
+"""Where effects change the prescribed motion; faults of sensors do where axles are measured."""
 
 
 @dataclass(eq=False)
@@ -28,6 +37,7 @@ class Job:
     stride: int
     per_sample: int
     key: object  #: all of the model that moves the vehicle
+    mover: object  #: what the motion of the ground follows from
     acceleration: Array | None = None
     response: ForceResponse | None = None
 
@@ -41,7 +51,7 @@ class Job:
     @property
     def base(self) -> tuple[object, ...]:
         """What models have in common that differ in nothing but applied forces."""
-        return id(self.system), id(self.height), self.per_sample
+        return id(self.system), self.mover, self.per_sample
 
 
 def without_sensors(model: Model, run_id: str, channels: Iterable[Channel]) -> object:
@@ -52,6 +62,18 @@ def without_sensors(model: Model, run_id: str, channels: Iterable[Channel]) -> o
     own = {k: v for k, v in model.runs.get(run_id, {}).items() if not k.startswith(sensors)}
     effects = [e for e in model.effects if e.place != "sensor"]
     return values, own, effects, heights_of(model, run_id)
+
+
+def moved_by(model: Model, run_id: str, measured: Sequence[Channel]) -> list[object]:
+    """What of a model the prescribed motion of a run follows from. Axles that are `measured` move
+    as they were, whatever the vehicle."""
+    upstream = [e for e in model.effects if e.place in MOVING_PLACES]
+    theta = [(e, *model.theta(e, run_id).items()) for e in upstream]
+    if measured:
+        return [*calibrations(model, measured).items(), *theta]
+    path = [model.values.get(key, 0.0) for key in PATH_KEYS]
+    placed = [item for item in model.runs.get(run_id, {}).items() if "." not in item[0]]
+    return [*path, *placed, heights_of(model, run_id), *theta]
 
 
 def calibrations(model: Model, channels: Iterable[Channel]) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.abreast import Sampling, integrate_jobs
 from wheelhop.simulate.frequency import ForceResponse
 from wheelhop.simulate.integrator import Task
-from wheelhop.simulate.job import Job, calibrations, heights_of, without_sensors
+from wheelhop.simulate.job import Job, moved_by, without_sensors
 from wheelhop.simulate.lanes import LANES
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.prescribed import (
@@ -45,12 +45,6 @@ KINK, KINKED_STEP_S = 0.05, 0.000625
 """Where the slope of the wheel's path jumps by more than this, no step hits the jump, and shorter
 steps are taken: 2.5 ms leave an error of 18 % of the noise on sharp washboards, these 2 %."""
 
-PATH_KEYS = (
-    *("geometry.wheelbase_m", "geometry.track_width_m"),
-    *(f"wheel.{axle}.{size}_m" for axle in ("front", "rear") for size in ("radius", "width")),
-)
-"""The vehicle's numbers on which the wheels' path depends."""
-
 LEAST_RUN_UP_S, AFTER_S = 1.2, 0.2
 """Sensors, which may remember or read late, know the whole run-up, of at least this length, and so
 much after the record, or a little more."""
@@ -61,9 +55,6 @@ the vehicle remembers, and a wheelbase."""
 
 REACH = 1.08
 """A run's speed lies within this factor of the nominal one, or nearly so."""
-
-MOVING_PLACES = ("track", "speed", "wheel", "sensor")
-"""Where effects change the prescribed motion; faults of sensors do where axles are measured."""
 
 KEPT_MOTIONS = 2
 
@@ -150,7 +141,8 @@ class RunSimulator:
         return self._per_sample(model, system, [STEP_S, *steps])
 
     def _per_sample(self, model: Model, system: System, steps_s: Sequence[float]) -> int:
-        longest = min(longest_step_s(model.values), STABLE / system.fastest_1_s, *steps_s)
+        stable_s = max(STABLE / system.fastest_1_s, KINKED_STEP_S)  # what is stiffer runs away
+        longest = min(longest_step_s(model.values), stable_s, *steps_s)
         return math.ceil(1.0 / (self.campaign.sample_rate_hz * longest) - 1e-9)
 
     def _kinked(self, model: Model) -> bool:
@@ -212,7 +204,7 @@ class RunSimulator:
         jobs, waiting = list[Job](), list[Job]()
         bases = {job.base: job for job in self._done}
         for model, system, stride in trials:
-            job = self._job(model, system, stride, [*jobs[:1], *jobs[-1:], *self._done])
+            job = self._job(model, system, stride, [*jobs[:2], *jobs[-1:], *self._done])
             if job.acceleration is None and job not in waiting:
                 base = bases.setdefault(job.base, job)
                 if base is job or not system.is_linear or self.drive == "axles":
@@ -250,8 +242,10 @@ class RunSimulator:
         same = next((job for job in known if job.key == key), None)
         if same is not None and self.drive == "road":
             return same
-        height, rate = self._motion(model, stride)
-        return Job(model, system, height, rate, stride, per_sample, key)
+        mover = self._mover(model, stride)
+        like = next((job for job in known if job.mover == mover), None)
+        height, rate = (like.height, like.rate) if like else self._motion(model, stride)
+        return Job(model, system, height, rate, stride, per_sample, key, mover)
 
     def due(self, model: Model, system: System) -> Job | None:
         """What has to be integrated for the record of a model, if anything has: then it may be done
@@ -320,26 +314,20 @@ class RunSimulator:
 
     def _motion(self, model: Model, stride: int) -> tuple[Array, Array]:
         """Prescribed motions and rates (T, wheels), m and m/s; the last few are kept."""
-        upstream = [e for e in model.effects if e.place in MOVING_PLACES]
-        theta = ((e, *model.theta(e, self.run.id).items()) for e in upstream)
-        key = (stride, *self._mover(model), *theta)
-        motion = self._motions.pop(key, None)
+        mover = self._mover(model, stride)
+        motion = self._motions.pop(mover, None)
         if motion is None:
             make = self._road if self.drive == "road" else self._axles
             motion = make(model, self._times(stride))
             while len(self._motions) >= KEPT_MOTIONS:
                 del self._motions[next(iter(self._motions))]
-        self._motions[key] = motion  # the last to go
+        self._motions[mover] = motion  # the last to go
         return motion
 
-    def _mover(self, model: Model) -> Iterable[object]:
-        """What of a model, its effects aside, the prescribed motion follows from."""
-        if self.drive == "axles":  # these move as they were measured, whatever the vehicle
-            return calibrations(model, [c for c in self.campaign.channels if c.is_axle]).items()
-        own = model.runs.get(self.run.id, {})
-        path = [model.values.get(key, 0.0) for key in PATH_KEYS]
-        placed = [item for item in own.items() if "." not in item[0]]
-        return [*path, *placed, heights_of(model, self.run.id)]
+    def _mover(self, model: Model, stride: int) -> tuple[object, ...]:
+        """What the motion follows from, at so many steps per sample."""
+        measured = [c for c in self.campaign.channels if c.is_axle and self.drive == "axles"]
+        return (stride, *moved_by(model, self.run.id, measured))
 
     def way(self, model: Model) -> Array:
         """Distance (n, 4), m, each wheel has come along the track at the run's samples."""
