@@ -204,6 +204,7 @@ class RunSimulator:
         jobs, waiting = list[Job](), list[Job]()
         bases = {job.base: job for job in self._done}
         for model, system, stride in trials:
+            # What the others are held against comes first, in steps of one length or of two.
             job = self._job(model, system, stride, [*jobs[:2], *jobs[-1:], *self._done])
             if job.acceleration is None and job not in waiting:
                 base = bases.setdefault(job.base, job)
