@@ -1,5 +1,6 @@
 """What a degenerate campaign does to single steps of a diagnosis: an order, and no warning."""
 
+import re
 import warnings
 from dataclasses import replace
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.report.small import write_small_campaign
-from wheelhop.campaign import Channel, read_campaign
+from wheelhop.campaign import CampaignError, Channel, read_campaign
 from wheelhop.diagnose import fit_baseline, signatures
 from wheelhop.diagnose import screen as screening
 from wheelhop.diagnose.confirm import placed_anew
@@ -97,3 +98,17 @@ def test_windows_in_which_nothing_moves_tell_no_shift():
         times, (ahead,) = shift_along(StillAtTheEnd(), run, (0,))
     assert ahead[times < 4.5] == pytest.approx(0.1, abs=0.02)
     assert np.isfinite(ahead).all()
+
+
+def test_a_track_that_no_wheel_climbs_is_named(tmp_path):
+    """A bump of 35 mm given as 350: the mistake of a campaign, not a program's."""
+    folder = write_small_campaign(tmp_path / "c")
+    file = folder / "campaign.toml"
+    wall = 'track.kind = "step-bump"\ntrack.height_mm = 350.0\ntrack.width_mm = 1000.0\n'
+    head, first, *others = file.read_text().split("[[run]]\n")
+    first = re.sub(r"track\..*\n", "", first).rstrip() + "\n" + wall + "\n"
+    file.write_text("[[run]]\n".join([head, first, *others]))
+    campaign = read_campaign(folder)
+    expected = f'{file}: run "{campaign.runs[0].id}": a step of 0.35 m is too high for a wheel'
+    with pytest.raises(CampaignError, match=re.escape(expected)):
+        fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)

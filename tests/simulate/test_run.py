@@ -19,7 +19,7 @@ from tests.simulate.setup import (
     relative,
     simulated,
 )
-from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.campaign import CampaignError, Channel, TrackSpec
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, fit
 from wheelhop.simulate import RunSimulator
@@ -221,3 +221,31 @@ def test_an_effect_cannot_move_the_instants_that_others_are_given():
     careless = replace(model, effects=(Careless(),))
     with pytest.raises(ValueError, match="read-only"):
         simulated(campaign_of(run), careless)
+
+
+STEP = truth.Track("step-bump", {"height_mm": 100.0, "width_mm": 1000.0})
+
+
+@pytest.mark.parametrize(
+    ("key", "far_off"), [("wheel.rear.radius_m", 0.006), ("start_m", 1e17), ("speed_m_s", 1e12)]
+)
+def test_a_model_that_cannot_roll_is_nowhere(key, far_off):
+    """A fit on its way may ask for a wheel lower than the step, or for a start beyond where places
+    are told apart: that costs infinitely much and ends nothing."""
+    campaign, model = campaign_of({"run": truth.Run(STEP, 3.0, 20.0, TIME)}), model_of(ATV, {})
+    simulator = RunSimulator(campaign, campaign.runs[0], 4.0)
+    system = model.system(CHANNELS, "road")
+    assert np.isfinite(simulator.record(model, system)).all()
+    if key in model.values:
+        other = model.with_values({key: far_off})
+    else:
+        other = model.with_run("run", {key: far_off})
+    assert np.isnan(simulator.record(other, system)).all()
+
+
+def test_a_step_as_high_as_the_nominal_wheel_is_refused():
+    wall = truth.Track("step-bump", {"height_mm": 350.0, "width_mm": 1000.0})
+    campaign, model = campaign_of({"wall": truth.Run(wall, 3.0, 20.0, TIME)}), model_of(ATV, {})
+    simulator = RunSimulator(campaign, campaign.runs[0], 4.0)
+    with pytest.raises(CampaignError, match=r'campaign.toml: run "wall": a step of 0.35 m is too'):
+        simulator.record(model, model.system(CHANNELS, "road"))

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from wheelhop.campaign import TrackSpec
-from wheelhop.track import Track, make_track, wheel_envelope
+from wheelhop.track import CannotClimb, Track, make_track, wheel_envelope
 from wheelhop.track.table import highest
 from wheelhop.track.track import Array
 
@@ -260,7 +260,7 @@ def test_a_finite_track_is_flat_beyond_its_ends_as_far_as_asked() -> None:
 
 def test_a_rigid_wheel_cannot_climb_a_step_as_high_as_its_radius() -> None:
     wall = track("step-bump", height_m=0.3, width_m=1.0, side="both")
-    with pytest.raises(ValueError, match="too high for a radius"):
+    with pytest.raises(CannotClimb, match="too high for a wheel"):
         wheel_envelope(wall, LEFT, RADIUS, -2.0, 2.0)
 
 

@@ -14,6 +14,7 @@ from wheelhop.compare.band import InBand
 from wheelhop.diagnose.judge import Rung
 from wheelhop.diagnose.validate import validate
 from wheelhop.fit import (
+    Bench,
     Free,
     Watch,
     Workshop,
@@ -23,7 +24,7 @@ from wheelhop.fit import (
     initial_model,
     vehicle_parameters,
 )
-from wheelhop.simulate import Model
+from wheelhop.simulate import Model, climbing
 from wheelhop.vehicle import Vehicle, wheels
 
 Progress = Callable[[str], None]
@@ -136,9 +137,12 @@ def _started(workshop: Workshop, model: Model, free: Sequence[Free]) -> Model:
         return begin_component(workshop.campaign, model, free)
     systems = workshop.systems(model)
     benches = [b for b in workshop.benches.values() if b.drive == "road"]
-    starts = workshop.each(
-        lambda b: find_start(workshop.campaign, b.run, model, systems["road"]), benches
-    )
+
+    def started(bench: Bench) -> dict[str, float]:
+        with climbing(workshop.campaign, bench.run):
+            return find_start(workshop.campaign, bench.run, model, systems["road"])
+
+    starts = workshop.each(started, benches)
     for bench, start in zip(benches, starts, strict=True):
         model = model.with_run(bench.run.id, start)
     return model

@@ -3,6 +3,7 @@
 from wheelhop.simulate.folding import folded_power, sample_of
 from wheelhop.simulate.frequency import frequency_response
 from wheelhop.simulate.model import Model
+from wheelhop.simulate.prescribed import climbing
 from wheelhop.simulate.rig import RigSimulator
 from wheelhop.simulate.run import Response, RunSimulator
 from wheelhop.simulate.simulator import Simulator, drive_of, make_simulator
@@ -15,6 +16,7 @@ __all__ = [
     "RigSimulator",
     "RunSimulator",
     "Simulator",
+    "climbing",
     "drive_of",
     "folded_power",
     "frequency_response",

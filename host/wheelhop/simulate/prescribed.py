@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import interpolate, linalg
 
-from wheelhop.campaign import Averaging, Run
+from wheelhop.campaign import Averaging, Campaign, CampaignError, Run
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.model import Model
-from wheelhop.track import Track, Wheel, WheelPath, make_track
+from wheelhop.track import CannotClimb, Track, Wheel, WheelPath, make_track
 from wheelhop.vehicle import CORNERS, behind_m
 
 Array = NDArray[np.float64]
@@ -177,3 +178,16 @@ def wheel_path(model: Model, corner: int, wheel: Wheel) -> WheelPath:
         if path is not None:
             return path
     return wheel.rigid()
+
+
+@contextmanager
+def climbing(campaign: Campaign, run: Run) -> Iterator[None]:
+    """For what rolls the nominal wheels over a run's track: raises CampaignError where one of them
+    cannot climb it."""
+    try:
+        yield
+    except CannotClimb as error:
+        where = campaign.folder / "campaign.toml"
+        raise CampaignError(
+            f'{where}: run "{run.id}": {error}: correct its track, or the vehicle\'s radius_m'
+        ) from None

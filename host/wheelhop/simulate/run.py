@@ -21,6 +21,7 @@ from wheelhop.simulate.model import Model
 from wheelhop.simulate.prescribed import (
     Prescribed,
     applied_forces,
+    climbing,
     rise,
     span,
     track_of,
@@ -32,7 +33,7 @@ from wheelhop.simulate.prescribed import (
 from wheelhop.simulate.runge_kutta import STABLE
 from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
 from wheelhop.simulate.unevenness import HeightSeries, slowness
-from wheelhop.track import Wheel, make_track
+from wheelhop.track import CannotClimb, Wheel, make_track
 from wheelhop.vehicle import Drive, System, axle_name, corner_position, motions, wheels
 from wheelhop.vehicle.frame_modes import longest_step_s
 
@@ -55,6 +56,9 @@ the vehicle remembers, and a wheelbase."""
 
 REACH = 1.08
 """A run's speed lies within this factor of the nominal one, or nearly so."""
+
+FARTHEST_M = 1e9
+"""So far along a track places are still told apart by a micrometre."""
 
 KEPT_MOTIONS = 2
 
@@ -151,7 +155,8 @@ class RunSimulator:
             return False
         x = ways(model, self.setting, self._times(1))[0]
         rolling = (self._wheel(model, i, x[:, i]) for i in wheels(model.values))
-        return any(wheel.rigid().sharpest_kink > KINK for wheel in rolling)
+        with climbing(self.campaign, self.run):
+            return any(wheel.rigid().sharpest_kink > KINK for wheel in rolling)
 
     def _times(self, per_sample: int) -> Array:
         """The instants of so many steps per sample, from the run-up on."""
@@ -344,14 +349,18 @@ class RunSimulator:
 
     def _road(self, model: Model, time_s: Array) -> tuple[Array, Array]:
         x, speed = ways(model, self.setting, time_s)
-        if not np.isfinite(x).all():  # a fit that runs away: what it leads to costs infinitely much
-            nowhere = np.full((len(x), len(wheels(model.values))), np.nan)
-            return nowhere, nowhere
         rolling = list(wheels(model.values))
+        # Where a fit runs away, what it leads to costs infinitely much.
+        nowhere = np.full((len(x), len(rolling)), np.nan)
+        if not (np.abs(x) < FARTHEST_M).all():
+            return nowhere, nowhere
         height, rate = np.empty((2, len(x), len(rolling)))
         for j, i in enumerate(rolling):
             wheel = self._wheel(model, i, x[:, i])
-            height[:, j], slope = wheel_path(model, i, wheel).height_and_slope(x[:, i])
+            try:
+                height[:, j], slope = wheel_path(model, i, wheel).height_and_slope(x[:, i])
+            except CannotClimb:
+                return nowhere, nowhere
             rate[:, j] = slope * speed[:, i]
         if self.series is not None and self.run.id in model.heights:
             slow = slowness(model, self.run)

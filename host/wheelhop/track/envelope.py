@@ -133,6 +133,10 @@ def _at(polynomials: Array, t: Array | float) -> Array:
     return np.asarray((polynomials * powers).sum(axis=1))
 
 
+class CannotClimb(ValueError):
+    """The ground rises at once by as much as the radius of a rigid wheel, or more."""
+
+
 def wheel_envelope(
     track: Track, y_m: float, radius_m: float, x_min_m: float, x_max_m: float
 ) -> Envelope:
@@ -143,7 +147,7 @@ def wheel_envelope(
     as the wheel; slopes to 1e-5, but for
     the few cells (of 0.5 mm on washboards) where two contacts are about to become one: 3e-3.
     A wheel without radius is a point that follows the ground.
-    Raises ValueError if a step is as high as the radius: a rigid wheel cannot climb it.
+    Raises CannotClimb if a step is as high as the radius.
     """
     period = track.period_m
     if period is not None and period < x_max_m - x_min_m:
@@ -204,7 +208,7 @@ def _within_reach(
     z = track.elevation(u, y)
     rise = np.abs(np.diff(z))
     if rise.max() >= radius:
-        raise ValueError(f"a step of {rise.max():.3g} m is too high for a radius of {radius:.3g} m")
+        raise CannotClimb(f"a step of {rise.max():.3g} m is too high for a wheel of {radius:.3g} m")
     for edge in track.edges_m:  # a step's face touches the wheel with nothing but its edge
         rise[np.abs(u[:-1] + step / 2 - edge) < step] = 0.0
     # At the contact the disc is as steep as the profile: the steepest place bounds |s|.
