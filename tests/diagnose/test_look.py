@@ -6,11 +6,17 @@ import numpy as np
 import pytest
 
 from tests.diagnose.test_judge import noise, rung
+from tests.report.small import write_small_campaign
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.judge import Rung, log_odds
+from wheelhop.diagnose.ladder import one_more
 from wheelhop.diagnose.look import Candidate, Look
 from wheelhop.diagnose.screen import Screened
+from wheelhop.effects import load_effects
 from wheelhop.fit import Fit
 from wheelhop.fit.result import Derivatives
+from wheelhop.vehicle import read_nominal
 
 
 def with_columns(fit: Fit) -> Fit:
@@ -24,6 +30,7 @@ def remembered(rung: Rung) -> Rung:
     look = Look(rung, (screened,), (Candidate(screened, rung, 0.0, 1, True),), None)
     after = look.remembered()
     assert not after.screened and not after.candidates[0].screened.contribution
+    assert after.rung.judging.has_derivatives == after.candidates[0].rung.judging.has_derivatives
     return after.candidates[0].rung
 
 
@@ -38,3 +45,17 @@ def test_derivatives_are_kept_only_where_few_held_out_runs_judge(held_out, kept)
     assert [len(run.derivatives.columns) for run in after.judging.runs] == [kept] * held_out
     assert after.evidence == quiet.evidence
     assert log_odds(loud, after) == log_odds(loud, quiet) > 1.0
+
+
+def test_a_ladder_goes_on_from_a_rung_it_has_only_remembered(tmp_path):
+    """In the workbench an effect may be added to any step of a diagnosis: the derivatives that the
+    step no longer holds are made again."""
+    campaign = read_campaign(write_small_campaign(tmp_path / "c"))
+    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
+    friction, said = load_effects()["dry-friction"], []
+    known = one_more(base.workshop, base.rung, friction, said.append)
+    without = replace(base.rung, fit=base.rung.fit.without_derivatives)
+    assert not without.fit.has_derivatives
+    again = one_more(base.workshop, without, friction, said.append)
+    assert again.fit.has_derivatives
+    assert again.error_fit == pytest.approx(known.error_fit, rel=1e-3)

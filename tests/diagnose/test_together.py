@@ -222,6 +222,9 @@ def test_a_driver_who_brakes_changes_the_speed_and_pitches_the_body(tmp_path):
     diagnosis = diagnosed(folder, {name: LIBRARY[name] for name in few})
     assert diagnosis.verdict == ("speed-fluctuation", "longitudinal-pitch")
     assert diagnosis.ladder[-1].over_floor <= 1.1
+    # What lies between is held against others, no more: it keeps no derivatives.
+    kept = [step.rung.fit.has_derivatives for step in diagnosis.ladder]
+    assert kept == [True, False, True]
 
 
 def test_no_pair_stands_in_for_what_is_not_in_the_library(loose):

@@ -35,7 +35,15 @@ from wheelhop.diagnose.judge import (
     power,
     worth_seeking,
 )
-from wheelhop.diagnose.look import Candidate, Look, contradicted, on_one_floor, step_of, steps_of
+from wheelhop.diagnose.look import (
+    Candidate,
+    Look,
+    contradicted,
+    on_one_floor,
+    remembered,
+    step_of,
+    steps_of,
+)
 from wheelhop.diagnose.ranking import why_not
 from wheelhop.diagnose.screen import Screened, screen
 from wheelhop.diagnose.together import Stand, exchange, look_for_several, without_idle
@@ -196,7 +204,9 @@ def climb(
         rung = beginning_allowed_for(workshop, rung)
         step = step_of(workshop, rung, steps[0])
         # The same effects in a better fit are no new rung.
-        steps = [*(s for s in steps if s.added != step.added), step]
+        below = [s for s in steps if s.added != step.added]
+        steps = [replace(s, rung=remembered(s.rung)) if s.added else s for s in below]
+        steps.append(step)
         bounced = never_forgotten(workshop, rung)
         if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
             look = Look(rung, (), (), None)
@@ -356,6 +366,8 @@ def one_more(workshop: Workshop, rung: Rung, effect: Effect, progress: Progress)
     CampaignError
         The effect does not apply to this campaign.
     """
+    if not rung.fit.has_derivatives:  # of a ladder that went on from there
+        rung = refit(workshop, rung)
     progress(f"screening {effect.id}")
     screened = screen(workshop, rung.fit, [effect])
     if not screened:

@@ -58,15 +58,18 @@ class Look:
 
     def remembered(self) -> Look:
         """The look as later ones ask for it: how well each candidate did. Signatures serve but
-        once, and so do derivatives where enough runs are held out to judge without."""
+        once."""
         candidates = [
-            replace(c, screened=replace(c.screened, contribution={}), rung=_remembered(c.rung))
+            replace(c, screened=replace(c.screened, contribution={}), rung=remembered(c.rung))
             for c in self.candidates
         ]
-        return replace(self, screened=(), candidates=tuple(candidates))
+        rung = remembered(self.rung)
+        return replace(self, rung=rung, screened=(), candidates=tuple(candidates))
 
 
-def _remembered(rung: Rung) -> Rung:
+def remembered(rung: Rung) -> Rung:
+    """A rung that is no more than held against others: without derivatives, by far most of it,
+    where enough runs are held out to judge without."""
     if not enough_held_out(rung):
         return rung
     return replace(

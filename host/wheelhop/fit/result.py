@@ -214,6 +214,11 @@ class Fit:
         return sum(run.bench.size for run in self.runs)
 
     @property
+    def has_derivatives(self) -> bool:
+        """Whether it has not been taken `without_derivatives`."""
+        return any(run.derivatives.columns for run in self.runs)
+
+    @property
     def without_derivatives(self) -> Fit:
         """The same, for what never asks for them: they are by far most of it."""
         runs = [replace(r, derivatives=Derivatives((), r.derivatives.shared)) for r in self.runs]
