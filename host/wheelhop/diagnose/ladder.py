@@ -40,9 +40,9 @@ from wheelhop.diagnose.look import (
     Look,
     contradicted,
     on_one_floor,
-    remembered,
     step_of,
     steps_of,
+    with_step,
 )
 from wheelhop.diagnose.ranking import why_not
 from wheelhop.diagnose.screen import Screened, screen
@@ -196,6 +196,7 @@ def climb(
             better = look.chosen.rung if look.chosen is not None else None
         if better is None:
             break
+        look = tried[-1]  # the same, in less memory
         (rung, shorter), stands = without_idle(workshop, better, steps[0].rung, progress), {}
         # If a group comes down to what was chosen first, the first look said how that stands alone.
         if first.chosen is None or [e.id for e in rung.model.effects] != [first.chosen.id]:
@@ -203,10 +204,7 @@ def climb(
         origin = first
         rung = beginning_allowed_for(workshop, rung)
         step = step_of(workshop, rung, steps[0])
-        # The same effects in a better fit are no new rung.
-        below = [s for s in steps if s.added != step.added]
-        steps = [replace(s, rung=remembered(s.rung)) if s.added else s for s in below]
-        steps.append(step)
+        steps = with_step(steps, step)
         bounced = never_forgotten(workshop, rung)
         if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
             look = Look(rung, (), (), None)

@@ -87,6 +87,13 @@ def step_of(workshop: Workshop, rung: Rung, baseline: Step | None = None) -> Ste
     return Step(names, rung, parameters_of(rung), comparison_of(workshop, rung), lacked)
 
 
+def with_step(steps: Sequence[Step], step: Step) -> list[Step]:
+    """The ladder with one more step. The same effects in a better fit are no new one; what lies
+    between the baseline and the new step is remembered."""
+    below = [s for s in steps if s.added != step.added]
+    return [*(replace(s, rung=remembered(s.rung)) if s.added else s for s in below), step]
+
+
 def steps_of(workshop: Workshop, rungs: Sequence[Rung]) -> list[Step]:
     """The same of a whole ladder, its baseline first."""
     return on_one_floor(workshop, [step_of(workshop, rung) for rung in rungs])

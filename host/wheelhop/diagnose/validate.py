@@ -75,6 +75,7 @@ class Incumbent:
 
 def _inexact(workshop: Workshop, judging: Fit) -> Callable[[], float]:
     """What finds the power by which a simulation may be wrong, in units of the noise's."""
+    judging = judging.without_derivatives  # as long as the model is remembered
 
     def found() -> float:
         if workshop.noise == 0.0:
