@@ -38,7 +38,7 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
         return found
 
     monkeypatch.setattr(ladder, "refit", refit)
-    monkeypatch.setattr(ladder, "_best_form", best_form)
+    monkeypatch.setattr(ladder, "best_form", best_form)
     monkeypatch.setattr(ladder, "at_noise", lambda rung, noise: False)
     monkeypatch.setattr(ladder, "_judged", lambda incumbent, screened, rung, tried: candidates[4])
     monkeypatch.setattr(ladder, "_best_first", lambda some, noise: list(some))
@@ -69,7 +69,7 @@ def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch
         return better
 
     monkeypatch.setattr(ladder, "refit", lambda workshop, rung, bar: rung)
-    monkeypatch.setattr(ladder, "_best_form", best_form)
+    monkeypatch.setattr(ladder, "best_form", best_form)
     monkeypatch.setattr(ladder, "least_cost", lambda rungs: rungs[0].fit.cost)
     monkeypatch.setattr(ladder, "at_noise", lambda rung, noise: False)
     monkeypatch.setattr(

@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.diagnose.next_run import NextRun
-from wheelhop.effects import load_effects
+from wheelhop.effects import form_of, load_effects
 from wheelhop.files.words import chance, interval, label_of, percent, signed, significant, unit_of
-from wheelhop.report.words import form_of, next_run_words
+from wheelhop.report.words import next_run_words
 
 
 def number(text: str) -> float:

@@ -22,6 +22,7 @@ from wheelhop.diagnose.forgets import (
     remaining,
     without_runs,
 )
+from wheelhop.diagnose.forms import best_form
 from wheelhop.diagnose.judge import (
     HOPELESS,
     Rung,
@@ -303,27 +304,10 @@ def _refit_leaders(
         worth = leader.holds or better.fit.cost < bar
         leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
         if worth and leads and not at_noise(better, workshop.noise):
-            better = _best_form(workshop, rung, leader.screened, better)
+            better = best_form(workshop, rung, leader.screened, better)
         refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
     return _best_first(refitted, workshop.noise) + others
-
-
-def _best_form(workshop: Workshop, rung: Rung, screened: Screened, found: Rung) -> Rung:
-    """The effect in the form that explains most in full simulation: to first order a strong effect
-    shows little difference between its forms. One with no hope to come as far as the form `found`
-    in the runs fitted is fitted no further, and what held-out runs say of it means nothing."""
-    tried = (screened, *screened.others)
-    present = {s.variant.choice for s in tried if s.variant.effect in found.model.effects}
-    for other in tried:
-        if other.variant.choice not in present:
-            present.add(other.variant.choice)
-            rival = confirm(workshop, rung, replace(other, others=()), beside=[found])
-            if rival.error_judging <= HOPELESS * found.error_judging:
-                rival = refit(workshop, rival, least_cost([found]))
-            if rival.fit.cost < found.fit.cost:
-                found = best_first([found, rival], workshop.noise)[0]
-    return found
 
 
 def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate]:

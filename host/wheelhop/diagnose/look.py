@@ -10,8 +10,7 @@ from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.judge import Rung, enough_held_out, p_value
 from wheelhop.diagnose.screen import Screened
-from wheelhop.diagnose.signatures import Variant
-from wheelhop.effects import Effect, OwnValues
+from wheelhop.effects import Effect, OwnValues, form_of
 from wheelhop.fit import Workshop
 
 
@@ -34,11 +33,14 @@ class Candidate:
         return self.screened.variant.effect.id
 
     @property
-    def variant(self) -> Variant:
-        """The variant that the full simulation came to: its form, for one."""
-        tried = (self.screened, *self.screened.others)
-        found = (s.variant for s in tried if s.variant.effect in self.rung.model.effects)
-        return next(found, self.screened.variant)
+    def effect(self) -> Effect:
+        """The effect in the form that the full simulation came to."""
+        return next(e for e in self.rung.model.effects if e.id == self.id)
+
+    @property
+    def form(self) -> str:
+        """The name of that form."""
+        return form_of(self.effect, self.rung.fit.runs[0].bench.simulator.campaign.channels)
 
     @property
     def p(self) -> float:

@@ -123,9 +123,9 @@ def why_not(effect: Effect, drives: Collection[Drive]) -> str:
 def _ranked(screened: Screened, candidate: Candidate | None, look: Look, angles: Angles) -> Ranked:
     effect = screened.variant.effect
     parameters: dict[str, float | str] = {}
-    variant = screened.variant if candidate is None else candidate.variant
-    if variant.choice:
-        parameters["form"] = variant.choice
+    form = screened.variant.choice if candidate is None else candidate.form
+    if form:
+        parameters["form"] = form
     if candidate is None:
         parameters |= {**screened.variant.shapes, **screened.amplitudes}
     else:
@@ -174,7 +174,7 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
 def _why_not_believed(candidate: Candidate) -> str:
     if candidate.p >= SIGNIFICANT:
         return "not confirmed by held-out runs"
-    if contradicted(candidate.rung, candidate.variant.effect):
+    if contradicted(candidate.rung, candidate.effect):
         return "its numbers, run by run, are against its nature"
     return "takes nothing material out of the runs held out"
 

@@ -7,6 +7,7 @@ from wheelhop.effects.base import (
     Place,
     Probe,
     RunSetting,
+    form_of,
     law,
 )
 from wheelhop.effects.beliefs import beliefs
@@ -20,6 +21,7 @@ __all__ = [
     "Probe",
     "RunSetting",
     "beliefs",
+    "form_of",
     "law",
     "load_effects",
     "pick",

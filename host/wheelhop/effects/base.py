@@ -294,3 +294,15 @@ class Effect:
     ) -> Array:
         """Undo `sense` where that can be done: measured axle motion drives the model."""
         return measured
+
+
+def form_of(effect: Effect, channels: Sequence[Channel]) -> str:
+    """Which of its forms an effect has ("B3", "air"); empty if there is but one."""
+    return next(
+        (
+            choice
+            for choice in effect.choices(channels)
+            if choice and vars(effect.with_choice(choice)) == vars(effect)
+        ),
+        "",
+    )

@@ -10,9 +10,8 @@ from typing import Any
 
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Step
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, form_of
 from wheelhop.files import Document, to_toml, write_text
-from wheelhop.report.words import form_of
 from wheelhop.vehicle import Vehicle
 
 FORMAT = 1

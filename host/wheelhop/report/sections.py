@@ -10,7 +10,7 @@ from math import isfinite
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
 from wheelhop.diagnose import Diagnosis, Step, caveats
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, form_of
 from wheelhop.files.words import listed, percent
 from wheelhop.gate import Finding
 from wheelhop.report import figures, tables
@@ -19,7 +19,7 @@ from wheelhop.report.heat import heat_legend
 from wheelhop.report.loops import loops_figure
 from wheelhop.report.page import bullets, facts, figure, paragraph, section
 from wheelhop.report.svg import equation, inline
-from wheelhop.report.words import chain_words, form_of, next_run_words, track_words
+from wheelhop.report.words import chain_words, next_run_words, track_words
 
 WHEN = {"before": "Of the campaign, before anything was fitted:", "after": "Of the fit:"}
 

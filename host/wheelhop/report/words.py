@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import exp, log, nan
 
-from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.campaign import TrackSpec
 from wheelhop.compare import explains_nothing
 from wheelhop.diagnose import Diagnosis, Limit, NextRun, Step
 from wheelhop.effects import Effect
@@ -129,18 +129,6 @@ def _amplitude(name: str, value: float) -> str:
 def _factor(log_odds: float) -> str:
     """As far up as it means anything."""
     return f"{exp(log_odds):.0f}" if log_odds < log(1e6) else "more than 10⁶"
-
-
-def form_of(effect: Effect, channels: Sequence[Channel]) -> str:
-    """Which of its forms an effect has ("B3", "air"); empty if there is but one."""
-    return next(
-        (
-            choice
-            for choice in effect.choices(channels)
-            if choice and vars(effect.with_choice(choice)) == vars(effect)
-        ),
-        "",
-    )
 
 
 def track_words(track: TrackSpec) -> str:

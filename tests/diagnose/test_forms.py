@@ -1,0 +1,62 @@
+"""Which form of an effect a diagnosis comes to."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import LIBRARY, baseline_of
+from wheelhop.diagnose import climb, forms
+from wheelhop.effects import form_of
+
+STOPS = {"clearance_m": 0.02, "rebound_clearance_m": 0.032, "stiffness_N_m": 1.5e4}
+
+
+def quiet(text):
+    pass
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("stops")
+    return truth.make_campaign(folder, seed=31, effects={"bump-stop": STOPS}, short=True)
+
+
+def test_a_pair_of_stops_begins_where_one_of_them_has_ended(stopped):
+    """The stop in rebound is farther away than that in compression. To first order, at any of the
+    clearances that screening gives to both, they explain a fifth of what one does."""
+    bump_stop = {"bump-stop": LIBRARY["bump-stop"]}
+    diagnosis = climb(baseline_of(stopped), bump_stop, max_effects=1, progress=quiet)
+    assert diagnosis.verdict == ("bump-stop",) and diagnosis.ladder[-1].over_floor < 1.05
+    found = diagnosis.ranking[0].parameters
+    assert found["form"] == "both"
+    assert found["clearance_m"] == pytest.approx(0.02, rel=0.01)
+    assert found["rebound_ratio"] == pytest.approx(1.6, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("effect", "form", "richer"),
+    [
+        ("bump-stop", "compression", ["both"]),
+        ("bump-stop", "rebound", ["both"]),
+        ("bump-stop", "both", []),
+        ("dry-friction", "elastic", ["sticking"]),
+        ("dry-friction", "sticking", []),
+        ("sensor-mount", "B1", []),
+        ("mount-bushing", "", []),
+    ],
+)
+def test_a_richer_form_has_all_numbers_and_more(stopped, monkeypatch, effect, form, richer):
+    """What was found stays as it was, the vehicle and other effects included."""
+    base = baseline_of(stopped)
+    workshop, driver = base.workshop, LIBRARY["driver-seat"]
+    chosen = LIBRARY[effect].with_choice(form)
+    model = base.rung.model.with_effect(driver, workshop.parameters_of(driver))
+    model = model.with_effect(chosen, workshop.parameters_of(chosen))
+    monkeypatch.setattr(forms, "least_misfit", lambda workshop, base, models: models[0])
+    found = list(forms._richer(workshop, SimpleNamespace(model=model)))
+    channels = workshop.campaign.channels
+    assert [form_of(m.effects[-1], channels) for m in found] == richer
+    for other in found:
+        assert other.effects[:-1] == model.effects[:-1]
+        assert other.values.items() > model.values.items()
