@@ -46,14 +46,13 @@ def test_a_pair_of_stops_begins_where_one_of_them_has_ended(stopped):
         ("mount-bushing", "", []),
     ],
 )
-def test_a_richer_form_has_all_numbers_and_more(stopped, monkeypatch, effect, form, richer):
+def test_a_richer_form_has_all_numbers_and_more(stopped, effect, form, richer):
     """What was found stays as it was, the vehicle and other effects included."""
     base = baseline_of(stopped)
     workshop, driver = base.workshop, LIBRARY["driver-seat"]
     chosen = LIBRARY[effect].with_choice(form)
     model = base.rung.model.with_effect(driver, workshop.parameters_of(driver))
     model = model.with_effect(chosen, workshop.parameters_of(chosen))
-    monkeypatch.setattr(forms, "least_misfit", lambda workshop, base, models: models[0])
     found = list(forms._richer(workshop, SimpleNamespace(model=model)))
     channels = workshop.campaign.channels
     assert [form_of(m.effects[-1], channels) for m in found] == richer

@@ -300,11 +300,6 @@ def _misfits(workshop: Workshop, base: Rung, models: Sequence[Model]) -> list[fl
     return [float(t) if isfinite(t) else inf for t in total]
 
 
-def least_misfit(workshop: Workshop, base: Rung, models: Sequence[Model]) -> Model:
-    """The one that leaves the runs fitted likeliest, at the noise of `base`."""
-    return models[int(np.argmin(_misfits(workshop, base, models)))]
-
-
 Values = Mapping[str, float]
 
 OUT_OF_STEP = 0.1

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
 
-from wheelhop.diagnose.confirm import confirm, least_cost, least_misfit, refit
+from wheelhop.diagnose.confirm import confirm, least_cost, refit
 from wheelhop.diagnose.judge import HOPELESS, Rung, at_noise, best_first
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.validate import validate
@@ -48,19 +47,17 @@ def _better(workshop: Workshop, found: Rung, rival: Rung) -> Rung:
 
 
 def _richer(workshop: Workshop, found: Rung) -> Iterator[Model]:
-    """The model with its last effect in each form that has more numbers, these where they fit
-    best."""
+    """The model with its last effect in each form that has more numbers, these at their starts."""
     effect = found.model.effects[-1]
     known = {p.name for p in workshop.parameters_of(effect)}
     for choice in effect.choices(workshop.campaign.channels):
         form = effect.with_choice(choice)
         parameters = workshop.parameters_of(form)
-        more = [p for p in parameters if p.name not in known]
-        if not more or len(known) + len(more) > len(parameters):
-            continue
-        model = replace(found.model, effects=(*found.model.effects[:-1], form))
-        starts = [
-            {f"{form.id}.{p.name}": value for p, value in zip(more, values, strict=True)}
-            for values in product(*(p.starts or (p.absent,) for p in more))
-        ]
-        yield least_misfit(workshop, found, [model.with_values(start) for start in starts])
+        more = {
+            f"{form.id}.{p.name}": p.starts[0] if p.is_shape else p.absent
+            for p in parameters
+            if p.name not in known
+        }
+        if more and len(known) + len(more) == len(parameters):
+            model = replace(found.model, effects=(*found.model.effects[:-1], form))
+            yield model.with_values(more)

@@ -90,7 +90,7 @@ class BumpStop(Effect):
                     "clearance in rebound over clearance in compression",
                     1.0,
                     lower=0.05,
-                    starts=(1.0, 1.5, 2.2),
+                    starts=(1.0,),
                 )
             )
         return found
