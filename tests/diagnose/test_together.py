@@ -94,6 +94,21 @@ def test_a_loose_sensor_that_magnifies_friction(loose):
     assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
 
 
+def test_what_the_last_look_screened_beside_an_effect_is_not_screened_again(loose):
+    """The pair follows from that as well."""
+    library = {name: LIBRARY[name] for name in FEW}
+    workshop, look = look_at(loose, library)
+    first = next(c for c in look.candidates if c.id == "dry-friction")
+    others = [effect for effect in library.values() if effect.id != first.id]
+    last = Look(first.rung, tuple(screen(workshop, first.rung.fit, others)), (), None)
+    for known, asked in ((None, True), (last, False)):
+        told = list[str]()
+        found = look_for_several(workshop, look, library, 2, told.append, last=known)
+        assert ("screening the others beside dry-friction" in told) is asked
+        assert found.chosen is not None
+        assert {found.chosen.id, found.chosen.beside} == set(HIDDEN)
+
+
 @pytest.mark.parametrize(("share", "simulated"), [(0.07, []), (0.14, ["spring"])])
 def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simulated, monkeypatch):
     """Of a cost of 1000 above the noise, to first order."""

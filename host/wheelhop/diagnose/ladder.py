@@ -187,7 +187,9 @@ def climb(
             # The first may have been taken for what only several explain: it takes a place.
             alone = False
             visited = [frozenset(e.id for e in k.rung.model.effects) for k in tried]
-            anew = look_for_several(workshop, first, effects, max_effects, progress, visited)
+            anew = look_for_several(
+                workshop, first, effects, max_effects, progress, visited, last=look
+            )
             group = anew.chosen.rung if anew.chosen is not None else rung
             if anew is not first and Incumbent(workshop, rung).gives_way_to(group):
                 origin, better, steps = anew, group, steps[:1]

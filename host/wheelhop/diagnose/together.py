@@ -74,11 +74,13 @@ def look_for_several(
     room: int,
     progress: Progress,
     visited: Collection[frozenset[str]] = (),
+    last: Look | None = None,
 ) -> Look:
     """The look at a residual no single effect explains, with a group of effects chosen that does,
     at most `room` of them; as it was if there is none, or the way to it leads over effects that
-    were `visited` together: what can be added to these is known."""
-    group = _best_pair(workshop, look, effects, room, visited, progress)
+    were `visited` together: what can be added to these is known. What the `last` look has screened
+    is not screened again."""
+    group = _best_pair(workshop, look, effects, room, visited, progress, last)
     incumbent = Incumbent(workshop, look.rung)
     while group is not None:
         tried = comb(len(effects), len(group.members))
@@ -99,9 +101,10 @@ def _best_pair(
     room: int,
     visited: Collection[frozenset[str]],
     progress: Progress,
+    last: Look | None,
 ) -> _Group | None:
     found: list[_Group] = []
-    for first, second in _promising(workshop, look, effects, room, progress):
+    for first, second in _promising(workshop, look, effects, room, progress, last):
         pair = _Group((first.screened, second), first.rung)
         progress(f"simulating {' with '.join(pair.ids)}")
         beside = [group.rung for group in found]
@@ -110,7 +113,12 @@ def _best_pair(
 
 
 def _promising(
-    workshop: Workshop, look: Look, effects: Mapping[str, Effect], room: int, progress: Progress
+    workshop: Workshop,
+    look: Look,
+    effects: Mapping[str, Effect],
+    room: int,
+    progress: Progress,
+    last: Look | None,
 ) -> Iterator[tuple[Candidate, Screened]]:
     """The pairs that leave least by screening, each once. Those that have no room for a third, and
     could not explain nearly all by themselves, are left out; not those beside an effect the ladder
@@ -125,7 +133,7 @@ def _promising(
         least, gain = least_gain(workshop, first.rung), base.cost - least_cost([first.rung])
         found += [
             (first, s)
-            for s in _beside(workshop, look, first, effects, gain < least, progress)
+            for s in _beside(workshop, look, first, effects, gain < least, progress, last)
             if s.score > 0 and s.gain > least and gain + s.gain / SEEN > enough
         ]
     seen = set[frozenset[str]]()
@@ -143,13 +151,16 @@ def _beside(
     effects: Mapping[str, Effect],
     idle: bool,
     progress: Progress,
+    last: Look | None,
 ) -> Iterable[Screened]:
-    """The rest of the library screened beside an effect; where that is `idle` in the runs fitted,
-    as it was screened without."""
+    """The rest of the library screened beside an effect: as it was screened without where that is
+    `idle` in the runs fitted, and as the `last` look has done it if it stood there."""
     present = {first.id, *(effect.id for effect in look.rung.model.effects)}
     others = [effect for name, effect in effects.items() if name not in present]
     if idle:
         return [s for s in look.screened if s.variant.effect in others]
+    if last is not None and last.rung.fit is first.rung.fit:
+        return [s for s in last.screened if s.variant.effect in others]
     progress(f"screening the others beside {first.id}")
     return screen_best(workshop, first.rung.fit, others)
 
