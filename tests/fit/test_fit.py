@@ -9,6 +9,7 @@ from tests import truth
 from tests.simulate.setup import ATV, campaign_of, model_of, simulated
 from wheelhop.campaign import read_campaign
 from wheelhop.fit import (
+    Bench,
     RunFit,
     Workshop,
     find_start,
@@ -201,6 +202,24 @@ def test_a_fit_that_begins_at_an_unstable_vehicle_leaves_infinitely_much(noise_f
 @pytest.mark.filterwarnings("error")
 def test_a_residual_too_large_to_square_is_infinitely_much():
     assert RunFit(None, (), np.full(4, 1e200), None, np.ones(4)).rss == np.inf
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_step_to_where_the_vehicle_runs_away_is_no_news(noise_free, monkeypatch):
+    """It leaves more than can be squared: the fit stays where it was, and warns nobody."""
+    runs, _ = noise_free
+    campaign, start = recorded(noise_free, 1), model_of(ATV, runs)
+    workshop = Workshop(campaign, start)
+    free = vehicle_parameters(campaign, Vehicle("true", ATV, uncertainty_of(ATV)))
+    there = Bench.residual
+
+    def elsewhere(bench, model, systems):
+        residual = there(bench, model, systems)
+        return residual if model.values == start.values else np.full_like(residual, 1e200)
+
+    monkeypatch.setattr(Bench, "residual", elsewhere)
+    fitted = fit(workshop, start, free, workshop.of_role("fit"))
+    assert fitted.model.values == start.values and np.isfinite(fitted.cost)
 
 
 def apart(fitted, other):

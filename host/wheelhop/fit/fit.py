@@ -303,6 +303,7 @@ class _Problem:
         self.workshop.ahead(model, systems, self.benches)
         step = _way(self.shared, state.model.values, model.values)
 
+        @RUNS_AWAY
         def moved(run: RunFit) -> RunFit:
             residual, run_id = run.bench.residual(model, systems), run.bench.run.id
             own = _way(run.own, state.model.runs[run_id], model.runs[run_id])
