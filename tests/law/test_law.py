@@ -3,7 +3,8 @@
 import re
 import runpy
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from json import dumps
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from tests.component import rig
 from wheelhop.campaign import read_campaign
+from wheelhop.cli.law import to_json
 from wheelhop.cli.main import main
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
@@ -18,6 +20,8 @@ from wheelhop.law.along import follow_all
 from wheelhop.law.formula import Formula, source_of
 from wheelhop.law.free import free_force
 from wheelhop.law.look import kind_of, look, shape_of
+from wheelhop.law.motion import Moves
+from wheelhop.law.names import nearest_name
 from wheelhop.law.places import Where
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import candidates, slip, valved
@@ -237,6 +241,41 @@ def test_a_law_with_a_name_is_called_by_it(tmp_path):
     found = found_in(campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers))
     assert found.preferred.name == "dry-friction"
     assert "The nearest name is dry-friction" in " ".join(look(found))
+
+
+def test_a_name_is_known_by_the_force_of_a_law_that_was_found(tmp_path):
+    """Friction in a joint, told from the force of a formula alone."""
+    numbers = {"coulomb_N": 250.0, "joint_N_m": 4e5}
+    folder = campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers)
+    found, library = found_in(folder), [e for e in load_effects().values() if e.on_rig]
+    workshop, law, where = found.workshop, found.formula.rung, found.where
+    nearest = nearest_name(workshop, law, where, Moves(workshop, law.model), library)
+    assert nearest.name == "dry-friction"
+    values = nearest.rung.model.values
+    assert values["dry-friction.strut_N"] == pytest.approx(250.0, rel=0.02)
+    assert values["dry-friction.presliding_N_m"] == pytest.approx(4e5, rel=0.1)
+    assert nearest.rung.error <= 1.05 * min(r.rung.error for r in found.named)
+    assert nearest_name(workshop, law, where, Moves(workshop, law.model), []) is None
+
+
+def test_a_law_that_runs_away_is_told_and_held_against_no_name(tmp_path):
+    """As a free law does of which one held-out run goes further than any that was fitted."""
+    numbers = {"coulomb_N": 250.0, "joint_N_m": 4e5}
+    found = found_in(campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers))
+    found = replace(found, named=found.named[-1:])
+    (told,) = [line for line in look(found) if "nearest name" in line]
+    assert "100 %" not in told
+    judging = found.free.rung.validation
+    infinite = [replace(run, residual=run.residual * np.inf) for run in judging.runs]
+    astray = replace(judging, runs=tuple(infinite))
+    away = replace(found.free, rung=replace(found.free.rung, validation=astray))
+    assert away.rung.error == np.inf
+    found = replace(found, free=away)
+    assert told in look(found)
+    assert f"{'free':22} {100 * away.rung.error_fit:7.2f}% runs away" in law_lines(found)
+    assert dumps(to_json(found), allow_nan=False)
+    drawn = [panel.get_title(loc="left") for panel in law_figure(found).axes]
+    assert "free: held out, it runs away" in drawn
 
 
 def test_a_gap_that_was_fitted_is_told_with_its_interval(tmp_path):

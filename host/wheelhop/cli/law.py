@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from math import isfinite
 from typing import Any
 
 from rich.console import Console
@@ -82,7 +83,8 @@ def to_json(found: Found) -> dict[str, Any]:
                 "name": rival.name,
                 "formula": rival.words,
                 "error_fit": rival.rung.error_fit,
-                "error": rival.rung.error,
+                # Of runs held out a law may foresee that the vehicle runs away.
+                "error": rival.rung.error if isfinite(rival.rung.error) else None,
             }
             for rival in rivals(found)
         ],

@@ -57,11 +57,12 @@ def look(found: Found) -> list[str]:
         lines.append(shape_of(beyond, x if follows == "spring" else v, follows))
     if found.named:
         name, base = found.named[0], found.base.error_judging
-        least = free.rung.error_judging
+        laws = [free] if found.formula is None else [free, found.formula]
+        least = min(law.rung.error_judging for law in laws)  # what a spline foresees may run away
         share = (base**2 - name.rung.error_judging**2) / max(base**2 - least**2, 1e-12)
         lines.append(
             f"The nearest name is {name.name}: it explains"
-            f" {percent(min(max(share, 0.0), 1.0), 2)} of what the free law does."
+            f" {percent(min(max(share, 0.0), 1.0), 2)} of what the best of these laws does."
         )
     lines.append(f"To know it better record {NEXT[follows, on_rig]}.")
     return lines

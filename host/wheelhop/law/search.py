@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from wheelhop.law.first_order import Promise, screen_places
 from wheelhop.law.free import FreeForce
 from wheelhop.law.motion import Moves
 from wheelhop.law.moved import Moved
+from wheelhop.law.names import nearest_name
 from wheelhop.law.places import SEAT, Where
 from wheelhop.law.regression import AS_WELL, Signatures
 from wheelhop.law.rival import Rival
@@ -103,7 +104,13 @@ def find_law(
     laws = [rung] if formula is None else [rung, formula.rung]
     if not any(Incumbent(workshop, base).gives_way_to(law) for law in laws):
         return nothing
-    named = _named(workshop, base, where, library, progress)
+    rivals = _of_kind(base, where, library)
+    named = _named(workshop, base, rivals, progress)
+    law = min(laws, key=lambda rung: rung.error_judging)
+    if not named or named[0].rung.error_judging > AS_WELL * law.error_judging:
+        progress("the named law whose force comes nearest")
+        nearest = nearest_name(workshop, law, where, moves, rivals)
+        named = _best_first([*named, *([] if nearest is None else [nearest])])
     free = Rival("free", f"free law with {best.form.name}", rung)
     return Found(workshop, base, shares, free, where, moved, named, formula, joined)
 
@@ -141,30 +148,40 @@ def seat_for(workshop: Workshop, base: Rung, library: Sequence[Effect]) -> Scree
     return found[0] if found and np.isfinite(found[0].gain) else None
 
 
-def _named(
-    workshop: Workshop, base: Rung, where: Where, library: Sequence[Effect], progress: Progress
-) -> list[Rival]:
-    """The laws of the library that explain most at this kind of place, fitted in full: the first,
-    and on a rig every one, in all its forms, the others, which stand beside it for the eye, in the
-    likeliest one."""
+def _of_kind(base: Rung, where: Where, library: Sequence[Effect]) -> list[Effect]:
+    """The laws of the library at this kind of place that the base does not have."""
     present = {effect.id for effect in base.model.effects}
     kind = {"strut": "suspension", "tyre": "tyre", "mount": ""}[where.kind]
-    rivals = [e for e in library if e.place == kind and e.id not in present]
+    return [e for e in library if e.place == kind and e.id not in present]
+
+
+def _named(
+    workshop: Workshop, base: Rung, rivals: Sequence[Effect], progress: Progress
+) -> list[Rival]:
+    """Those that explain most, fitted in full: the first, and on a rig every one, in all its forms,
+    the others, which stand beside it for the eye, in the likeliest one."""
     progress("named laws beside it")
     screened = [s for s in screen(workshop, base.fit, rivals) if np.isfinite(s.gain)]
     if is_component(base.model.values):
         screened = screened[:NAMED_ON_RIG]
     else:
         screened = [*screened[:1], *(replace(s, others=()) for s in screened[1:NAMED])]
-    fitted = [
+    return _best_first(
         Rival(s.variant.effect.id, s.variant.effect.title, confirm(workshop, base, s))
         for s in screened
-    ]
-    # A law that holds another one as its limit leaves a little less wherever that one is true.
-    least = min((r.rung.error_judging for r in fitted), default=0.0)
+    )
+
+
+def _best_first(rivals: Iterable[Rival]) -> list[Rival]:
+    """Each name once, as it leaves least. A law that holds another one as its limit leaves a little
+    less wherever that one is true: of those that do as well the likeliest is first."""
+    best: dict[str, Rival] = {}
+    for rival in sorted(rivals, key=lambda r: r.rung.error_judging):
+        best.setdefault(rival.name, rival)
+    least = min((r.rung.error_judging for r in best.values()), default=0.0)
 
     def order(rival: Rival) -> tuple[bool, float]:
         as_well = rival.rung.error_judging <= AS_WELL * least
         return not as_well, -rival.rung.evidence if as_well else rival.rung.error_judging
 
-    return sorted(fitted, key=order)
+    return sorted(best.values(), key=order)

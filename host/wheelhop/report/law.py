@@ -3,6 +3,7 @@ grey, and its words."""
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 
 import matplotlib as mpl
@@ -23,6 +24,9 @@ from wheelhop.vehicle import is_component
 
 Array = NDArray[np.float64]
 SHOWN = 4000  # points of the motion, at most
+
+RUNS_AWAY = "runs away"
+"""What is said of a law of which a vehicle runs away in runs held out."""
 
 ELSEWHERE = {
     "rig": "It may follow time or temperature (record it as an input), or the sensors.",
@@ -81,7 +85,9 @@ def _draw(row: NDArray[np.object_], found: Found, rival: Rival) -> None:
         panel.set_xlim(along.min() - margin, along.max() + margin)
         panel.axhline(0.0, color=SOFT, linewidth=0.6)
     panels[0].set_ylabel("force, N")
-    panels[0].set_title(f"{rival.name}: held-out error {100 * rival.rung.error:.1f} %", loc="left")
+    error = rival.rung.error
+    held_out = f"error {100 * error:.1f} %" if isfinite(error) else f"it {RUNS_AWAY}"
+    panels[0].set_title(f"{rival.name}: held out, {held_out}", loc="left")
 
 
 def verdict(found: Found) -> list[str]:
@@ -173,4 +179,5 @@ def parts(rival: Rival) -> list[Part]:
 
 
 def _line(name: str, fitted: float, held_out: float) -> str:
-    return f"{name:22} {100 * fitted:7.2f}% {100 * held_out:8.2f}%"
+    foreseen = f"{100 * held_out:8.2f}%" if isfinite(held_out) else f"{RUNS_AWAY:>9}"
+    return f"{name:22} {100 * fitted:7.2f}% {foreseen}"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from html import escape
+from math import isfinite
 from pathlib import Path
 
 from wheelhop.campaign import Campaign
 from wheelhop.files.words import percent
 from wheelhop.law import Found, look
 from wheelhop.report.law import (
+    RUNS_AWAY,
     amplitudes,
     by_error,
     law_figure,
@@ -81,7 +83,7 @@ def _laws(found: Found) -> str:
                 f"<strong>{escape(r.name)}</strong>" if r is found.preferred else escape(r.name),
                 escape(r.words),
                 percent(r.rung.error_fit),
-                percent(r.rung.error),
+                percent(r.rung.error) if isfinite(r.rung.error) else RUNS_AWAY,
             )
             for r in by_error(found)
         ),
