@@ -1,6 +1,8 @@
 """What later looks ask of an earlier one, and what it takes to answer."""
 
+import gc
 from dataclasses import replace
+from types import FunctionType, ModuleType
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from tests.diagnose.test_judge import noise, rung
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose import look as looking
 from wheelhop.diagnose.judge import Rung, log_odds
 from wheelhop.diagnose.ladder import one_more
 from wheelhop.diagnose.look import Candidate, Look
@@ -59,3 +62,33 @@ def test_a_ladder_goes_on_from_a_rung_it_has_only_remembered(tmp_path):
     again = one_more(base.workshop, without, friction, said.append)
     assert again.fit.has_derivatives
     assert again.error_fit == pytest.approx(known.error_fit, rel=1e-3)
+
+
+def reachable(thing):
+    """All that is kept in memory because `thing` is; what functions close over, but not the
+    modules they stand in."""
+    seen, waiting = {}, [thing]
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen or issubclass(type(one), ModuleType | type):
+            continue
+        seen[id(one)] = one
+        if type(one) is FunctionType:
+            waiting += [cell.cell_contents for cell in one.__closure__ or ()]
+        else:
+            waiting += gc.get_referents(one)
+    return seen.values()
+
+
+def columns_kept_by(thing):
+    return sum(len(one.columns) for one in reachable(thing) if type(one) is Derivatives)
+
+
+def test_nothing_that_a_remembered_rung_closes_over_holds_derivatives(tmp_path, monkeypatch):
+    """They are by far most of a model's memory, and of four effects in 18 runs dozens are tried."""
+    campaign = read_campaign(write_small_campaign(tmp_path / "c"))
+    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
+    rung = one_more(base.workshop, base.rung, load_effects()["dry-friction"], lambda text: None)
+    monkeypatch.setattr(looking, "enough_held_out", lambda rung: True)
+    assert columns_kept_by(rung) > 0
+    assert columns_kept_by(looking.remembered(rung)) == 0
