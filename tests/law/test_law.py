@@ -24,7 +24,7 @@ from wheelhop.law.motion import Moves
 from wheelhop.law.names import nearest_name
 from wheelhop.law.places import Where
 from wheelhop.law.shape import forces
-from wheelhop.law.terms import candidates, slip, valved
+from wheelhop.law.terms import beyond, candidates, creeping, slip, slipping, valved
 from wheelhop.report.law import amplitudes, law_figure, law_lines, shapes
 from wheelhop.vehicle import read_nominal
 
@@ -234,6 +234,15 @@ def test_a_law_in_nobodys_library_is_within_a_tenth_over_the_range_driven(law, t
     off = forces(found, found.free) - truth
     assert np.std(off) < 0.1 * np.std(truth - 20000.0 * x)
     assert found.free.rung.error <= 1.3 * 0.005
+
+
+def test_terms_read_as_an_engineer_writes_them():
+    """No exponents in millimetres, and no minus of a minus."""
+    assert creeping(1.1).words == "friction that creeps below 1100 mm/s"
+    assert slipping(0.0013123).words == "friction that gives way elastically by 1.31 mm"
+    assert r"\langle x + 8.3\,mm\rangle" in beyond(-0.0083, 0.02).equation
+    assert r"\langle x - 12\,mm\rangle" in beyond(0.012, 0.02).equation
+    assert r"\langle x\rangle" in beyond(0.0, 0.02).equation
 
 
 def test_a_law_with_a_name_is_called_by_it(tmp_path):

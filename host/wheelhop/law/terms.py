@@ -124,8 +124,8 @@ def candidates(
     x, v = float(np.abs(extension).max()), float(np.abs(rate).max())
     found = [
         Term("square", power, (x, 2.0), "quadratic spring (uneven both ways)",
-             rf"F (x/{1e3 * x:.3g}\,mm)^2"),
-        Term("cube", power, (x, 3.0), "cubic spring", rf"F (x/{1e3 * x:.3g}\,mm)^3"),
+             rf"F (x/{milli(x)}\,mm)^2"),
+        Term("cube", power, (x, 3.0), "cubic spring", rf"F (x/{milli(x)}\,mm)^3"),
         Term("orifice", orifice, (v,), "damping that grows with speed squared",
              rf"F v|v|/({v:.3g}\,m/s)^2"),
         Term("one-way", one_way, (v,), "damping that differs in rebound and compression",
@@ -194,9 +194,14 @@ def times(term: Term, name: str) -> Term:
 def _linear(x: float, v: float) -> list[Term]:
     """Spring and damper, which a component has of its own but for an input they depend on."""
     return [
-        Term("spring", power, (x, 1.0), "spring", rf"F x/{1e3 * x:.3g}\,mm"),
+        Term("spring", power, (x, 1.0), "spring", rf"F x/{milli(x)}\,mm"),
         Term("damper", viscous, (v,), "damper", rf"F v/({v:.3g}\,m/s)"),
     ]
+
+
+def milli(value: float) -> str:
+    """A thousand times the value, three digits of it and no exponent: mm, mm/s."""
+    return f"{float(f'{1e3 * value:.3g}'):g}"
 
 
 def positioned(x: float, v: float) -> list[Term]:
@@ -204,9 +209,9 @@ def positioned(x: float, v: float) -> list[Term]:
     of = rf"v/({v:.3g}\,m/s)"
     return [
         Term("damper-by-place", placed, (x, 1.0, v), "damping that changes along the travel",
-             rf"F x/{1e3 * x:.3g}\,mm\,{of}"),
+             rf"F x/{milli(x)}\,mm\,{of}"),
         Term("damper-by-travel", placed, (x, 2.0, v), "damping that grows away from rest",
-             rf"F (x/{1e3 * x:.3g}\,mm)^2\,{of}"),
+             rf"F (x/{milli(x)}\,mm)^2\,{of}"),
     ]  # fmt: skip
 
 
@@ -218,49 +223,50 @@ def drift(v: float) -> Term:
 
 def creeping(width: float) -> Term:
     """Friction that is damping below a speed."""
-    return Term(f"friction-{1e3 * width:.3g}-mm-s", rounded, (width,),
-                f"friction that creeps below {1e3 * width:.3g} mm/s",
-                rf"F \tanh(v/{1e3 * width:.3g}\,mm/s)")  # fmt: skip
+    return Term(f"friction-{milli(width)}-mm-s", rounded, (width,),
+                f"friction that creeps below {milli(width)} mm/s",
+                rf"F \tanh(v/{milli(width)}\,mm/s)")  # fmt: skip
 
 
 def beyond(gap: float, x: float) -> Term:
     """A spring that acts beyond a gap."""
     words = f"stop beyond {1e3 * gap:+.3g} mm" if gap else "spring that differs in compression"
-    return Term(f"stop-{1e3 * gap:.3g}-mm", stop, (gap, x), words,
-                rf"F \langle x - {1e3 * gap:.3g}\,mm\rangle/{1e3 * x:.3g}\,mm")  # fmt: skip
+    past = rf"x {'+' if gap < 0.0 else '-'} {milli(abs(gap))}\,mm" if gap else "x"
+    return Term(f"stop-{milli(gap)}-mm", stop, (gap, x), words,
+                rf"F \langle {past}\rangle/{milli(x)}\,mm")  # fmt: skip
 
 
 def exponential(width: float) -> Term:
     """A spring that grows e-fold by a width, to one side."""
     side = "rebound" if width > 0 else "compression"
-    return Term(f"exponential-{1e3 * width:.3g}-mm", growing, (width,),
+    return Term(f"exponential-{milli(width)}-mm", growing, (width,),
                 f"spring that grows exponentially in {side}",
-                rf"F (e^{{x/{1e3 * width:.3g}\,mm}} - 1)")  # fmt: skip
+                rf"F (e^{{x/{milli(width)}\,mm}} - 1)")  # fmt: skip
 
 
 def slipping(way: float) -> Term:
     """A spring that slips after a way."""
-    return Term(f"slip-{1e3 * way:.3g}-mm", slip, (way,),
-                f"friction that gives way elastically by {1e3 * way:.3g} mm",
-                rf"F z/{1e3 * way:.3g}\,mm,\ |z| \leq {1e3 * way:.3g}\,mm")  # fmt: skip
+    return Term(f"slip-{milli(way)}-mm", slip, (way,),
+                f"friction that gives way elastically by {milli(way)} mm",
+                rf"F z/{milli(way)}\,mm,\ |z| \leq {milli(way)}\,mm")  # fmt: skip
 
 
 def slipping_loaded(way: float, x: float) -> Term:
     """The same, as strong as the extension is large."""
-    return Term(f"loaded-slip-{1e3 * way:.3g}-mm", loaded_slip, (way, x),
-                f"friction that follows the load, elastic by {1e3 * way:.3g} mm",
-                rf"F x/{1e3 * x:.3g}\,mm\,z/{1e3 * way:.3g}\,mm,"
-                rf"\ |z| \leq {1e3 * way:.3g}\,mm")  # fmt: skip
+    return Term(f"loaded-slip-{milli(way)}-mm", loaded_slip, (way, x),
+                f"friction that follows the load, elastic by {milli(way)} mm",
+                rf"F x/{milli(x)}\,mm\,z/{milli(way)}\,mm,"
+                rf"\ |z| \leq {milli(way)}\,mm")  # fmt: skip
 
 
 def valved(opens: float, shut: float, v: float) -> Term:
     """Damping beyond a valve that opens at a speed, and shuts at this share of it."""
-    way = f"opens at {1e3 * opens:.3g} and shuts at {1e3 * shut * opens:.3g} mm/s"
+    way = f"opens at {milli(opens)} and shuts at {milli(shut * opens)} mm/s"
     if shut == 1.0:
-        way = f"opens at {1e3 * opens:.3g} mm/s"
-    return Term(f"valve-{1e3 * opens:.3g}-mm-s-{shut:.3g}", valve, (opens, shut, v),
+        way = f"opens at {milli(opens)} mm/s"
+    return Term(f"valve-{milli(opens)}-mm-s-{shut:.3g}", valve, (opens, shut, v),
                 f"damping of a valve that {way}",
-                rf"F \langle|v| - {1e3 * shut * opens:.3g}\,mm/s\rangle\,"
+                rf"F \langle|v| - {milli(shut * opens)}\,mm/s\rangle\,"
                 rf"\operatorname{{sgn}} v/({v:.3g}\,m/s)")  # fmt: skip
 
 
