@@ -29,8 +29,11 @@ from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
 
-EVALUATIONS = 30
+STEPS = 30
 """So many steps are made at most towards the numbers of a named law."""
+
+ENDLESS = 1e6
+"""For a force that is none, as beyond the end of an air spring's column."""
 
 
 def nearest_name(
@@ -100,7 +103,8 @@ def _nearest(along: _Along, bare: Model, variant: Variant) -> tuple[float, Model
         return with_variant(bare, variant, dict(values))
 
     def left(numbers: Array) -> Array:
-        return np.asarray((along.law - along.of_model(model_at(numbers))) / along.norm)
+        off = (along.law - along.of_model(model_at(numbers))) / along.norm
+        return np.nan_to_num(off, nan=ENDLESS, posinf=ENDLESS, neginf=-ENDLESS)
 
     if not free or not along.of_model(model_at(start)).any():
         return 1.0, bare
@@ -109,6 +113,6 @@ def _nearest(along: _Along, bare: Model, variant: Variant) -> tuple[float, Model
         start,
         bounds=([p.lower for p in free], [p.upper for p in free]),
         x_scale=[p.scale for p in free],
-        max_nfev=EVALUATIONS,
+        max_nfev=STEPS,
     )
     return 2.0 * float(found.cost), model_at(found.x)
