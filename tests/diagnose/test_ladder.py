@@ -52,6 +52,46 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
     assert fitted == {}
 
 
+@pytest.mark.parametrize(
+    ("above_floor", "holding", "simulated"),
+    [
+        (True, (), ["lift-off", "play", "damper", "tyre"]),
+        (True, ("lift-off",), ["lift-off"]),
+        (False, (), ["lift-off"]),
+    ],
+)
+def test_what_first_order_thinks_little_of_is_tried_where_something_is_left(
+    above_floor, holding, simulated, monkeypatch
+):
+    """Of play of 0.12 mm in a light car screening foresees a seventieth, too little to be simulated
+    (blind seed 12642). The best few are, but what is not worth its parameters is not."""
+
+    def item(name, score):
+        effect = SimpleNamespace(id=name)
+        return SimpleNamespace(variant=SimpleNamespace(effect=effect), score=score)
+
+    def judged(incumbent, screened, rung, tried):
+        name = screened.variant.effect.id
+        return SimpleNamespace(id=name, holds=name in holding, rung=rung)
+
+    scores = {"play": 49.0, "damper": 43.0, "tyre": 20.0, "skew": 1.0, "lift-off": -1.0}
+    items = [item(*pair) for pair in scores.items()]
+    chosen, tried = items[-1:], []
+
+    def confirm(workshop, rung, screened, beside):
+        tried.append(screened.variant.effect.id)
+        return rung
+
+    monkeypatch.setattr(ladder, "worth_simulating", lambda *asked, **how: chosen)
+    monkeypatch.setattr(ladder, "confirm", confirm)
+    monkeypatch.setattr(ladder, "_judged", judged)
+    monkeypatch.setattr(ladder, "_best_first", lambda some, noise: list(some))
+    incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=SimpleNamespace())
+    quiet = {"progress": lambda text: None, "watch": lambda look: None}
+    ladder._confirm_best(incumbent, items, above_floor, **quiet)
+    assert tried == simulated
+
+
 @pytest.mark.parametrize(("second", "formed"), [(1.5, ["seat"]), (0.5, ["seat", "spring"])])
 def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch):
     """The forms that are as likely have been tried, roughly. Fitted in full, one that comes first

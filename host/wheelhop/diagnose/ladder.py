@@ -62,8 +62,8 @@ BETWEEN: tuple[Place, ...] = ("suspension", "body")
 Watch = Callable[[Look], None]
 
 LAST_RESORT = 3
-"""So many effects, those that the fitted runs favour, are fitted in full where none holds and
-something is left."""
+"""Where none holds and something is left, so many effects more are simulated, and so many, those
+that the fitted runs favour, fitted in full."""
 
 
 def diagnose(
@@ -249,7 +249,7 @@ def _look(
         return Look(rung, tuple(screened), (), None)
     incumbent = Incumbent(workshop, rung)
     watch(Look(rung, tuple(screened), (), None))
-    candidates = _confirm_best(incumbent, screened, progress, watch)
+    candidates = _confirm_best(incumbent, screened, step.above_floor, progress, watch)
     candidates = _refit_leaders(incumbent, candidates, step.above_floor, progress)
     chosen = next((c for c in candidates if c.holds), None)
     look = Look(rung, tuple(screened), tuple(candidates), chosen)
@@ -258,10 +258,15 @@ def _look(
 
 
 def _confirm_best(
-    incumbent: Incumbent, screened: Sequence[Screened], progress: Progress, watch: Watch
+    incumbent: Incumbent,
+    screened: Sequence[Screened],
+    above_floor: bool,
+    progress: Progress,
+    watch: Watch,
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first. Once one explains nearly all,
-    only what screening puts beside it is a rival."""
+    only what screening puts beside it is a rival. Where none holds and something is left, a few
+    more are simulated that first order thinks little of: of play it may see a seventieth."""
     workshop, rung = incumbent.workshop, incumbent.rung
 
     def enough(found: Rung) -> bool:
@@ -270,13 +275,20 @@ def _confirm_best(
     chosen = worth_simulating(workshop, rung, screened)
     rivals = worth_simulating(workshop, rung, screened, at_least=1, settled=True)
     found: list[Candidate] = []
-    for i, item in enumerate(chosen):
-        if item not in rivals and any(c.holds and enough(c.rung) for c in found):
-            continue
-        progress(f"simulating {item.variant.effect.id} ({i + 1} of {len(chosen)})")
+
+    def simulate(item: Screened, which: str) -> None:
+        progress(f"simulating {item.variant.effect.id} ({which})")
         confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])
         found.append(_judged(incumbent, item, confirmed, len(screened)))
         watch(Look(rung, tuple(screened), tuple(_best_first(found, workshop.noise)), None))
+
+    for i, item in enumerate(chosen):
+        if item in rivals or not any(c.holds and enough(c.rung) for c in found):
+            simulate(item, f"{i + 1} of {len(chosen)}")
+    if above_floor and not any(c.holds for c in found):
+        more = [s for s in screened if s not in chosen and s.score > 0][:LAST_RESORT]
+        for i, item in enumerate(more):
+            simulate(item, f"{i + 1} of {len(more)} more")
     return _best_first(found, workshop.noise)
 
 
