@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from wheelhop.diagnose import ladder
+from wheelhop.effects import load_effects
 
 
 def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatch):
@@ -53,15 +54,16 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
 
 
 @pytest.mark.parametrize(
-    ("above_floor", "holding", "simulated"),
+    ("above_floor", "present", "holding", "simulated"),
     [
-        (True, (), ["lift-off", "play", "damper", "tyre"]),
-        (True, ("lift-off",), ["lift-off"]),
-        (False, (), ["lift-off"]),
+        (True, (), (), ["lift-off", "play", "damper", "tyre"]),
+        (True, (), ("lift-off",), ["lift-off"]),
+        (True, ("friction",), (), ["lift-off"]),
+        (False, (), (), ["lift-off"]),
     ],
 )
-def test_what_first_order_thinks_little_of_is_tried_where_something_is_left(
-    above_floor, holding, simulated, monkeypatch
+def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_something(
+    above_floor, present, holding, simulated, monkeypatch
 ):
     """Of play of 0.12 mm in a light car screening foresees a seventieth, too little to be simulated
     (blind seed 12642). The best few are, but what is not worth its parameters is not."""
@@ -86,10 +88,34 @@ def test_what_first_order_thinks_little_of_is_tried_where_something_is_left(
     monkeypatch.setattr(ladder, "confirm", confirm)
     monkeypatch.setattr(ladder, "_judged", judged)
     monkeypatch.setattr(ladder, "_best_first", lambda some, noise: list(some))
-    incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=SimpleNamespace())
+    rung = SimpleNamespace(model=SimpleNamespace(effects=present))
+    incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
     quiet = {"progress": lambda text: None, "watch": lambda look: None}
     ladder._confirm_best(incumbent, items, above_floor, **quiet)
     assert tried == simulated
+
+
+@pytest.mark.parametrize(("left", "holds"), [(1.5, False), (0.9, True)])
+def test_a_driver_takes_more_than_a_law_may_leave(left, holds, monkeypatch):
+    """A spring takes 100 of the power and leaves 2: a hundredth of that, 1, may be of another form
+    of spring. What a driver does in every run takes half of it, or just more than all of it."""
+    monkeypatch.setattr(ladder, "log_odds", lambda base, rival, noise: 99.0)
+    monkeypatch.setattr(ladder, "holds_against", lambda *asked: True)
+    monkeypatch.setattr(ladder, "contradicted", lambda rung, effect: False)
+
+    def rung(power):
+        judging = SimpleNamespace(charged=power, size=1)
+        return SimpleNamespace(judging=judging, by_laws=100.0)
+
+    incumbent = SimpleNamespace(
+        workshop=SimpleNamespace(noise=0.0), against=lambda rival: rung(2.0)
+    )
+    pitch = load_effects()["longitudinal-pitch"]
+    screened = SimpleNamespace(variant=SimpleNamespace(effect=pitch, parameters=()))
+    assert ladder._judged(incumbent, screened, rung(left), 30).holds is holds
+    gain = load_effects()["sensor-gain"]
+    screened = SimpleNamespace(variant=SimpleNamespace(effect=gain, parameters=("error",)))
+    assert ladder._judged(incumbent, screened, rung(left), 30).holds
 
 
 @pytest.mark.parametrize(("second", "formed"), [(1.5, ["seat"]), (0.5, ["seat", "spring"])])

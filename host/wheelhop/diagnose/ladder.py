@@ -25,6 +25,7 @@ from wheelhop.diagnose.forgets import (
 from wheelhop.diagnose.forms import best_form
 from wheelhop.diagnose.judge import (
     HOPELESS,
+    LAW,
     Rung,
     at_noise,
     best_first,
@@ -62,8 +63,8 @@ BETWEEN: tuple[Place, ...] = ("suspension", "body")
 Watch = Callable[[Look], None]
 
 LAST_RESORT = 3
-"""Where none holds and something is left, so many effects more are simulated, and so many, those
-that the fitted runs favour, fitted in full."""
+"""Where none holds and something is left, so many effects, those that the fitted runs favour, are
+fitted in full; so many more are simulated for that where there is none in the model yet."""
 
 
 def diagnose(
@@ -265,8 +266,9 @@ def _confirm_best(
     watch: Watch,
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first. Once one explains nearly all,
-    only what screening puts beside it is a rival. Where none holds and something is left, a few
-    more are simulated that first order thinks little of: of play it may see a seventieth."""
+    only what screening puts beside it is a rival. Where none holds and the baseline leaves
+    something, a few more are simulated that first order thinks little of: of play it may see a
+    seventieth. What a law of the right name leaves of another form is no reason for that."""
     workshop, rung = incumbent.workshop, incumbent.rung
 
     def enough(found: Rung) -> bool:
@@ -285,7 +287,7 @@ def _confirm_best(
     for i, item in enumerate(chosen):
         if item in rivals or not any(c.holds and enough(c.rung) for c in found):
             simulate(item, f"{i + 1} of {len(chosen)}")
-    if above_floor and not any(c.holds for c in found):
+    if above_floor and not rung.model.effects and not any(c.holds for c in found):
         more = [s for s in screened if s not in chosen and s.score > 0][:LAST_RESORT]
         for i, item in enumerate(more):
             simulate(item, f"{i + 1} of {len(more)} more")
@@ -333,8 +335,10 @@ def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate
 def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -> Candidate:
     base, noise = incumbent.against(rival), incumbent.workshop.noise
     odds = log_odds(base, rival, noise)
-    effect = screened.variant.effect
-    of_the_first = effect.on_rig and of_a_law(power(base) - power(rival), base.by_laws)
+    effect, dropped = screened.variant.effect, power(base) - power(rival)
+    of_the_first = effect.on_rig and of_a_law(dropped, base.by_laws)
+    if not screened.variant.parameters:  # free in every run: it takes part of whatever is left
+        of_the_first = dropped < LAW**2 * base.by_laws
     likely = holds_against(base, rival, odds, tried, noise) and not of_the_first
     return Candidate(screened, rival, odds, tried, likely and not contradicted(rival, effect))
 
