@@ -118,7 +118,7 @@ def _promising(
     effects: Mapping[str, Effect],
     room: int,
     progress: Progress,
-    last: Look | None,
+    last: Look | None = None,
 ) -> Iterator[tuple[Candidate, Screened]]:
     """The pairs that leave least by screening, each once. Those that have no room for a third, and
     could not explain nearly all by themselves, are left out; not those beside an effect the ladder
