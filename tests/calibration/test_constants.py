@@ -145,7 +145,9 @@ def test_a_damaged_file_is_read_or_refused_and_nothing_else(tmp_path_factory, da
         assert "\n" not in str(error)
 
 
-@pytest.mark.parametrize("number", ["1" + "0" * 400, "1e999", "inf", "true", "[1.0]"])
+@pytest.mark.parametrize(
+    "number", ["1" + "0" * 400, "1e999", "inf", "true", "[1.0]", "0.0", "-48.0"]
+)
 def test_a_number_that_is_none_is_refused(tmp_path, number):
     path = tmp_path / "calibration.toml"
     write_constants(CONSTANTS, path)

@@ -55,7 +55,7 @@ def _read_sensor(table: Table) -> SensorConstants:
         supply_V=_optional(table, "supply_V"),
         reference=table.text("reference", ""),
         certificate=table.text("certificate", ""),
-        corner_hz=_read_value(table, "corner_hz") if "corner_hz" in table.values else None,
+        corner_hz=_read_value(table, "corner_hz", above=0) if "corner_hz" in table.values else None,
         delay_s=_read_value(table, "delay_s") if "delay_s" in table.values else None,
     )
 
@@ -64,8 +64,8 @@ def _optional(table: Table, key: str) -> float:
     return table.number(key) if key in table.values else math.nan
 
 
-def _read_value(table: Table, key: str) -> Value:
-    return Value(table.number(key), table.number(key + EXPANDED, at_least=0))
+def _read_value(table: Table, key: str, above: float | None = None) -> Value:
+    return Value(table.number(key, above=above), table.number(key + EXPANDED, at_least=0))
 
 
 def write_constants(constants: Constants, path: Path | str) -> None:
