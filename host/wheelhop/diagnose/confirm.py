@@ -16,7 +16,7 @@ import numpy as np
 from wheelhop.diagnose.judge import HOPELESS, Rung, all_noise, material, noticeable, unforeseen
 from wheelhop.diagnose.screen import Screened
 from wheelhop.diagnose.signatures import with_variant
-from wheelhop.diagnose.validate import validate
+from wheelhop.diagnose.validate import misfits, validate
 from wheelhop.effects import Effect
 from wheelhop.fit import (
     CONVERGED_QUICK,
@@ -229,12 +229,12 @@ def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[st
     """The models where the fit of an effect may begin, each with its form: the likeliest variants,
     each as it fits best at some share of what screening expects, the vehicle as it is or moved
     along; then more shares of the likeliest."""
-    by_variant = []
+    by_variant, fitted = [], workshop.of_role("fit")
     for item in (screened, *screened.others):
         switches = all(p.switch for p in item.variant.amplitudes)
         shares = SHARES[:1] if switches else SHARES
         models = list(_starts_of(workshop, base, item, shares))
-        order = np.argsort(_misfits(workshop, base, models), kind="stable")
+        order = np.argsort(misfits(workshop, models, fitted, base.fit.sigma), kind="stable")
         by_variant.append([(item.variant.choice, models[i]) for i in order])
     return [*(models[0] for models in by_variant), *by_variant[0][1:]]
 
@@ -244,13 +244,14 @@ def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model | No
     fits best, what is believed of its shapes included; None where none does."""
     shares = [2.0**k for k in range(DOUBLINGS + 1)]
     found: list[tuple[float, Model]] = []
+    fitted = workshop.of_role("fit")
     for item in (screened, *screened.others):
         models = [next(_starts_of(workshop, base, item, [share])) for share in shares]
-        misfits = _misfits(workshop, base, models)
+        misfit = misfits(workshop, models, fitted, base.fit.sigma)
         # Strengths that end at one bound are the same; only others that do the same are saturated.
         same = [
             isfinite(one) and isclose(one, other) and model.values != twice.values
-            for (one, model), (other, twice) in pairwise(zip(misfits, models, strict=True))
+            for (one, model), (other, twice) in pairwise(zip(misfit, models, strict=True))
         ]
         if any(same):
             away = sum(
@@ -258,7 +259,7 @@ def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model | No
                 for p in item.variant.parameters
                 if p.is_shape and p.believed is not None
             )
-            found.append((misfits[same.index(True)] + away, models[same.index(True)]))
+            found.append((misfit[same.index(True)] + away, models[same.index(True)]))
     return min(found, key=lambda one: one[0])[1] if found else None
 
 
@@ -285,19 +286,6 @@ def _starts_of(
         }
         if along:
             yield model.with_values(along)
-
-
-def _misfits(workshop: Workshop, base: Rung, models: Sequence[Model]) -> list[float]:
-    """−2 ln p of what each model leaves of the runs fitted."""
-    trials = [(model, workshop.systems(model)) for model in models]
-
-    def of_run(bench: Bench) -> list[float]:
-        measured = bench.measured[:, bench.predicted].ravel()
-        residuals = [measured - bench.coefficients(record) for record in bench.records(trials)]
-        return [bench.cost(residual, base.fit.sigma) for residual in residuals]
-
-    total = np.sum(workshop.each(of_run, workshop.of_role("fit")), axis=0)
-    return [float(t) if isfinite(t) else inf for t in total]
 
 
 Values = Mapping[str, float]
