@@ -151,3 +151,11 @@ def test_rooms_that_compute_do_not_load_the_plotting(room):
 def test_the_plan_of_the_house_names_every_room_in_order():
     plan = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     assert tuple(re.findall(r"^\| `(\w+)` \|", plan, re.M)) == ROOMS
+
+
+def test_the_plan_of_a_diagnosis_names_every_file_of_it():
+    plan = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    steps = plan.split("## A diagnosis, step by step")[1].split("\n## ")[0]
+    told = set(re.findall(r"`(?:diagnose/)?(\w+\.py)`", steps))
+    folder = ROOT / "host" / "wheelhop" / "diagnose"
+    assert told == {file.name for file in folder.glob("[!_]*.py")}
