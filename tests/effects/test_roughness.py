@@ -274,6 +274,17 @@ def test_paths_that_resemble_each_other_are_found_too():
     assert found.theta["waviness"] == pytest.approx(2.0, abs=0.35)
 
 
+@pytest.mark.parametrize("other", ["friction", "digressive", "seat"])
+def test_rough_ground_is_seen_beside_what_leaves_lines(other):
+    """Lines that follow from the known track tell nothing of the ground: its density is that of the
+    frequencies between them."""
+    theta = {"unevenness_m3": 1e-6, "waviness": 2.4}
+    found = screened(OTHERS[other] | {"small-scale-roughness": theta})
+    assert found.worth > 100.0
+    assert found.theta["waviness"] == pytest.approx(theta["waviness"], abs=0.35)
+    assert 0.5 < found.theta["unevenness_m3"] / theta["unevenness_m3"] < 2.5
+
+
 OTHERS = {
     "nothing": {},
     "friction": {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}},

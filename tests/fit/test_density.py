@@ -72,9 +72,8 @@ def test_the_evidence_is_that_of_gaussian_records():
     assert found.rss == pytest.approx(left, rel=1e-9)
     assert found.penalty == pytest.approx(penalty, rel=1e-9)
     assert found.freedom == pytest.approx(freedom, rel=1e-9)
-    moments = np.mean(np.square(surprise)) / np.mean(surprise) ** 2
-    assert found.dispersion == pytest.approx(moments, rel=1e-9)
-    assert found.dispersion == pytest.approx(1.0 + 1.0 / CHANNELS, rel=0.1)
+    assert found.surprise / SIGMA**2 == pytest.approx(surprise, rel=1e-9)
+    assert np.mean(surprise) == pytest.approx(2.0 * CHANNELS, rel=0.05)
 
 
 SURE = Noise(0.0, 2 * SIZE, SIGMA)

@@ -7,8 +7,8 @@ effect's score.
 Any residual is explained to a part by heights of the ground that may be chosen freely: two unknowns
 for eight channels. Two controls tell whether it was the ground. The rear wheels must meet what the
 front wheels met: if heights of its own under every wheel make better use of their greater freedom,
-it was not. And heights must be random: a residual of lines, which follow from the known track, is
-not.
+it was not. And heights must be random: lines, which follow from the known track, are not. What
+another effect has left there tells nothing of the ground, and is set aside.
 """
 
 from __future__ import annotations
@@ -38,9 +38,13 @@ from wheelhop.fit import (
 )
 from wheelhop.vehicle import Drive, System
 
-RANDOM = 4.0
-"""Dispersion up to which heights are taken for random; 1.1 to 1.7 where they are, 30 and more where
-they stand for friction, a stop or a wandering speed on tracks that repeat."""
+LINE = 5.0
+"""A frequency so many times as far from what is expected as the middle one is a line: of the
+eight coefficients of four channels (χ²) one of eighty thousand is so by chance."""
+
+MOST = 0.5
+"""Heights are random if this share of what they are worth remains without lines. It is all where
+they are, and an eighth at most where they stand for friction, a stop or a wandering speed."""
 
 
 class Heights(NamedTuple):
@@ -59,34 +63,76 @@ def screen_heights(workshop: Workshop, base: Fit, effect: Effect) -> Heights | N
     """The heights that explain the base's residual best; None if no run rolls on a track."""
     if all(run.bench.simulator.series is None for run in base.runs):
         return None
-    theta, noise, found = _best(workshop, base, effect, coherent=True)
-    _, other_noise, control = _best(workshop, base, effect, coherent=False)
-    evidence = found.evidence(base.size, noise.sigma)
-    is_ground = evidence > control.evidence(base.size, other_noise.sigma)
-    cost = sum(run.bench.cost(run.residual, base.sigma) for run in base.runs)
-    worth = 2.0 * (evidence + base.size * log(base.sigma)) + cost
-    gain = worth - found.log_volume
-    if not is_ground or found.dispersion > RANDOM:
-        worth = -abs(gain)
-    return Heights(theta, gain, worth, found.freedom, noise.rss)
+    spectra, apart = (_spectra(workshop, base, coherent) for coherent in (True, False))
+    kept = [np.ones(len(spectrum.energy), bool) for spectrum in spectra]
+    whole = random = _best(workshop, base, effect, spectra, kept)
+    # Small lines hide behind large ones.
+    while (lines := random.found.surprise > LINE * np.median(random.found.surprise)).any():
+        kept = _without(kept, lines)
+        random = _best(workshop, base, effect, spectra, kept)
+    control = _best(workshop, base, effect, apart, kept)
+    is_ground = random.worth > max(control.worth, MOST * whole.worth)
+    worth = 2.0 * random.worth
+    gain = worth - random.found.log_volume
+    worth = worth if is_ground else -abs(gain)
+    return Heights(random.theta, gain, worth, random.found.freedom, base.rss - random.taken)
 
 
-def _best(
-    workshop: Workshop, base: Fit, effect: Effect, *, coherent: bool
-) -> tuple[dict[str, float], Noise, Explained]:
+class _Density(NamedTuple):
+    """The best density of some frequencies, what its heights explain, the sum of squares they take
+    out, and the logarithm of how much likelier they make these records."""
+
+    theta: dict[str, float]
+    found: Explained
+    taken: float
+    worth: float
+
+
+def _spectra(workshop: Workshop, base: Fit, coherent: bool) -> list[Spectrum]:
     systems = workshop.systems(base.model)
-    grounds = [
-        (run, Ground(run.bench, base.model, systems[run.bench.drive], coherent))
+    return [
+        Spectrum.of(
+            Ground(run.bench, base.model, systems[run.bench.drive], coherent),
+            run.residual,
+            run.residual,
+        )
         for run in base.runs
         if run.bench.simulator.series is not None
     ]
-    spectra = [Spectrum.of(ground, run.residual, run.residual) for run, ground in grounds]
+
+
+def _best(
+    workshop: Workshop,
+    base: Fit,
+    effect: Effect,
+    spectra: Sequence[Spectrum],
+    kept: Sequence[NDArray[np.bool_]],
+) -> _Density:
+    parts = [spectrum.at(mask) for spectrum, mask in zip(spectra, kept, strict=True)]
+    rss = base.rss + sum(p.residual - s.residual for p, s in zip(parts, spectra, strict=True))
+    on_ground = [run.bench for run in base.runs if run.bench.simulator.series is not None]
+    gone = zip(on_ground, kept, strict=True)
+    size = base.size - round(sum(bench.size * float((~mask).mean()) for bench, mask in gone))
     parameters = workshop.parameters_of(effect)
     given = sum(len(run.own) for run in base.runs) + len(base.shared)
     start = {p.name: p.starts[0] for p in parameters}
-    noise = Noise(base.rss, base.size - given, workshop.noise)
-    theta, noise = find_density(effect, parameters, start, spectra, noise)
-    return theta, noise, explained(effect, theta, spectra, noise.sigma)
+    noise = Noise(rss, size - given, workshop.noise)
+    without = noise.sigma
+    theta, noise = find_density(effect, parameters, start, parts, noise)
+    found = explained(effect, theta, parts, noise.sigma)
+    worth = found.evidence(size, noise.sigma) + 0.5 * rss / without**2 + size * log(without)
+    return _Density(theta, found, rss - noise.rss, worth)
+
+
+def _without(
+    kept: Sequence[NDArray[np.bool_]], lines: NDArray[np.bool_]
+) -> list[NDArray[np.bool_]]:
+    """The frequencies kept but for those among them that are lines."""
+    is_line = iter(np.split(lines, np.cumsum([mask.sum() for mask in kept])))
+    fewer = [mask.copy() for mask in kept]
+    for mask in fewer:
+        mask[mask] = ~next(is_line)
+    return fewer
 
 
 Array = NDArray[np.float64]

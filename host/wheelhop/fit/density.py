@@ -65,6 +65,18 @@ class Spectrum:
             float(residual @ residual),
         )
 
+    def at(self, kept: NDArray[np.bool_]) -> Spectrum:
+        """The same of some of the frequencies, (f,), as if heights had taken nothing out yet."""
+        energy = self.energy[kept]
+        return replace(
+            self,
+            wave_number_rad_m=self.wave_number_rad_m[kept],
+            square=self.square[kept],
+            cross=self.cross[kept],
+            energy=energy,
+            residual=float(energy.sum()),
+        )
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -93,12 +105,6 @@ class Explained:
     log_volume: float
     freedom: float
     surprise: Array
-
-    @property
-    def dispersion(self) -> float:
-        """Mean square of the surprise over its squared mean: 1 + 1/c for c channels with heights
-        that are random, and many times that for heights that are made up to follow a few lines."""
-        return float(np.mean(self.surprise**2) / np.mean(self.surprise) ** 2)
 
     def evidence(self, size: int, sigma: float) -> float:
         """Logarithm of the evidence, up to a constant of the data."""
