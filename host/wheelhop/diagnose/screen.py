@@ -7,8 +7,8 @@ effect's score.
 Any residual is explained to a part by heights of the ground that may be chosen freely: two unknowns
 for eight channels. Two controls tell whether it was the ground. The rear wheels must meet what the
 front wheels met: if heights of its own under every wheel make better use of their greater freedom,
-it was not. And heights must be random: lines, which follow from the known track, are not. What
-another effect has left there tells nothing of the ground, and is set aside.
+it was not. And heights must be random, which lines that follow from the known track are not: these
+are set aside, and what heights are worth without them decides.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ LINE = 5.0
 eight coefficients of four channels (χ²) one of eighty thousand is so by chance."""
 
 MOST = 0.5
-"""Heights are random if this share of what they are worth remains without lines. It is all where
-they are, and an eighth at most where they stand for friction, a stop or a wandering speed."""
+"""Heights are random if this share of what they are worth remains without lines. Random ones keep
+all of it; of those that stand for a stop or a wandering speed nearly all goes with the lines."""
 
 
 class Heights(NamedTuple):
