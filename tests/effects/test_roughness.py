@@ -285,6 +285,16 @@ def test_rough_ground_is_seen_beside_what_leaves_lines(other):
     assert 0.5 < found.theta["unevenness_m3"] / theta["unevenness_m3"] < 2.5
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_heights_have_no_lines(seed, monkeypatch):
+    """Of random heights hardly a frequency is so far from what is expected that it is set aside:
+    they are worth what they are worth where none ever is."""
+    rough = {"small-scale-roughness": {"unevenness_m3": 1e-7, "waviness": 2.0}}
+    found = screened(rough, seed).worth
+    monkeypatch.setattr("wheelhop.diagnose.screen.LINE", np.inf)
+    assert found == pytest.approx(screened(rough, seed).worth, rel=3e-3)
+
+
 OTHERS = {
     "nothing": {},
     "friction": {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}},
@@ -299,6 +309,19 @@ OTHERS = {
 def test_other_physics_is_not_taken_for_heights(other):
     """Free heights explain a part of any residual; the controls say that it was not the ground."""
     assert screened(OTHERS[other]).worth < 10.0
+
+
+LAWS = {
+    "tyre": {"progressive-tyre": {"growth_per_m": 4.0}},
+    "spring": {"progressive-spring": {"cubic_front_N_m3": 4e6, "cubic_rear_N_m3": 2.5e6}},
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_what_is_left_between_lines_is_not_taken_for_heights(law):
+    """Of such a law a little stays between its lines: about one per cent of what heights are worth
+    with them, but more than heights of its own under every wheel make of it."""
+    assert screened(LAWS[law], seed=2).worth <= 0.0
 
 
 def fitted_rough(hidden, theta, seed):
