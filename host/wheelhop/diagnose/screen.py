@@ -38,6 +38,17 @@ from wheelhop.fit import (
 )
 from wheelhop.vehicle import Drive, System
 
+Array = NDArray[np.float64]
+
+ABSURD = 1e3
+"""So many times its scale no amplitude is believed to be: one standard deviation."""
+
+AT_ONCE = 8
+"""So many variants are held in memory together: each takes a table of every run."""
+
+NEAR, FEW = 0.6, 2
+"""So many more variants of an effect, that explain this share of what the best does, are kept."""
+
 LINE = 5.0
 """A frequency so many times as far from what is expected as the middle one is a line: of the
 eight coefficients of four channels (χ²) one of eighty thousand is so by chance."""
@@ -133,18 +144,6 @@ def _without(
     for mask in fewer:
         mask[mask] = ~next(is_line)
     return fewer
-
-
-Array = NDArray[np.float64]
-
-ABSURD = 1e3
-"""So many times its scale no amplitude is believed to be: one standard deviation."""
-
-AT_ONCE = 8
-"""So many variants are held in memory together: each takes a table of every run."""
-
-NEAR, FEW = 0.6, 2
-"""So many more variants of an effect, that explain this share of what the best does, are kept."""
 
 
 @dataclass(frozen=True)
