@@ -157,7 +157,9 @@ def _table(cases: Sequence[Case], work: Work, given: argparse.Namespace) -> int:
         raise SystemExit("no results yet: generate, then run")
     unmade |= {case.name for case in cases if case.kind != "without" and _is_unmade(case, work)}
     runs = 8 if given.short else 18
-    title = f"Blind benchmark, {given.seeds} seeds from {cases[0].seed}, {runs} runs per campaign"
+    counted = unmade.union(outcome.name for outcome in outcomes)
+    first = min(case.seed for case in cases if case.name in counted)
+    title = f"Blind benchmark, {given.seeds} seeds from {first}, {runs} runs per campaign"
     written = table.text(outcomes, title=title, short=given.short, unreachable=len(unmade))
     print(written, end="")
     folder = work.table()
