@@ -83,7 +83,7 @@ def test_every_circumstance_has_seeds_of_its_own_for_good():
         ("codes", (), ("none",), True, False),
         ("codes", (), ("dry-friction",), False, True),
         ("codes", ("dry-friction",), ("dry-friction",), True, False),
-        ("codes", ("dry-friction",), ("dry-friction", "sensor-gain"), False, False),
+        ("codes", ("dry-friction",), ("dry-friction", "sensor-gain"), False, True),
         ("codes", ("dry-friction",), ("none",), False, False),
         ("amplitude-believed", (), ("belief: amplitude of washboard tracks",), True, False),
         ("amplitude-believed", (), ("none",), True, False),

@@ -61,10 +61,9 @@ class Outcome:
 
     @property
     def is_false_claim(self) -> bool:
-        """Says with confidence what is not there."""
-        first = self.verdict[0] if self.verdict else "unknown"
-        is_name = first not in ("none", "unknown")
-        return is_name and not self.first_is_right and self.confidence > CONFIDENT
+        """Says with confidence what is not there, be it beside what is."""
+        invented = [n for n in self.named if n not in self.hidden and not self._is_belief(n)]
+        return bool(invented) and self.confidence > CONFIDENT
 
     @property
     def exact(self) -> bool:
