@@ -10,7 +10,7 @@ import pytest
 from tests.diagnose.test_judge import noise, rung
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose import fit_baseline, ladder
 from wheelhop.diagnose import look as looking
 from wheelhop.diagnose.judge import Rung, log_odds
 from wheelhop.diagnose.ladder import one_more
@@ -62,6 +62,37 @@ def test_a_ladder_goes_on_from_a_rung_it_has_only_remembered(tmp_path):
     again = one_more(base.workshop, without, friction, said.append)
     assert again.fit.has_derivatives
     assert again.error_fit == pytest.approx(known.error_fit, rel=1e-3)
+
+
+def test_a_minimum_reached_by_way_of_another_effect_is_the_effects_own(tmp_path, monkeypatch):
+    """Fitted alone friction ends where it explains nothing, and a driver is chosen; beside him it
+    is found, and he is not needed (as a bushing in blind seed 13013, by way of a curved path). What
+    it leaves alone is what it is held against others by, and what the ranking says of it."""
+    campaign = read_campaign(write_small_campaign(tmp_path / "c"))
+    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
+    library = {name: load_effects()[name] for name in ("dry-friction", "driver-seat")}
+    look_truly, looks = ladder.look_at, []
+
+    def look_misled(*arguments):
+        looks.append(look_truly(*arguments))
+        if len(looks) > 1:
+            return looks[-1]
+        (friction,) = looks[0].candidates
+        lost = replace(base.rung, fit=replace(base.rung.fit, model=friction.rung.model))
+        item = next(s for s in looks[0].screened if s.variant.effect.id == "driver-seat")
+        driven = one_more(base.workshop, base.rung, library["driver-seat"], lambda text: None)
+        seat = replace(friction, screened=item, rung=driven)
+        lost = replace(friction, rung=lost, log_odds=0.0, holds=False)
+        return replace(looks[0], candidates=(seat, lost), chosen=seat)
+
+    monkeypatch.setattr(ladder, "look_at", look_misled)
+    found = ladder.climb(base, library, max_effects=2, progress=lambda text: None)
+    assert [step.added for step in found.ladder] == [(), ("driver-seat",), ("dry-friction",)]
+    assert found.verdict == ("dry-friction",)
+    assert found.confidence > 0.95
+    assert found.ranking[0].effect == "dry-friction"
+    assert found.ranking[0].validated_error == found.ladder[-1].rung.error_validate
+    assert found.ranking[0].reason.startswith("accepted: ")
 
 
 def reachable(thing):

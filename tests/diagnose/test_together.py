@@ -66,7 +66,7 @@ def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
     workshop, friction = base.workshop, ladder.fit_with(base, [library["dry-friction"]], quiet)[-1]
     step = ladder.steps_of(workshop, [base.rung, friction])[-1]
     assert step.above_floor
-    look = ladder._look(workshop, step, library, 0, quiet, lambda look: None)
+    look = ladder.look_at(workshop, step, library, 0, quiet, lambda look: None)
     assert [s.variant.effect.id for s in look.screened] == ["sensor-mount"]
     assert look.screened[0].score > 0 and look.candidates == () and look.chosen is None
 
@@ -263,14 +263,14 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
     """A progressive spring, taken for what friction and the loose sensor explain together, beside
     which nothing holds: both are found where the search began, and the spring is dropped."""
     library = {name: LIBRARY[name] for name in FEW}
-    look_truly, looks = ladder._look, []
+    look_truly, looks = ladder.look_at, []
 
     def look_misled(*arguments):
         looks.append(look_truly(*arguments))
         springs = (c for c in looks[0].candidates if c.id == "progressive-spring")
         return replace(looks[-1], chosen=next(springs) if len(looks) == 1 else None)
 
-    monkeypatch.setattr(ladder, "_look", look_misled)
+    monkeypatch.setattr(ladder, "look_at", look_misled)
     diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
     assert set(diagnosis.verdict) == set(HIDDEN)
     assert diagnosis.ladder[-1].over_floor <= 1.05
@@ -281,7 +281,7 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
     """Friction is chosen, then friction with a mount, then the mount found idle: what the first
     look said of each by itself is what is reported, and friction is not its own rival."""
     library = {name: LIBRARY[name] for name in FEW}
-    look_truly, looks = ladder._look, []
+    look_truly, looks = ladder.look_at, []
 
     def friction_first(*arguments):
         looks.append(look_truly(*arguments))
@@ -291,7 +291,7 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
     def mount_is_idle(workshop, rung, baseline, progress):
         return next(c for c in looks[0].candidates if c.id == "dry-friction").rung, {}
 
-    monkeypatch.setattr(ladder, "_look", friction_first)
+    monkeypatch.setattr(ladder, "look_at", friction_first)
     monkeypatch.setattr(ladder, "without_idle", mount_is_idle)
     diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
     assert diagnosis.verdict == ("dry-friction", "unknown")

@@ -5,14 +5,13 @@ Effects that the user names are added one after the other, whatever the judgemen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import inf
 from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
-from wheelhop.diagnose.confirm import confirm, least_cost, refit, worth_simulating
+from wheelhop.diagnose.confirm import confirm, refit
 from wheelhop.diagnose.critic import criticism, refuted, upheld
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
 from wheelhop.diagnose.forgets import (
@@ -22,32 +21,19 @@ from wheelhop.diagnose.forgets import (
     remaining,
     without_runs,
 )
-from wheelhop.diagnose.forms import best_form
-from wheelhop.diagnose.judge import (
-    HOPELESS,
-    LAW,
-    Rung,
-    at_noise,
-    best_first,
-    holds_against,
-    log_odds,
-    nearly_all,
-    noticeable,
-    of_a_law,
-    power,
-    worth_seeking,
-)
+from wheelhop.diagnose.judge import Rung, nearly_all, of_a_law, power
 from wheelhop.diagnose.look import (
-    Candidate,
     Look,
-    contradicted,
+    Watch,
+    look_at,
     on_one_floor,
+    reached,
     step_of,
     steps_of,
     with_step,
 )
 from wheelhop.diagnose.ranking import why_not
-from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.screen import screen
 from wheelhop.diagnose.together import Stand, exchange, look_for_several, without_idle
 from wheelhop.diagnose.validate import Incumbent
 from wheelhop.diagnose.verdict import conclude
@@ -59,12 +45,6 @@ from wheelhop.vehicle import CORNERS, Vehicle, wheels
 
 BETWEEN: tuple[Place, ...] = ("suspension", "body")
 """Places between the measured axles and the sensors on the body."""
-
-Watch = Callable[[Look], None]
-
-LAST_RESORT = 3
-"""Where none holds and something is left, so many effects, those that the fitted runs favour, are
-fitted in full; so many more are simulated for that where there is none in the model yet."""
 
 
 def diagnose(
@@ -171,7 +151,7 @@ def climb(
     """The diagnosis, from a fitted baseline on."""
     workshop, rung = base.workshop, base.rung
     steps = [step_of(workshop, rung)]
-    look = _look(workshop, steps[0], effects, max_effects, progress, watch)
+    look = look_at(workshop, steps[0], effects, max_effects, progress, watch)
     first = origin = look
     tried = [look.remembered()]
     alone = look.chosen is not None
@@ -205,6 +185,8 @@ def climb(
         # If a group comes down to what was chosen first, the first look said how that stands alone.
         if first.chosen is None or [e.id for e in rung.model.effects] != [first.chosen.id]:
             first = origin
+        if len(rung.model.effects) == 1:
+            first = reached(workshop, first, rung)
         origin = first
         rung = beginning_allowed_for(workshop, rung)
         step = step_of(workshop, rung, steps[0])
@@ -214,7 +196,7 @@ def climb(
             look = Look(rung, (), (), None)
             break
         room = max_effects - len(rung.model.effects)
-        look = _look(workshop, step, effects, room, progress, watch)
+        look = look_at(workshop, step, effects, room, progress, watch)
         tried.append(look.remembered())
     return conclude(
         workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
@@ -226,121 +208,6 @@ def _open(rung: Rung, effects: Mapping[str, Effect], workshop: Workshop) -> dict
     where all that is left is no more than what its own may leave."""
     settled = of_a_law(power(rung) - workshop.noise**2, rung.by_laws)
     return {name: e for name, e in effects.items() if not (settled and e.on_rig)}
-
-
-def _look(
-    workshop: Workshop,
-    step: Step,
-    effects: Mapping[str, Effect],
-    room: int,
-    progress: Progress,
-    watch: Watch,
-) -> Look:
-    """Screen what is not in the model yet, simulate the best in full, choose one or none. Nothing
-    is simulated where the model has no room for more."""
-    rung = step.rung
-    done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
-    if done and not step.above_floor:
-        return Look(rung, (), (), None)
-    present = {effect.id for effect in rung.model.effects}
-    left = [effect for effect in effects.values() if effect.id not in present]
-    progress(f"screening {len(left)} effects")
-    screened = screen(workshop, rung.fit, left)
-    if done or (rung.model.effects and not room):  # to be described, not explained
-        return Look(rung, tuple(screened), (), None)
-    incumbent = Incumbent(workshop, rung)
-    watch(Look(rung, tuple(screened), (), None))
-    candidates = _confirm_best(incumbent, screened, step.above_floor, progress, watch)
-    candidates = _refit_leaders(incumbent, candidates, step.above_floor, progress)
-    chosen = next((c for c in candidates if c.holds), None)
-    look = Look(rung, tuple(screened), tuple(candidates), chosen)
-    watch(look)
-    return look
-
-
-def _confirm_best(
-    incumbent: Incumbent,
-    screened: Sequence[Screened],
-    above_floor: bool,
-    progress: Progress,
-    watch: Watch,
-) -> list[Candidate]:
-    """Full simulation of the most promising effects, the best first. Once one explains nearly all,
-    only what screening puts beside it is a rival. Where none holds and the baseline leaves
-    something, a few more are simulated that first order thinks little of: of play it may see a
-    seventieth. What a law of the right name leaves of another form is no reason for that."""
-    workshop, rung = incumbent.workshop, incumbent.rung
-
-    def enough(found: Rung) -> bool:
-        return at_noise(found, workshop.noise) or nearly_all(rung, found, workshop.noise)
-
-    chosen = worth_simulating(workshop, rung, screened)
-    rivals = worth_simulating(workshop, rung, screened, at_least=1, settled=True)
-    found: list[Candidate] = []
-
-    def simulate(item: Screened, which: str) -> None:
-        progress(f"simulating {item.variant.effect.id} ({which})")
-        confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])
-        found.append(_judged(incumbent, item, confirmed, len(screened)))
-        watch(Look(rung, tuple(screened), tuple(_best_first(found, workshop.noise)), None))
-
-    for i, item in enumerate(chosen):
-        if item in rivals or not any(c.holds and enough(c.rung) for c in found):
-            simulate(item, f"{i + 1} of {len(chosen)}")
-    if above_floor and not rung.model.effects and not any(c.holds for c in found):
-        more = [s for s in screened if s not in chosen and s.score > 0][:LAST_RESORT]
-        for i, item in enumerate(more):
-            simulate(item, f"{i + 1} of {len(more)} more")
-    return _best_first(found, workshop.noise)
-
-
-def _refit_leaders(
-    incumbent: Incumbent, candidates: Sequence[Candidate], above_floor: bool, progress: Progress
-) -> list[Candidate]:
-    """The candidates, the best two that hold fitted with all derivatives; the best first.
-
-    A quick fit favours effects that resemble what the vehicle's own parameters do, and it may end
-    where its derivatives no longer hold: before none is believed, the best few are fitted so, too,
-    as far as there is hope that they take a part of what is left that is worth it.
-    """
-    workshop, rung = incumbent.workshop, incumbent.rung
-    leaders, bar = [c for c in candidates if c.holds][:2], -inf
-    if not leaders and above_floor:
-        # What a fit that went astray makes of runs held out says nothing of the effect.
-        leaders = sorted(candidates, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
-        bar = rung.fit.cost - worth_seeking(rung.fit)
-    refitted: list[Candidate] = []
-    for leader in leaders:
-        ahead = next((c.rung for c in refitted if c.holds), None)
-        if ahead and leader.rung.error_judging > HOPELESS * ahead.error_judging:
-            refitted.append(leader)
-            continue
-        progress(f"fitting the vehicle with {leader.id}")
-        better = refit(workshop, leader.rung, least_cost([ahead]) if ahead else bar)
-        worth = leader.holds or better.fit.cost < bar
-        leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
-        if worth and leads and not at_noise(better, workshop.noise):
-            better = best_form(workshop, rung, leader.screened, better)
-        refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
-    others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
-    return _best_first(refitted, workshop.noise) + others
-
-
-def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate]:
-    """Those that hold before the others."""
-    place = {id(rung): i for i, rung in enumerate(best_first([c.rung for c in candidates], noise))}
-    return sorted(candidates, key=lambda c: (not c.holds, place[id(c.rung)]))
-
-
-def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -> Candidate:
-    base, noise = incumbent.against(rival), incumbent.workshop.noise
-    odds = log_odds(base, rival, noise)
-    effect, dropped = screened.variant.effect, power(base) - power(rival)
-    of_the_first = effect.on_rig and of_a_law(dropped, base.by_laws)
-    if not screened.variant.parameters:  # free in every run: it takes part of whatever is left
-        of_the_first = dropped < LAW**2 * base.by_laws
-    likely = holds_against(base, rival, odds, tried, noise) and not of_the_first
-    return Candidate(screened, rival, odds, tried, likely and not contradicted(rival, effect))
 
 
 def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> list[Rung]:

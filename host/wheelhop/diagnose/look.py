@@ -1,15 +1,34 @@
-"""What a look at a residual found, and the rungs of the ladder."""
+"""A look at a residual: screen all effects, simulate the best in full, choose one or none. And the
+rungs of the ladder that looks lead up."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import hypot
+from math import hypot, inf
 
-from wheelhop.diagnose.baseline import comparison_of
+from wheelhop.diagnose.baseline import Progress, comparison_of
+from wheelhop.diagnose.confirm import confirm, least_cost, refit, worth_simulating
 from wheelhop.diagnose.diagnosis import Step
-from wheelhop.diagnose.judge import Rung, enough_held_out, p_value
-from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.forms import best_form
+from wheelhop.diagnose.judge import (
+    HOPELESS,
+    LAW,
+    Rung,
+    at_noise,
+    best_first,
+    enough_held_out,
+    holds_against,
+    log_odds,
+    nearly_all,
+    noticeable,
+    of_a_law,
+    p_value,
+    power,
+    worth_seeking,
+)
+from wheelhop.diagnose.screen import Screened, screen
+from wheelhop.diagnose.validate import Incumbent
 from wheelhop.effects import Effect, OwnValues, form_of
 from wheelhop.fit import Workshop
 
@@ -67,6 +86,13 @@ class Look:
         ]
         rung = remembered(self.rung)
         return replace(self, rung=rung, screened=(), candidates=tuple(candidates))
+
+
+Watch = Callable[[Look], None]
+
+LAST_RESORT = 3
+"""Where none holds and something is left, so many effects, those that the fitted runs favour, are
+fitted in full; so many more are simulated for that where there is none in the model yet."""
 
 
 def remembered(rung: Rung) -> Rung:
@@ -169,3 +195,132 @@ def _run_by_run(rung: Rung, effect: Effect) -> list[OwnValues]:
             known_to = {k.removeprefix(prefix): v for k, v in own.items() if k.startswith(prefix)}
             found.append(OwnValues(run.bench.simulator.setting, theta, known_to))
     return found
+
+
+def look_at(
+    workshop: Workshop,
+    step: Step,
+    effects: Mapping[str, Effect],
+    room: int,
+    progress: Progress,
+    watch: Watch,
+) -> Look:
+    """Screen what is not in the model yet, simulate the best in full, choose one or none. Nothing
+    is simulated where the model has no room for more."""
+    rung = step.rung
+    done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
+    if done and not step.above_floor:
+        return Look(rung, (), (), None)
+    present = {effect.id for effect in rung.model.effects}
+    left = [effect for effect in effects.values() if effect.id not in present]
+    progress(f"screening {len(left)} effects")
+    screened = screen(workshop, rung.fit, left)
+    if done or (rung.model.effects and not room):  # to be described, not explained
+        return Look(rung, tuple(screened), (), None)
+    incumbent = Incumbent(workshop, rung)
+    watch(Look(rung, tuple(screened), (), None))
+    candidates = _confirm_best(incumbent, screened, step.above_floor, progress, watch)
+    candidates = _refit_leaders(incumbent, candidates, step.above_floor, progress)
+    chosen = next((c for c in candidates if c.holds), None)
+    look = Look(rung, tuple(screened), tuple(candidates), chosen)
+    watch(look)
+    return look
+
+
+def _confirm_best(
+    incumbent: Incumbent,
+    screened: Sequence[Screened],
+    above_floor: bool,
+    progress: Progress,
+    watch: Watch,
+) -> list[Candidate]:
+    """Full simulation of the most promising effects, the best first. Once one explains nearly all,
+    only what screening puts beside it is a rival. Where none holds and the baseline leaves
+    something, a few more are simulated that first order thinks little of: of play it may see a
+    seventieth. What a law of the right name leaves of another form is no reason for that."""
+    workshop, rung = incumbent.workshop, incumbent.rung
+
+    def enough(found: Rung) -> bool:
+        return at_noise(found, workshop.noise) or nearly_all(rung, found, workshop.noise)
+
+    chosen = worth_simulating(workshop, rung, screened)
+    rivals = worth_simulating(workshop, rung, screened, at_least=1, settled=True)
+    found: list[Candidate] = []
+
+    def simulate(item: Screened, which: str) -> None:
+        progress(f"simulating {item.variant.effect.id} ({which})")
+        confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])
+        found.append(_judged(incumbent, item, confirmed, len(screened)))
+        watch(Look(rung, tuple(screened), tuple(_best_first(found, workshop.noise)), None))
+
+    for i, item in enumerate(chosen):
+        if item in rivals or not any(c.holds and enough(c.rung) for c in found):
+            simulate(item, f"{i + 1} of {len(chosen)}")
+    if above_floor and not rung.model.effects and not any(c.holds for c in found):
+        more = [s for s in screened if s not in chosen and s.score > 0][:LAST_RESORT]
+        for i, item in enumerate(more):
+            simulate(item, f"{i + 1} of {len(more)} more")
+    return _best_first(found, workshop.noise)
+
+
+def _refit_leaders(
+    incumbent: Incumbent, candidates: Sequence[Candidate], above_floor: bool, progress: Progress
+) -> list[Candidate]:
+    """The candidates, the best two that hold fitted with all derivatives; the best first.
+
+    A quick fit favours effects that resemble what the vehicle's own parameters do, and it may end
+    where its derivatives no longer hold: before none is believed, the best few are fitted so, too,
+    as far as there is hope that they take a part of what is left that is worth it.
+    """
+    workshop, rung = incumbent.workshop, incumbent.rung
+    leaders, bar = [c for c in candidates if c.holds][:2], -inf
+    if not leaders and above_floor:
+        # What a fit that went astray makes of runs held out says nothing of the effect.
+        leaders = sorted(candidates, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
+        bar = rung.fit.cost - worth_seeking(rung.fit)
+    refitted: list[Candidate] = []
+    for leader in leaders:
+        ahead = next((c.rung for c in refitted if c.holds), None)
+        if ahead and leader.rung.error_judging > HOPELESS * ahead.error_judging:
+            refitted.append(leader)
+            continue
+        progress(f"fitting the vehicle with {leader.id}")
+        better = refit(workshop, leader.rung, least_cost([ahead]) if ahead else bar)
+        worth = leader.holds or better.fit.cost < bar
+        leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
+        if worth and leads and not at_noise(better, workshop.noise):
+            better = best_form(workshop, rung, leader.screened, better)
+        refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
+    others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
+    return _best_first(refitted, workshop.noise) + others
+
+
+def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate]:
+    """Those that hold before the others."""
+    place = {id(rung): i for i, rung in enumerate(best_first([c.rung for c in candidates], noise))}
+    return sorted(candidates, key=lambda c: (not c.holds, place[id(c.rung)]))
+
+
+def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -> Candidate:
+    base, noise = incumbent.against(rival), incumbent.workshop.noise
+    odds = log_odds(base, rival, noise)
+    effect, dropped = screened.variant.effect, power(base) - power(rival)
+    of_the_first = effect.on_rig and of_a_law(dropped, base.by_laws)
+    if not screened.variant.parameters:  # free in every run: it takes part of whatever is left
+        of_the_first = dropped < LAW**2 * base.by_laws
+    likely = holds_against(base, rival, odds, tried, noise) and not of_the_first
+    return Candidate(screened, rival, odds, tried, likely and not contradicted(rival, effect))
+
+
+def reached(workshop: Workshop, look: Look, rung: Rung) -> Look:
+    """The look with the rung of a single effect that the ladder came to, chosen, in place of where
+    a fit with that effect ended then: the way to a minimum may lead over another effect, which in
+    the end is not needed."""
+    (effect,) = rung.model.effects
+    then = next((c for c in look.candidates if c.id == effect.id), None)
+    if then is not None and then.rung.fit is rung.fit:
+        return look
+    item = next(s for s in look.screened if s.variant.effect.id == effect.id)
+    chosen = _judged(Incumbent(workshop, look.rung), item, rung, len(look.screened))
+    others = [c for c in look.candidates if c.id != effect.id and not c.beside]
+    return replace(look, candidates=(chosen, *others), chosen=chosen)

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from wheelhop.diagnose import ladder
+from wheelhop.diagnose import look as looking
 from wheelhop.effects import load_effects
 
 
@@ -38,18 +38,18 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
         formed.append(screened)
         return found
 
-    monkeypatch.setattr(ladder, "refit", refit)
-    monkeypatch.setattr(ladder, "best_form", best_form)
-    monkeypatch.setattr(ladder, "at_noise", lambda rung, noise: False)
-    monkeypatch.setattr(ladder, "_judged", lambda incumbent, screened, rung, tried: candidates[4])
-    monkeypatch.setattr(ladder, "_best_first", lambda some, noise: list(some))
+    monkeypatch.setattr(looking, "refit", refit)
+    monkeypatch.setattr(looking, "best_form", best_form)
+    monkeypatch.setattr(looking, "at_noise", lambda rung, noise: False)
+    monkeypatch.setattr(looking, "_judged", lambda incumbent, screened, rung, tried: candidates[4])
+    monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))
     rung = SimpleNamespace(fit=SimpleNamespace(cost=100.0, size=50))
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
-    ladder._refit_leaders(incumbent, candidates, True, lambda text: None)
+    looking._refit_leaders(incumbent, candidates, True, lambda text: None)
     assert fitted == pytest.approx({"friction": 95.0, "gain": 95.0, "skew": 95.0})
     assert formed == ["friction"]
     fitted.clear()
-    ladder._refit_leaders(incumbent, candidates, False, lambda text: None)
+    looking._refit_leaders(incumbent, candidates, False, lambda text: None)
     assert fitted == {}
 
 
@@ -84,14 +84,14 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
         tried.append(screened.variant.effect.id)
         return rung
 
-    monkeypatch.setattr(ladder, "worth_simulating", lambda *asked, **how: chosen)
-    monkeypatch.setattr(ladder, "confirm", confirm)
-    monkeypatch.setattr(ladder, "_judged", judged)
-    monkeypatch.setattr(ladder, "_best_first", lambda some, noise: list(some))
+    monkeypatch.setattr(looking, "worth_simulating", lambda *asked, **how: chosen)
+    monkeypatch.setattr(looking, "confirm", confirm)
+    monkeypatch.setattr(looking, "_judged", judged)
+    monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))
     rung = SimpleNamespace(model=SimpleNamespace(effects=present))
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
     quiet = {"progress": lambda text: None, "watch": lambda look: None}
-    ladder._confirm_best(incumbent, items, above_floor, **quiet)
+    looking._confirm_best(incumbent, items, above_floor, **quiet)
     assert tried == simulated
 
 
@@ -99,9 +99,9 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
 def test_a_driver_takes_more_than_a_law_may_leave(left, holds, monkeypatch):
     """A spring takes 100 of the power and leaves 2: a hundredth of that, 1, may be of another form
     of spring. What a driver does in every run takes half of it, or just more than all of it."""
-    monkeypatch.setattr(ladder, "log_odds", lambda base, rival, noise: 99.0)
-    monkeypatch.setattr(ladder, "holds_against", lambda *asked: True)
-    monkeypatch.setattr(ladder, "contradicted", lambda rung, effect: False)
+    monkeypatch.setattr(looking, "log_odds", lambda base, rival, noise: 99.0)
+    monkeypatch.setattr(looking, "holds_against", lambda *asked: True)
+    monkeypatch.setattr(looking, "contradicted", lambda rung, effect: False)
 
     def rung(power):
         judging = SimpleNamespace(charged=power, size=1)
@@ -112,10 +112,10 @@ def test_a_driver_takes_more_than_a_law_may_leave(left, holds, monkeypatch):
     )
     pitch = load_effects()["longitudinal-pitch"]
     screened = SimpleNamespace(variant=SimpleNamespace(effect=pitch, parameters=()))
-    assert ladder._judged(incumbent, screened, rung(left), 30).holds is holds
+    assert looking._judged(incumbent, screened, rung(left), 30).holds is holds
     gain = load_effects()["sensor-gain"]
     screened = SimpleNamespace(variant=SimpleNamespace(effect=gain, parameters=("error",)))
-    assert ladder._judged(incumbent, screened, rung(left), 30).holds
+    assert looking._judged(incumbent, screened, rung(left), 30).holds
 
 
 @pytest.mark.parametrize(("second", "formed"), [(1.5, ["seat"]), (0.5, ["seat", "spring"])])
@@ -134,16 +134,16 @@ def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch
         found.append(screened)
         return better
 
-    monkeypatch.setattr(ladder, "refit", lambda workshop, rung, bar: rung)
-    monkeypatch.setattr(ladder, "best_form", best_form)
-    monkeypatch.setattr(ladder, "least_cost", lambda rungs: rungs[0].fit.cost)
-    monkeypatch.setattr(ladder, "at_noise", lambda rung, noise: False)
+    monkeypatch.setattr(looking, "refit", lambda workshop, rung, bar: rung)
+    monkeypatch.setattr(looking, "best_form", best_form)
+    monkeypatch.setattr(looking, "least_cost", lambda rungs: rungs[0].fit.cost)
+    monkeypatch.setattr(looking, "at_noise", lambda rung, noise: False)
     monkeypatch.setattr(
-        ladder, "best_first", lambda rungs, noise: sorted(rungs, key=lambda r: r.error_judging)
+        looking, "best_first", lambda rungs, noise: sorted(rungs, key=lambda r: r.error_judging)
     )
     monkeypatch.setattr(
-        ladder, "_judged", lambda incumbent, name, rung, tried: candidate(name, rung.error_judging)
+        looking, "_judged", lambda incumbent, name, rung, tried: candidate(name, rung.error_judging)
     )
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=1.0), rung=None)
-    ladder._refit_leaders(incumbent, candidates, True, lambda text: None)
+    looking._refit_leaders(incumbent, candidates, True, lambda text: None)
     assert found == formed
