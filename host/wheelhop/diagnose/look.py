@@ -318,9 +318,9 @@ def reached(workshop: Workshop, look: Look, rung: Rung) -> Look:
     the end is not needed."""
     (effect,) = rung.model.effects
     then = next((c for c in look.candidates if c.id == effect.id), None)
-    if then is not None and then.rung.fit is rung.fit:
+    item = next((s for s in look.screened if s.variant.effect.id == effect.id), None)
+    if item is None or (then is not None and then.rung.fit is rung.fit):
         return look
-    item = next(s for s in look.screened if s.variant.effect.id == effect.id)
     chosen = _judged(Incumbent(workshop, look.rung), item, rung, len(look.screened))
     others = [c for c in look.candidates if c.id != effect.id and not c.beside]
     return replace(look, candidates=(chosen, *others), chosen=chosen)
