@@ -17,7 +17,7 @@ SAYS = {
     "read_logs": "missing: ",
     "residual_by_band": "over_floor",
     "simulate_a_drive": "iso8608-15kmph",
-    "sweep_damping": "least error at 553 N s/m",
+    "sweep_damping": "least error at 558 N s/m",
     "what_to_drive": "told from digressive-damper",
     "wheel_rate": "rear: wheel rate 6825",
 }

@@ -21,6 +21,7 @@ from wheelhop.diagnose.critic import (
 )
 from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.effects import load_effects
+from wheelhop.fit import Free
 from wheelhop.gate import Finding
 
 LIBRARY = load_effects()
@@ -30,7 +31,8 @@ INF = float("inf")
 def number(
     name, value, sd=0.01, mean=0.0, sigma=INF, lower=-INF, upper=INF, shape=False, ahead=0.0
 ):
-    return Number(name, value, sd, mean, sigma, lower, upper, max(abs(value), 1e-3), shape, ahead)
+    scale = max(abs(value), 1e-3)
+    return Number(Free(name, mean, sigma, scale, lower, upper, is_shape=shape), value, sd, ahead)
 
 
 LOSS = number("digressive-damper.front_loss", 0.6, 0.02, lower=0.0, upper=1.0)
@@ -140,6 +142,15 @@ def test_three_standard_deviations(value, sd, said):
     """Of how far a fit moves a right belief: what is left uncertain was not moved."""
     found = list(_moved([number("body.mass_kg", value, sd, 200.0, 10.0)], []))
     assert bool(found) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"), [(149.0, False), (147.0, True), (269.0, False), (271.0, True)]
+)
+def test_a_number_believed_in_proportion_moves_by_its_logarithm(value, said):
+    """Of 200 to 10 %, three deviations are 148.4 to 269.6: 1 % is left uncertain."""
+    mass = Free("body.mass_kg", 200.0, 20.0, 20.0, in_proportion=True)
+    assert bool(list(_moved([Number(mass, value, 0.01 * value, 0.0)], []))) == said
 
 
 def masses(sd):

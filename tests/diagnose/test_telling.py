@@ -83,7 +83,7 @@ def test_what_the_vehicle_promises_by_itself_is_no_effect_s(strong_friction, mon
     monkeypatch.setitem(fit.__globals__, "ITERATIONS", 0)
     away = fit(workshop, astray, fitted.shared, workshop.of_role("fit"))
     alone = taken_alone(away).gain
-    assert taken_alone(fitted).gain < 1e-3 * alone
+    assert taken_alone(fitted).gain < 2e-3 * alone
     effects = [LIBRARY[n] for n in ("dry-friction", "engine-vibration", "tyre-lift-off")]
     there = {s.variant.effect.id: s for s in screen(workshop, fitted, effects)}
     for item in screen(workshop, away, effects):

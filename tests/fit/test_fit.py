@@ -245,8 +245,8 @@ def test_runs_fitted_one_after_the_other_say_what_all_say_at_once(noise_free):
     )  # the prior is normal, a block's noise is not
     unit = np.sqrt(np.diag(everything.precision))
     assert then.precision / np.outer(unit, unit) == pytest.approx(
-        everything.precision / np.outer(unit, unit), abs=0.03
-    )
+        everything.precision / np.outer(unit, unit), abs=0.04
+    )  # nor is what is believed in proportion
     assert first.evidence + then.evidence == pytest.approx(everything.evidence, abs=2.0)
 
 

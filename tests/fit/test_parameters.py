@@ -185,6 +185,65 @@ def test_the_volume_of_a_belief_is_finite_though_nothing_is_believed():
     assert after.pull(away) == pytest.approx(-precision @ step)
 
 
+IN_PROPORTION = (Free("a", 3.0, 0.6, 2.0, in_proportion=True), NUMBERS[1])
+
+
+@given(st.floats(0.1, 100.0))
+def test_twice_as_much_is_as_likely_as_half(a):
+    """Of what is believed in proportion, 20 % here; the pull is half the negative gradient."""
+    belief = Belief.of(IN_PROPORTION)
+    away = belief.distance({"a": a})
+    assert (
+        away
+        == pytest.approx(belief.distance({"a": 9.0 / a}))
+        == pytest.approx((np.log(a / 3.0) / 0.2) ** 2)
+    )
+    step = 1e-5 * a
+    slope = (belief.distance({"a": a + step}) - belief.distance({"a": a - step})) / (2.0 * step)
+    assert belief.pull({"a": a})[0] == pytest.approx(-0.5 * slope * 2.0, rel=1e-4, abs=1e-4)
+    # One over the variance, per scale: 20 % of what it is there.
+    assert belief.precision_at({"a": a})[0, 0] == pytest.approx((2.0 / (0.2 * a)) ** 2)
+    grown = belief.log_precision_at({"a": a}) - belief.log_precision_at({"a": 3.0})
+    assert grown == pytest.approx(2.0 * np.log(3.0 / a))
+
+
+def test_a_vehicle_is_believed_in_proportion_but_for_places():
+    """A place may be negative, and a calibration says by how much a scale is off."""
+    campaign = campaign_of(RUNS, channels=(Channel("B1", "body", gain_uncertainty=0.02),))
+    for free in vehicle_parameters(campaign, VEHICLE):
+        of_the_vehicle = free.name in ATV and not free.name.endswith((".x_m", ".y_m"))
+        assert free.in_proportion is of_the_vehicle, free.name
+
+
+@pytest.mark.parametrize(("stated", "sigma"), [(0.0, 50.0), (30.0, 50.0)])
+def test_what_may_be_nothing_is_not_believed_in_proportion(stated, sigma):
+    """A tyre may have no damping at all."""
+    key = "wheel.front.tyre_damping_N_s_m"
+    vehicle = Vehicle("as stated", {**ATV, key: stated}, {**KNOWN_TO, key: sigma})
+    (free,) = [f for f in vehicle_parameters(campaign_of(RUNS), vehicle) if f.name == key]
+    assert not free.in_proportion
+    assert Belief.of([free]).distance({key: stated + sigma}) == pytest.approx(1.0)
+
+
+def test_a_dozen_guesses_agree_on_the_scale_that_they_share():
+    """Records do not show it: a fit with it alone free ends where the beliefs of all numbers say.
+    Each is stated 10 % off, one standard deviation; they are right in the mean, and as far off as
+    the precision says. Normal in the numbers themselves the mean would be −2 %, 0.7 deviations."""
+    rng, off = np.random.default_rng(0), []
+    for _ in range(400):
+        stated = 1.0 + 0.1 * np.clip(rng.normal(size=12), -2.0, 2.0)
+        belief = Belief.of([Free(f"{m}", m, 0.1 * m, 0.1 * m, in_proportion=True) for m in stated])
+        scale = 1.0
+        for _ in range(5):  # Newton
+            values = {f.name: scale for f in belief.free}
+            per_scale = 1.0 / np.array([f.scale for f in belief.free])
+            precision = per_scale @ belief.precision_at(values) @ per_scale
+            scale += per_scale @ belief.pull(values) / precision
+        off.append((scale - 1.0) * np.sqrt(precision))
+    assert np.mean(off) == pytest.approx(0.0, abs=0.2)
+    assert np.std(off) == pytest.approx(1.0, abs=0.15)
+
+
 @pytest.mark.parametrize(
     ("decays_per_s", "seconds"),
     [

@@ -151,7 +151,7 @@ def _fitted_from(workshop: Workshop, base: Rung, start: Model, bar: float) -> tu
 def _believable(found: Fit, free: Sequence[Free]) -> bool:
     """Whether the numbers lie where they are believed to."""
     values = found.model.values
-    return all(abs(values[f.name] - f.mean) < FAR * f.sigma for f in free)
+    return all(abs(f.away(values[f.name])) < FAR for f in free)
 
 
 def refit(workshop: Workshop, rung: Rung, bar: float = -inf) -> Rung:

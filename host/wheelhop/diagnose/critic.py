@@ -14,7 +14,7 @@ from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.diagnose.judge import at_noise, nearly_all
 from wheelhop.effects import Effect
 from wheelhop.files.words import listed, percent, significant
-from wheelhop.fit import of_forces
+from wheelhop.fit import Free, of_forces
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
 from wheelhop.vehicle import Vehicle
@@ -38,20 +38,23 @@ NAMED = 3  # numbers, in one sentence
 
 @dataclass(frozen=True)
 class Number:
-    """A number that runs share, as fitted: its value and standard deviation, what was believed of
-    it (infinite `sigma`: nothing), its bounds, the scale on which it is varied, and how much
-    further it would go without bounds."""
+    """A number that runs share, as fitted: what was believed of it, its value and standard
+    deviation, and how much further it would go without bounds."""
 
-    name: str
+    free: Free
     value: float
     sd: float
-    mean: float
-    sigma: float
-    lower: float
-    upper: float
-    scale: float
-    is_shape: bool
     ahead: float
+
+    @property
+    def name(self) -> str:
+        """As the model calls it."""
+        return self.free.name
+
+    @property
+    def sigma(self) -> float:
+        """What it was believed to, where it lies; infinite where nothing was."""
+        return self.free.sigma_at(self.value)
 
 
 def numbers_of(step: Step) -> tuple[list[Number], Array]:
@@ -59,10 +62,7 @@ def numbers_of(step: Step) -> tuple[list[Number], Array]:
     fitted = step.rung.fit
     values, covariance = fitted.model.values, np.asarray(fitted.covariance)
     return [
-        Number(
-            *(f.name, values[f.name], sd, f.mean, f.sigma, f.lower, f.upper, f.scale, f.is_shape),
-            fitted.ahead[f.name],
-        )
+        Number(f, values[f.name], sd, fitted.ahead[f.name])
         for f, sd in zip(fitted.shared, np.sqrt(np.diag(covariance)).tolist(), strict=True)
     ], covariance
 
@@ -111,9 +111,9 @@ def refuted(diagnosis: Diagnosis) -> list[Belief]:
             found.append(Belief(what, stated, stated + error, sd, sure))
     vehicle = _of_vehicle(numbers_of(step)[0], effects)
     for n in vehicle:
-        if (away := abs(n.value - n.mean) / _believed_to_move(n)) > MOVED:
+        if (away := _moved_by(n)) > MOVED:
             by_chance = len(vehicle) * erfc(away / sqrt(2.0))
-            found.append(Belief(n.name, n.mean, n.value, n.sd, max(1.0 - by_chance, 0.0)))
+            found.append(Belief(n.name, n.free.mean, n.value, n.sd, max(1.0 - by_chance, 0.0)))
     return found
 
 
@@ -160,8 +160,10 @@ def _laws(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Find
             number = own.get(limit.parameter)
             if number is None:
                 continue
-            bound = number.lower if limit.at == "lower" else number.upper
-            if abs(number.value - bound) <= max(AT_BOUND * number.scale, NEAR * _finite(number.sd)):
+            bound = number.free.lower if limit.at == "lower" else number.free.upper
+            if abs(number.value - bound) <= max(
+                AT_BOUND * number.free.scale, NEAR * _finite(number.sd)
+            ):
                 yield Finding(
                     "after",
                     "degenerate",
@@ -171,8 +173,8 @@ def _laws(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Find
                     f"Read the verdict as {effect.id} or {limit.into}"
                     " (wheelhop compare --add tries one), and record slower and faster runs.",
                 )
-        strengths = [n for n in own.values() if not n.is_shape]
-        if strengths and all(abs(n.value - n.mean) < NEAR * n.sd for n in strengths):
+        strengths = [n for n in own.values() if not n.free.is_shape]
+        if strengths and all(abs(n.value - n.free.mean) < NEAR * n.sd for n in strengths):
             yield Finding(
                 "after",
                 "degenerate",
@@ -210,20 +212,22 @@ def _at_bound(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[
     for n in numbers:
         if abs(n.ahead) <= NEAR * n.sd:
             continue
-        bounds = [bound for bound in (n.lower if n.ahead < 0.0 else n.upper,) if isfinite(bound)]
-        if not n.is_shape and any(_of(n, e) for e in effects):
-            bounds = [bound for bound in bounds if bound != n.mean]
-        if n.name not in said and any(abs(n.value - b) <= AT_BOUND * n.scale for b in bounds):
+        bounds = [
+            bound for bound in (n.free.lower if n.ahead < 0.0 else n.free.upper,) if isfinite(bound)
+        ]
+        if not n.free.is_shape and any(_of(n, e) for e in effects):
+            bounds = [bound for bound in bounds if bound != n.free.mean]
+        if n.name not in said and any(abs(n.value - b) <= AT_BOUND * n.free.scale for b in bounds):
             yield n
 
 
 def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:
     vehicle = _of_vehicle(numbers, effects)
-    away = {n.name: abs(n.value - n.mean) / _believed_to_move(n) for n in vehicle}
+    away = {n.name: _moved_by(n) for n in vehicle}
     far = sorted((n for n in vehicle if away[n.name] > MOVED), key=lambda n: -away[n.name])
     if far:
         most = ", ".join(
-            f"{n.name} from {n.mean:.4g} to {n.value:.4g} ({away[n.name]:.1f} sd)"
+            f"{n.name} from {n.free.mean:.4g} to {n.value:.4g} ({away[n.name]:.1f} sd)"
             for n in far[:NAMED]
         )
         yield Finding(
@@ -241,11 +245,11 @@ def _of_vehicle(numbers: Sequence[Number], effects: Sequence[Effect]) -> list[Nu
     return [n for n in numbers if not any(_of(n, e) for e in effects) and isfinite(n.sigma)]
 
 
-def _believed_to_move(number: Number) -> float:
-    """Standard deviation with which a fit moves a number if what was believed of it is right: of
-    the prior's variance, what is left afterwards is what the data did not tell."""
-    told = number.sigma**2 - _finite(number.sd) ** 2
-    return float(np.sqrt(max(told, 1e-4 * number.sigma**2)))
+def _moved_by(number: Number) -> float:
+    """How far a fit has moved a number, in deviations with which it moves it if what was believed
+    is right: of the prior's variance, what is left afterwards is what the data did not tell."""
+    told = 1.0 - (_finite(number.sd) / number.sigma) ** 2
+    return abs(number.free.away(number.value)) / sqrt(max(told, 1e-4))
 
 
 def _no_vehicle(step: Step, numbers: Sequence[Number]) -> Iterator[Finding]:

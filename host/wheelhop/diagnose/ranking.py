@@ -38,7 +38,7 @@ class Angles:
     def __init__(
         self, base: Fit, screened: Sequence[Screened], candidates: Sequence[Candidate] = ()
     ) -> None:
-        weight = np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
+        weight = base.believed * base.sigma**2
         stack = np.vstack([run.weighed[:, : run.derivatives.shared] for run in base.runs])
         inner = np.linalg.pinv(stack.T @ stack + np.diag(weight), hermitian=True)
         self._signatures: dict[str, Array] = {}

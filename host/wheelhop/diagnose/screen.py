@@ -357,7 +357,7 @@ def _taken(
 
 def _weight(base: Fit) -> Array:
     """What is believed of the shared parameters, per scale, times σ²."""
-    return np.array([(f.scale / f.sigma) ** 2 for f in base.shared]) * base.sigma**2
+    return base.believed * base.sigma**2
 
 
 def _information(matrix: Array, weight: Array, sigma: float) -> Array:

@@ -324,7 +324,8 @@ class _Problem:
     def _moved(self, state: Fit, damping: float) -> tuple[Model, float]:
         runs = self.workshop.each(lambda run: self.linear(run, state), state.runs)
         values = state.model.values
-        prior = Prior(self.belief.precision, self.belief.pull(values), self.belief.room(values))
+        at, room = self.belief.precision_at(values), self.belief.room(values)
+        prior = Prior(at, self.belief.pull(values), room)
         enough = SOLVED * self.converged * max(state.cost, state.size)
         enough = enough if damping < FIRST_DAMPING else np.inf
         step, own_steps, promised = least(prior, runs, damping, enough)
@@ -358,7 +359,9 @@ class _Problem:
 
     def _posterior(self, state: Fit) -> tuple[Array, float]:
         """Precision of the shared parameters, and the share of prior volume left."""
-        matrix, log_volume = self.belief.precision.copy(), self.belief.log_precision
+        values = state.model.values
+        matrix = self.belief.precision_at(values)
+        log_volume = self.belief.log_precision_at(values)
         normals = self.workshop.each(lambda run: self.normal(run, state), state.runs)
         for run, normal in zip(state.runs, normals, strict=True):
             own = damped(normal.own, 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import log
 
 import numpy as np
 
@@ -40,6 +41,16 @@ class Free:
     upper: float = np.inf
     span_s: tuple[float, float] = (-np.inf, np.inf)
     is_shape: bool = False  #: of an effect, and meaningless while that is absent
+    in_proportion: bool = False  #: its logarithm is normal, with the deviation sigma / mean
+
+    def away(self, value: float) -> float:
+        """By how many standard deviations a value is more than what is believed."""
+        more = self.mean * log(value / self.mean) if self.in_proportion else value - self.mean
+        return more / self.sigma
+
+    def sigma_at(self, value: float) -> float:
+        """How much a value that lies there must grow to be one standard deviation further away."""
+        return self.sigma * value / self.mean if self.in_proportion else self.sigma
 
     @property
     def step(self) -> float:
@@ -73,7 +84,10 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
     if not on_road:
         idle += ("wheel.",)
     free = [
-        Free(key, value, sigma, sigma, -np.inf if key.endswith(PLACES) else 0.02 * value)
+        Free(key, value, sigma, sigma)
+        if key.endswith(PLACES)
+        # What may be nothing is not believed in proportion.
+        else Free(key, value, sigma, sigma, 0.02 * value, in_proportion=sigma < value)
         for key, value in vehicle.values.items()
         if not key.startswith(idle) and (sigma := vehicle.uncertainty[key]) > 0
     ]

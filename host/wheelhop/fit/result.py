@@ -225,6 +225,12 @@ class Fit:
         return replace(self, runs=tuple(runs))
 
     @property
+    def believed(self) -> Array:
+        """Precision (g,) with which each shared parameter is believed, per scale, where it lies."""
+        values = self.model.values
+        return np.array([(f.scale / f.sigma_at(values[f.name])) ** 2 for f in self.shared])
+
+    @property
     def posterior(self) -> Belief:
         """What is known of the shared parameters after the fit."""
         return Belief.after(self.shared, self.model.values, self.precision)
@@ -281,7 +287,8 @@ class Fit:
         values = {f.name: self.model.values[f.name] * of_forces(f.name) for f in self.shared}
         aboard = tuple(f"{name}." for name in ABOARD)
         given = [k for k in self.model.values.keys() - values if of_forces(k)]
-        told = sum((values[f.name] / f.sigma) ** 2 for f in self.shared)
+        scales = np.array([f.scale for f in self.shared])
+        told = float(self.believed @ (np.array([*values.values()]) / scales) ** 2)
         stated = any(not key.startswith(aboard) for key in given)
         if not told or stated or self.runs[0].bench.drive == "rig":
             return np.zeros(len(values))

@@ -145,7 +145,7 @@ class Sums:
 
         given = zip(base.runs, signatures.known, columns, strict=True)
         self._tables = workshop.each(table, list(given))
-        known = [(f.scale / f.sigma) ** 2 for f in base.shared] * np.array(base.sigma**2)
+        known = base.believed * base.sigma**2
         self._matrix = np.sum([t.matrix for t in self._tables], axis=0)
         self._matrix[: len(known), : len(known)] += np.diag(known)
         self._gradient = np.sum([t.gradient for t in self._tables], axis=0)

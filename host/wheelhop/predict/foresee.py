@@ -105,10 +105,9 @@ def foresee(
                 range(len(base.runs)),
             )
         )
-    prior = np.array([(f.scale / f.sigma) ** 2 for f in numbers])
     size = max(run.bench.size for run in base.runs)
     return Foreseen(
-        case.vehicle.name, case.drives, numbers, tuple(chosen), information, prior, size
+        case.vehicle.name, case.drives, numbers, tuple(chosen), information, base.believed, size
     )
 
 

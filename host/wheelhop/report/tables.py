@@ -183,7 +183,7 @@ def vehicle_table(step: Step) -> str:
         if free.name.startswith(effects):
             continue
         value, deviation = step.parameters[free.name]
-        moved = round((value - free.mean) / free.sigma, 1) + 0.0
+        moved = round(free.away(value), 1) + 0.0
         rows.append(
             [
                 escape(label_of(free.name)),
@@ -201,16 +201,17 @@ def vehicle_table(step: Step) -> str:
 def _moved(free: Free, value: float, deviation: float) -> str:
     """The fitted interval on a scale of ±3 nominal standard deviations, as a small drawing."""
 
-    def x(number: float) -> float:
-        return 60 + 20 * min(max((number - free.mean) / free.sigma, -3.0), 3.0)
+    def x(away: float) -> float:
+        return 60 + 20 * min(max(away, -3.0), 3.0)
 
-    low, high = x(value - 2 * deviation), x(value + 2 * deviation)
+    away, known = free.away(value), 2 * deviation / free.sigma_at(value)
+    low, high = x(away - known), x(away + known)
     return (
         '<svg class="moved" viewBox="0 0 120 14" aria-hidden="true">'
         '<rect x="20" y="4" width="80" height="6" style="fill:var(--rule)"/>'
         '<path d="M60 2V12" style="stroke:var(--soft);stroke-width:1"/>'
         f'<path d="M{low:.1f} 7H{high:.1f}" style="stroke:var(--after);stroke-width:2"/>'
-        f'<circle cx="{x(value):.1f}" cy="7" r="2.8" style="fill:var(--after)"/></svg>'
+        f'<circle cx="{x(away):.1f}" cy="7" r="2.8" style="fill:var(--after)"/></svg>'
     )
 
 
