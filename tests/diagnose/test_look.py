@@ -2,7 +2,7 @@
 
 import gc
 from dataclasses import replace
-from types import FunctionType, ModuleType
+from types import FunctionType, ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from wheelhop.diagnose import fit_baseline, ladder
 from wheelhop.diagnose import look as looking
 from wheelhop.diagnose.judge import Rung, log_odds
 from wheelhop.diagnose.ladder import one_more
-from wheelhop.diagnose.look import Candidate, Look
+from wheelhop.diagnose.look import Candidate, Look, reached
 from wheelhop.diagnose.screen import Screened
 from wheelhop.effects import load_effects
 from wheelhop.fit import Fit
@@ -93,6 +93,14 @@ def test_a_minimum_reached_by_way_of_another_effect_is_the_effects_own(tmp_path,
     assert found.ranking[0].effect == "dry-friction"
     assert found.ranking[0].validated_error == found.ladder[-1].rung.error_validate
     assert found.ranking[0].reason.startswith("accepted: ")
+
+
+def test_a_look_that_could_not_screen_an_effect_says_nothing_of_it():
+    """Of rough ground whose heights follow lines until another effect explains these."""
+    ground = load_effects()["small-scale-roughness"]
+    look = Look(rung(noise(np.random.default_rng(3), 1.0)), (), (), None)
+    alone = SimpleNamespace(model=SimpleNamespace(effects=(ground,)))
+    assert reached(None, look, alone) is look
 
 
 def reachable(thing):
