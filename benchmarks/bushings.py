@@ -11,7 +11,8 @@ import io
 import os
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -41,22 +42,23 @@ def main() -> None:
     print(f"{'':44s} {'processor, ms':>13s} {'rms, %':>7s}")
     for name, make in MODELS.items():
         model = make(data[0].omega)
-        seconds, fit = timed(lambda model=model: fit_modulus(model, data[0]))
+        seconds, fit = timed(partial(fit_modulus, model, data[0]))
         line(f"one specimen, {name}", seconds, fit.error, len(data[0].omega))
     model = ModifiedPowerLaw()
     seconds, _ = timed(lambda: fit_modulus(model, data[0]).half_widths())
     line("one specimen, modified power law, intervals", seconds)
-    seconds, _ = timed(lambda: [all_models(each) for each in data], 3)
+    seconds, _ = timed(lambda: all_models(data), 3)
     line(f"8 specimens, {len(MODELS)} models, intervals", seconds)
     seconds, _ = timed(lambda: [candidates(each) for each in data], 1)
     line("the same, and five held-out fits of each", seconds)
     peer(data[0])
 
 
-def all_models(data: ModulusData) -> None:
-    """Every model with its intervals."""
-    for make in MODELS.values():
-        fit_modulus(make(data.omega), data).half_widths()
+def all_models(data: Sequence[ModulusData]) -> None:
+    """Every model of every specimen, with its intervals."""
+    for each in data:
+        for make in MODELS.values():
+            fit_modulus(make(each.omega), each).half_widths()
 
 
 def peer(data: ModulusData) -> None:

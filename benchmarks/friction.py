@@ -61,8 +61,8 @@ class Draw:
 
     def write(self, folder: Path) -> Path:
         """The campaign."""
-        sizes = [self.force_N * (self.end == end) for end in ("front", "rear")]
-        hidden = TanhFriction(*sizes, self.creep_m_s)
+        front_N, rear_N = (self.force_N * (self.end == end) for end in ("front", "rear"))
+        hidden = TanhFriction(front_N, rear_N, self.creep_m_s)
         return write_campaign(
             folder,
             PRESETS["atv"],

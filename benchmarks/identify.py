@@ -13,6 +13,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,7 @@ def main() -> None:
         ("  the same, its regressors factored once", lambda f: thesis_algorithm(f, once=True), 1),
         ("scikit-rf: vector fitting of estimated FRFs", vector_fitting, TIMES),
     ):
-        found, seconds = _timed(lambda way=way: way(fit), times)
+        found, seconds = _timed(partial(way, fit), times)
         ways.append((name, cold + seconds, error(found, held)))
     ways.append(("the true matrix", 0.0, error(thesis_matrix(), held)))
     print("way                                              seconds   ratio   held-out error")
@@ -88,7 +89,7 @@ def main() -> None:
     truth = many_modes()
     for runs in (12, 25, 50, 100):
         some = spectra(*records(truth, 0.1, runs=runs), RATE_HZ, BAND_HZ)
-        wide, seconds = _timed(lambda some=some: identify([some], THESIS, order=40), 3)
+        wide, seconds = _timed(partial(identify, [some], THESIS, order=40), 3)
         left = judge(wide, [some]).error
         print(f"{runs:4d} runs {seconds:6.2f} s {seconds / runs:6.3f} s each, error {left:.4f}")
 
@@ -131,7 +132,9 @@ def error(h: Matrix, runs: Spectra) -> float:
     from wheelhop.identify.spectra import through
 
     basis = transient_basis(runs.omega, TABLE_5_2, np.ones(len(runs.omega)))
-    rest = projected(runs.outputs - through(h(1j * runs.omega), runs.inputs), basis)
+    s: ComplexArray = np.multiply(1j, runs.omega)
+    missed: ComplexArray = np.subtract(runs.outputs, through(h(s), runs.inputs))
+    rest = projected(missed, basis)
     charge = len(basis) / (len(basis) - basis.shape[1])
     return float(np.sqrt(charge * np.sum(rest**2) / np.sum(np.abs(runs.outputs) ** 2)))
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wheelhop.campaign import ComponentCampaign, read_campaign
+from wheelhop.campaign import ComponentCampaign, RigRun, read_campaign
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
 from wheelhop.vehicle import Motion, read_nominal
@@ -46,7 +46,7 @@ def plain(campaign: ComponentCampaign, term: Term | None) -> tuple[float, float]
 
     def stacked(role: str) -> tuple[np.ndarray, np.ndarray]:
         rows, force = [], []
-        for run in campaign.runs:
+        for run in of_rig(campaign):
             if run.role == role:
                 x, v, _ = Motion(campaign, run).at(run.time_s)
                 own = term(x, v) if term else np.zeros((len(x), 0))
@@ -57,10 +57,16 @@ def plain(campaign: ComponentCampaign, term: Term | None) -> tuple[float, float]
     matrix, force = stacked("fit")
     numbers = np.linalg.lstsq(matrix, force, rcond=None)[0]
     held, truth = stacked("validate")
-    return tuple(
+    fitted, judged = (
         float(np.linalg.norm(y - a @ numbers) / np.linalg.norm(y))
         for a, y in ((matrix, force), (held, truth))
     )
+    return fitted, judged
+
+
+def of_rig(campaign: ComponentCampaign) -> list[RigRun]:
+    """The runs of a component."""
+    return [run for run in campaign.runs if isinstance(run, RigRun)]
 
 
 def main() -> None:
@@ -72,7 +78,7 @@ def main() -> None:
         if not isinstance(campaign, ComponentCampaign) or campaign.drive != "displacement":
             parser.error(f"{folder}: not a component with imposed displacement")
         print(f"{folder.name}: held-out error")
-        travel = max(float(np.abs(run.displacement).max()) for run in campaign.runs)
+        travel = max(float(np.abs(run.displacement).max()) for run in of_rig(campaign))
         ways = [slider(w * travel) for w in np.geomspace(0.005, 0.8, 8)]
         pairs = [both(a, b) for i, a in enumerate(ways) for b in ways[:i]]
         widths = [lambda x, v, w=w: np.tanh(v / w) for w in np.geomspace(0.002, 0.5, 12)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -47,13 +48,13 @@ def main() -> None:
         baseline = fit_baseline(campaign, vehicle, progress=silent)
         workshop, base = baseline.workshop, baseline.rung
         screened(workshop, base, silent)
-        _, of_library = timed(lambda w=workshop, b=base: screen(w, b.fit, library))
-        (promises, *_), of_places = timed(lambda w=workshop, b=base: screened(w, b, silent))
+        _, of_library = timed(partial(screen, workshop, base.fit, library))
+        (promises, *_), of_places = timed(partial(screened, workshop, base, silent))
         of_fit = 0.0
         if promises:
             best = promises[0].screened
-            _, of_fit = timed(lambda w=workshop, b=base, s=best: fitted(w, b, s))
-        _, of_search = timed(lambda c=campaign, v=vehicle: find_law(c, v, [], library, silent))
+            _, of_fit = timed(partial(fitted, workshop, base, best))
+        _, of_search = timed(partial(find_law, campaign, vehicle, [], library, silent))
         print(
             f"{folder.name:28} {len(campaign.runs):4} {of_library:7.1f}s {of_places:6.1f}s"
             f" {of_fit:7.1f}s {of_search:6.1f}s",

@@ -37,7 +37,7 @@ from wheelhop.law.places import Where
 from wheelhop.law.search import screened, seat_for
 from wheelhop.vehicle import read_vehicle
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 PRESET, NOISE_M_S2 = "atv", 0.1
 CLEAN = 2
 
@@ -160,6 +160,10 @@ def look_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> boo
         return said == place
 
 
+def silent(text: str) -> None:
+    """No word of progress."""
+
+
 def screen_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> bool:
     """Make, rank the places, print a line; whether the first is right."""
     with tempfile.TemporaryDirectory() as temporary:
@@ -168,9 +172,9 @@ def screen_for(name: str, place: str, effects: Sequence[Effect], seed: int) -> b
         write_campaign(folder, preset, effects, seed=seed, short=True, noise_rms=NOISE_M_S2)
         floor = tomllib.loads((folder / "truth.toml").read_text())["oracle_rel_validate"]
         campaign = read_campaign(folder)
-        found = fit_baseline(campaign, read_vehicle(campaign.vehicle_file), progress=len)
+        found = fit_baseline(campaign, read_vehicle(campaign.vehicle_file), progress=silent)
         begin = time.process_time()
-        promises, *_ = screened(found.workshop, found.rung, len)
+        promises, *_ = screened(found.workshop, found.rung, silent)
         ranked = [(p.screened.score, p.where.name, p.screened.error) for p in promises]
         took = time.process_time() - begin
         seat = seat_for(found.workshop, found.rung, list(load_effects().values()))

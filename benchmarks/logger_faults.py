@@ -17,6 +17,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,7 +126,8 @@ def rejects(rng: Rng, one: Logger) -> Faults:
 def cut(rng: Rng, one: Logger) -> Faults:
     """The power fails inside a write."""
     write = one.board.counters().card_writes + int(rng.integers(0, 10))
-    tail = ("old", "ones", "noise")[rng.integers(3)]
+    tails: tuple[Literal["old", "ones", "noise"], ...] = ("old", "ones", "noise")
+    tail = tails[rng.integers(3)]
     return Faults(power_cut=PowerCut(write, int(rng.integers(0, 513)), tail))
 
 
@@ -292,8 +294,8 @@ def trial(seed: int, folder: Path, elf: Path = ELF, small: Path = SMALL) -> Outc
             outcome.wrong.append(f"{len(missing)} acknowledged blocks are not in the file")
         elif len(logs[session].scans) < told.written:
             outcome.wrong.append(f"{told.written} scans acknowledged, fewer in the file")
-    if faults := faults_of(card):
-        outcome.wrong.append(f"file system: {faults[0]}")
+    if damage := faults_of(card):
+        outcome.wrong.append(f"file system: {damage[0]}")
     path.unlink()
     return outcome
 

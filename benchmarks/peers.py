@@ -146,7 +146,7 @@ def _laws(mechanism: Mechanism) -> Callable[[Array, Array], Array]:
 
     def force(x: Array, v: Array) -> Array:
         beyond = np.maximum(np.abs(v) - p["knee"], 0.0)
-        return (
+        return np.asarray(
             p["cubic"] * x**3
             + p["stop"] * np.minimum(x + p["clearance"], 0.0)
             + p["one_sided"] * np.abs(v)

@@ -169,7 +169,7 @@ def arrivals_s(speed_m_s: float) -> list[float]:
     return [(BEGINS_M + back) / speed_m_s for back in behind]
 
 
-def bump(speed_m_s: float, time_s: Array) -> tuple[Array, Array]:
+def bump(speed_m_s: float, time_s: NDArray[np.floating]) -> tuple[Array, Array]:
     """Heights, m, and rates, m/s, of the ground under the wheels (T, 4): left wheels alone."""
     height, rate = np.zeros((len(time_s), 4)), np.zeros((len(time_s), 4))
     turn = np.pi * speed_m_s / LENGTH_M

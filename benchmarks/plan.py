@@ -77,7 +77,7 @@ class Driven:
             if self.third:
                 samples = plan_car.record(self.true, truly, next(iter(hidden), ""))
             else:
-                samples = sense_run(self.true, truly, make_effects(hidden))
+                samples = np.asarray(sense_run(self.true, truly, make_effects(hidden)))
             samples = samples + sigma * rng.normal(size=samples.shape)
             id_, speed = drive.id, drive.speed_kmph / 3.6
             runs.append(Recorded(id_, Path(id_), "fit", speed, drive.track, time_s, samples))

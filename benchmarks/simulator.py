@@ -217,8 +217,10 @@ def _road_forces(road: Road, step_s: float) -> Array:
     )
 
 
-def from_python(name: str, step: Callable, case: Case, road: Road, reference: list[Array],
-                step_s: float, kind: int) -> Timed:  # fmt: skip
+def from_python(
+    name: str, step: Callable[..., Array], case: Case, road: Road, reference: list[Array],
+    step_s: float, kind: int,
+) -> Timed:  # fmt: skip
     """The law in Python, one run on one thread; counted as if `THREADS` processes shared the work
     without loss."""
     model = other.build(VEHICLE, other.Strut(), kind)

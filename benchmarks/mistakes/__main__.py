@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -91,10 +92,8 @@ def main() -> int:
             f"{len(MISTAKES)} kinds, named {total} of {tried}: {100 * total / max(tried, 1):.1f} %"
         )
         false, times, count = 0, [], 0
-        campaigns = [
-            (lambda s=s: good(Path(work), s), f"seed {s}") for s in seeds[arguments.base :]
-        ]
-        campaigns += [(lambda f=f: asked(f), str(f)) for f in arguments.folders]
+        campaigns = [(partial(good, Path(work), s), f"seed {s}") for s in seeds[arguments.base :]]
+        campaigns += [(partial(asked, f), str(f)) for f in arguments.folders]
         for make, label in campaigns:
             campaign, vehicle = make()
             begin = time.process_time()

@@ -162,7 +162,7 @@ def integrated(c: Campaign, v: Vehicle, rng: np.random.Generator) -> Asked:
 
     def once(y: Array) -> Array:
         sums = np.cumsum(y - y.mean(axis=0), axis=0) / c.sample_rate_hz
-        return sums - sums.mean(axis=0)
+        return np.asarray(sums - sums.mean(axis=0))
 
     return recorded(c, once), v
 
