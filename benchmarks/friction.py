@@ -26,8 +26,8 @@ from tests.truth.campaign import write_campaign
 from tests.truth.other_laws import TanhFriction
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose.baseline import fit_baseline
-from wheelhop.diagnose.critic import criticism
-from wheelhop.diagnose.ladder import climb
+from wheelhop.diagnose.search.ladder import climb
+from wheelhop.diagnose.verdict.critic import criticism
 from wheelhop.effects import Effect, beliefs, load_effects
 from wheelhop.gate import gate
 from wheelhop.vehicle import read_vehicle

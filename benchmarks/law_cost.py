@@ -16,7 +16,7 @@ from typing import TypeVar
 
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
 from wheelhop.law.few_terms import fitted

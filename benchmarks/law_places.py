@@ -29,7 +29,7 @@ from tests.truth.model import STEP_S, Motion
 from tests.truth.vehicle import axle, corner_positions
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.confirm import least_gain
+from wheelhop.diagnose.confirm.in_full import least_gain
 from wheelhop.effects import load_effects
 from wheelhop.law import Found, Moved, find_law
 from wheelhop.law.along import force_along

@@ -1,6 +1,6 @@
 """Mutants of the host: python -m benchmarks.mutants [--part NAME] [--count N] [--seed N]
 
-Small mistakes are planted, one at a time, in what results stand on: formats, judge, fit and floor.
+Small mistakes are planted, one at a time, in what results stand on: formats, score, fit and floor.
 A comparison is off by one or turned round, a sign changes, a number is another, a statement is left
 out. One that fails the part's tests, or does not come to an end, is caught; the others are listed,
 for somebody to say whether a test is missing or nothing depends on what was changed.
@@ -42,11 +42,11 @@ PARTS = {
             *("tests/campaign/test_mistakes.py", "tests/formats"),
         ),
     ),
-    "judge": Part(
-        ("diagnose/judge.py",),
+    "score": Part(
+        ("diagnose/score.py",),
         (
-            *("tests/diagnose/test_judge_bounds.py", "tests/diagnose/test_evidence.py"),
-            *("tests/diagnose/test_rotate.py", "tests/diagnose/test_judge.py"),
+            *("tests/diagnose/test_score_bounds.py", "tests/diagnose/test_evidence.py"),
+            *("tests/diagnose/test_rotate.py", "tests/diagnose/test_score.py"),
         ),
     ),
     "fit": Part(
@@ -57,7 +57,7 @@ PARTS = {
             *("tests/fit/test_component.py", "tests/fit/test_result.py"),
             *("tests/fit/test_harmonics.py", "tests/fit/test_bumps.py", "tests/fit/test_bench.py"),
             *("tests/effects/test_roughness.py", "tests/component/test_start.py"),
-            *("tests/diagnose/test_rotate.py", "tests/diagnose/test_judge.py", "tests/fit"),
+            *("tests/diagnose/test_rotate.py", "tests/diagnose/test_score.py", "tests/fit"),
         ),
     ),
     "floor": Part(
@@ -87,9 +87,9 @@ class Mutant:
 
 REMEMBERED = (
     ("formats", "files/units.py", '1e-2, "centimetres per s', '1e-1, "centimetres per s'),
-    ("judge", "diagnose/judge.py", "tried * float(np.exp", "float(np.exp"),
-    ("judge", "diagnose/judge.py", "run.charged / (1.0 - spent)", "run.charged"),
-    ("judge", "diagnose/judge.py", "run.heights.penalty - run.heights.log_volume", "0.0"),
+    ("score", "diagnose/score.py", "tried * float(np.exp", "float(np.exp"),
+    ("score", "diagnose/score.py", "run.charged / (1.0 - spent)", "run.charged"),
+    ("score", "diagnose/score.py", "run.heights.penalty - run.heights.log_volume", "0.0"),
 )
 """Mistakes that were once not seen: a factor of a unit, no Bonferroni, heights free of charge."""
 

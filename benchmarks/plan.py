@@ -28,7 +28,7 @@ from wheelhop.api.planning import plan
 from wheelhop.campaign import Campaign, Channel
 from wheelhop.campaign import Run as Recorded
 from wheelhop.diagnose.baseline import Baseline, fit_baseline
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects import load_effects
 from wheelhop.predict.drives import Drive, read_drives
 from wheelhop.vehicle import Vehicle

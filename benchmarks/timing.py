@@ -22,7 +22,7 @@ IMPORT = "import wheelhop.diagnose, wheelhop.effects"
 READ = """
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects import load_effects
 from wheelhop.vehicle import read_vehicle
 campaign = read_campaign({folder!r})

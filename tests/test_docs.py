@@ -13,7 +13,7 @@ from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
 from wheelhop.cli.parser import make_parser
 from wheelhop.diagnose import diagnose, fit_baseline
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects import load_effects
 from wheelhop.simulate import Model, RunSimulator
 from wheelhop.vehicle import read_nominal, read_vehicle

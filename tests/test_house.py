@@ -156,6 +156,6 @@ def test_the_plan_of_the_house_names_every_room_in_order():
 def test_the_plan_of_a_diagnosis_names_every_file_of_it():
     plan = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     steps = plan.split("## A diagnosis, step by step")[1].split("\n## ")[0]
-    told = set(re.findall(r"`(?:diagnose/)?(\w+\.py)`", steps))
+    told = set(re.findall(r"`diagnose/([\w/]+\.py)`", steps))
     folder = ROOT / "host" / "wheelhop" / "diagnose"
-    assert told == {file.name for file in folder.glob("[!_]*.py")}
+    assert told == {f.relative_to(folder).as_posix() for f in folder.rglob("[!_]*.py")}

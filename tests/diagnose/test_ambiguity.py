@@ -5,11 +5,11 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
-from wheelhop.diagnose.confirm import confirm
-from wheelhop.diagnose.judge import Rung
-from wheelhop.diagnose.look import Candidate
-from wheelhop.diagnose.ranking import AMBIGUOUS_DEG, Angles
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.score import Rung
+from wheelhop.diagnose.screen.first_order import screen
+from wheelhop.diagnose.search.look import Candidate
+from wheelhop.diagnose.verdict.ranking import AMBIGUOUS_DEG, Angles
 from wheelhop.effects.dry_friction import DryFriction
 
 

@@ -10,8 +10,8 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline, to_json
-from wheelhop.diagnose.confirm import least_gain, worth_simulating
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.confirm.in_full import least_gain, worth_simulating
+from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects.beliefs import beliefs
 from wheelhop.vehicle import read_vehicle
 

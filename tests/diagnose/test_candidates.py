@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from wheelhop.diagnose import look as looking
+from wheelhop.diagnose.search import look as looking
 from wheelhop.effects import load_effects
 
 

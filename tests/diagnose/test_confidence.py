@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnose.test_judge import noise, rung
+from tests.diagnose.test_score import noise, rung
 from wheelhop.diagnose.diagnosis import Grounds, Step
-from wheelhop.diagnose.verdict import CEILING, confidence
-from wheelhop.diagnose.verdict import grounds as grounds_of
+from wheelhop.diagnose.posterior import CEILING, confidence
+from wheelhop.diagnose.posterior import grounds as grounds_of
 
 VERDICTS = (
     ("none",),

@@ -8,10 +8,10 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
-from wheelhop.diagnose import confirm as confirming
-from wheelhop.diagnose.confirm import _saturated, confirm, refit, worth_simulating
-from wheelhop.diagnose.judge import Rung
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.confirm import in_full as confirming
+from wheelhop.diagnose.confirm.in_full import _saturated, confirm, refit, worth_simulating
+from wheelhop.diagnose.score import Rung
+from wheelhop.diagnose.screen.first_order import screen
 
 
 def test_shapes_wait_until_the_amplitude_has_come(tmp_path):

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from wheelhop.compare import Slice, estimate_noise_between_samples
-from wheelhop.diagnose.critic import (
+from wheelhop.diagnose.diagnosis import Ranked
+from wheelhop.diagnose.verdict.critic import (
     Number,
     _bounds,
     _fair_band,
@@ -19,7 +20,6 @@ from wheelhop.diagnose.critic import (
     _untold,
     upheld,
 )
-from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.effects import load_effects
 from wheelhop.fit import Free
 from wheelhop.gate import Finding

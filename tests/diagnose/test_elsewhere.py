@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.fit.linear import START, LinearBench, Shop, benches_of
-from wheelhop.diagnose.validate import from_elsewhere
+from wheelhop.diagnose.confirm.validate import from_elsewhere
 from wheelhop.fit import Free, fit, update
 
 TRAVEL, FORESEEN, UNCERTAIN = 0.4, 0.5, 0.15

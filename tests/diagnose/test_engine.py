@@ -6,8 +6,8 @@ import pytest
 from tests import truth
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.confirm import confirm
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects import load_effects
 from wheelhop.vehicle import read_nominal
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tests.diagnose.test_judge import RUNS, fit_of, leaving, noise, rung
-from wheelhop.diagnose.judge import Rung, log_odds
+from tests.diagnose.test_score import RUNS, fit_of, leaving, noise, rung
+from wheelhop.diagnose.score import Rung, log_odds
 from wheelhop.fit import Fit, Free, RunFit
 from wheelhop.simulate import Model
 

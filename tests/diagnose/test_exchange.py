@@ -4,10 +4,10 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
-from wheelhop.diagnose.judge import lead
-from wheelhop.diagnose.ladder import fit_with
-from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.together import exchange
+from wheelhop.diagnose.score import lead
+from wheelhop.diagnose.search.ladder import fit_with
+from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.search.together import exchange
 
 FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
 

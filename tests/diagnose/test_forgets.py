@@ -12,14 +12,14 @@ from tests.truth.campaign import write_campaign
 from tests.truth.effects import make_effects
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.forgets import (
+from wheelhop.diagnose.score import LAW
+from wheelhop.diagnose.screen.signatures import variants
+from wheelhop.diagnose.search.forgets import (
     begun_otherwise,
     never_forgotten,
     remaining,
     without_runs,
 )
-from wheelhop.diagnose.judge import LAW
-from wheelhop.diagnose.signatures import variants
 from wheelhop.gate import Finding, Gated
 from wheelhop.vehicle import read_nominal
 

@@ -6,7 +6,8 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
-from wheelhop.diagnose import climb, forms
+from wheelhop.diagnose import climb
+from wheelhop.diagnose.confirm import forms
 from wheelhop.effects import form_of
 
 STOPS = {"clearance_m": 0.02, "rebound_clearance_m": 0.032, "stiffness_N_m": 1.5e4}

@@ -10,7 +10,7 @@ from tests.truth import campaign as truth
 from tests.truth.presets import PRESETS
 from tests.truth.suspension_effects import MountBushing
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose.ladder import steps_with
+from wheelhop.diagnose.search.ladder import steps_with
 from wheelhop.effects import load_effects
 from wheelhop.material import GeneralizedMaxwell, Specimen, write_specimen
 from wheelhop.vehicle import read_nominal

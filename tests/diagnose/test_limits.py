@@ -11,7 +11,7 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import diagnosed
 from wheelhop.diagnose import Limit, to_json
-from wheelhop.diagnose.verdict import unseen
+from wheelhop.diagnose.verdict.limits import unseen
 from wheelhop.report.words import headline, limit_words
 
 SEED = 101

@@ -7,15 +7,16 @@ from types import FunctionType, ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.diagnose.test_judge import noise, rung
+from tests.diagnose.test_score import noise, rung
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import fit_baseline, ladder
-from wheelhop.diagnose import look as looking
-from wheelhop.diagnose.judge import Rung, log_odds
-from wheelhop.diagnose.ladder import one_more
-from wheelhop.diagnose.look import Candidate, Look, reached
-from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.score import Rung, log_odds
+from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.diagnose.search import ladder
+from wheelhop.diagnose.search import look as looking
+from wheelhop.diagnose.search.ladder import one_more
+from wheelhop.diagnose.search.look import Candidate, Look, reached
 from wheelhop.effects import load_effects
 from wheelhop.fit import Fit
 from wheelhop.fit.result import Derivatives
@@ -40,7 +41,7 @@ def remembered(rung: Rung) -> Rung:
 @pytest.mark.parametrize(("held_out", "kept"), [(1, 1), (2, 0)])
 def test_derivatives_are_kept_only_where_few_held_out_runs_judge(held_out, kept):
     """One run of ten seconds does not judge by itself, and the fitted ones need derivatives to be
-    foreseen (`judge.left_out`). Two do: to keep them would take tens of megabytes a model."""
+    foreseen (`score.left_out`). Two do: to keep them would take tens of megabytes a model."""
     rng = np.random.default_rng(3)
     loud, quiet = (rung(noise(rng, size)[:held_out]) for size in (2.0, 1.0))
     loud, quiet = (replace(r, validation=with_columns(r.validation)) for r in (loud, quiet))

@@ -8,11 +8,11 @@ from scipy import signal, stats
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY
-from tests.diagnose.test_judge import noise, rung
+from tests.diagnose.test_score import noise, rung
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose
-from wheelhop.diagnose.judge import by_chance
-from wheelhop.diagnose.verdict import noisier_sensors
+from wheelhop.diagnose.posterior import noisier_sensors
+from wheelhop.diagnose.score import by_chance
 from wheelhop.fit import louder
 from wheelhop.vehicle import read_nominal
 

@@ -12,10 +12,10 @@ from tests.truth.campaign import make_campaign, write_campaign
 from tests.truth.outside_effects import FrameBending
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose
-from wheelhop.diagnose.critic import cramped
-from wheelhop.diagnose.judge import of_a_law
-from wheelhop.diagnose.ladder import _open, fit_with
-from wheelhop.diagnose.together import without_idle
+from wheelhop.diagnose.score import of_a_law
+from wheelhop.diagnose.search.ladder import _open, fit_with
+from wheelhop.diagnose.search.together import without_idle
+from wheelhop.diagnose.verdict.critic import cramped
 from wheelhop.vehicle import read_nominal
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.fit.linear import START, Shop, benches_of
-from wheelhop.diagnose.confirm import off_the_plateau
+from wheelhop.diagnose.confirm.in_full import off_the_plateau
 from wheelhop.fit import Free, fit
 
 TRAVEL, GAP = 0.4, 0.3

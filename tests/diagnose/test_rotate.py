@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.diagnose.test_judge import fit_of, rung
-from wheelhop.diagnose.judge import Rung, left_out, log_odds, p_value
+from tests.diagnose.test_score import fit_of, rung
+from wheelhop.diagnose.score import Rung, left_out, log_odds, p_value
 from wheelhop.fit import Fit, Free, RunFit
 from wheelhop.fit.result import Derivatives
 

@@ -9,9 +9,10 @@ import pytest
 
 from tests.report.small import write_small_campaign
 from wheelhop.campaign import CampaignError, Channel, read_campaign
-from wheelhop.diagnose import fit_baseline, signatures
-from wheelhop.diagnose import screen as screening
-from wheelhop.diagnose.confirm import placed_anew
+from wheelhop.diagnose import fit_baseline
+from wheelhop.diagnose.confirm.in_full import placed_anew
+from wheelhop.diagnose.screen import first_order as screening
+from wheelhop.diagnose.screen import signatures
 from wheelhop.effects import load_effects
 from wheelhop.effects.base import RunSetting
 from wheelhop.effects.phase import shift_along

@@ -7,10 +7,10 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
-from wheelhop.diagnose.confirm import confirm
-from wheelhop.diagnose.judge import all_noise, at_noise
-from wheelhop.diagnose.screen import screen
-from wheelhop.diagnose.signatures import variants
+from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.score import all_noise, at_noise
+from wheelhop.diagnose.screen.first_order import screen
+from wheelhop.diagnose.screen.signatures import variants
 
 PERIOD = {"period_min_s": 1.8, "period_max_s": 6.4}
 UNSTEADY = {"speed-fluctuation": {"fraction": 3e-4, **PERIOD}}

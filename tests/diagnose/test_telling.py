@@ -8,11 +8,11 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
-from wheelhop.diagnose import screen as screening
-from wheelhop.diagnose import together
-from wheelhop.diagnose.ladder import fit_with
-from wheelhop.diagnose.screen import screen, screen_best, taken_alone, telling
-from wheelhop.diagnose.together import exchange
+from wheelhop.diagnose.screen import first_order as screening
+from wheelhop.diagnose.screen.first_order import screen, screen_best, taken_alone, telling
+from wheelhop.diagnose.search import together
+from wheelhop.diagnose.search.ladder import fit_with
+from wheelhop.diagnose.search.together import exchange
 from wheelhop.fit import fit
 
 

@@ -7,13 +7,13 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
-from wheelhop.diagnose import confirm as confirming
-from wheelhop.diagnose import ladder, together
-from wheelhop.diagnose.confirm import confirm
-from wheelhop.diagnose.judge import Rung, at_noise, log_odds
-from wheelhop.diagnose.look import Candidate, Look
-from wheelhop.diagnose.screen import screen
-from wheelhop.diagnose.together import look_for_several
+from wheelhop.diagnose.confirm import in_full as confirming
+from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.score import Rung, at_noise, log_odds
+from wheelhop.diagnose.screen.first_order import screen
+from wheelhop.diagnose.search import ladder, together
+from wheelhop.diagnose.search.look import Candidate, Look
+from wheelhop.diagnose.search.together import look_for_several
 
 FEW = ("dry-friction", "progressive-spring", "sensor-mount")
 OTHERS = ("sensor-mount", "progressive-spring", "sensor-gain")

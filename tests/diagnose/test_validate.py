@@ -8,9 +8,9 @@ from benchmarks.blind.vehicles import rougher
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose import caveats
-from wheelhop.diagnose.judge import above_noise, all_noise, excess, material
-from wheelhop.diagnose.ladder import fit_with
-from wheelhop.diagnose.validate import Incumbent
+from wheelhop.diagnose.confirm.validate import Incumbent
+from wheelhop.diagnose.score import above_noise, all_noise, excess, material
+from wheelhop.diagnose.search.ladder import fit_with
 
 CAR = truth.PRESETS["passenger-car"]
 LIFTING = {

@@ -8,8 +8,8 @@ import pytest
 from tests import truth
 from tests.simulate.setup import ATV, EFFECTS, campaign_of, model_of, relative, simulated
 from wheelhop.diagnose import Rung
-from wheelhop.diagnose.judge import log_odds
-from wheelhop.diagnose.screen import screen_best, screen_heights
+from wheelhop.diagnose.score import log_odds
+from wheelhop.diagnose.screen.first_order import screen_best, screen_heights
 from wheelhop.fit import Ground, Heights, Workshop, fit
 from wheelhop.simulate import HeightSeries, Model
 from wheelhop.simulate.motion import MotionSimulator
@@ -291,7 +291,7 @@ def test_random_heights_have_no_lines(seed, monkeypatch):
     they are worth what they are worth where none ever is."""
     rough = {"small-scale-roughness": {"unevenness_m3": 1e-7, "waviness": 2.0}}
     found = screened(rough, seed).worth
-    monkeypatch.setattr("wheelhop.diagnose.screen.LINE", np.inf)
+    monkeypatch.setattr("wheelhop.diagnose.screen.first_order.LINE", np.inf)
     assert found == pytest.approx(screened(rough, seed).worth, rel=3e-3)
 
 

@@ -5,9 +5,9 @@ import pytest
 from tests.component import rig
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.screen import screen, taken_alone
-from wheelhop.diagnose.verdict import limits
+from wheelhop.diagnose.screen.first_order import screen, taken_alone
+from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.verdict.limits import limits
 from wheelhop.law.first_order import screen_places
 from wheelhop.law.formula import Formula
 from wheelhop.law.motion import Moves

@@ -12,7 +12,7 @@ import pytest
 from benchmarks.plan import HIDDEN, Driven, error_of, fitted, vehicles
 from tests.truth import PRESETS
 from wheelhop.api import plan
-from wheelhop.diagnose.screen import screen
+from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects import load_effects
 from wheelhop.predict import read_drives
 

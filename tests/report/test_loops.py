@@ -6,7 +6,7 @@ import pytest
 from tests.component import rig
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
-from wheelhop.diagnose.look import step_of
+from wheelhop.diagnose.search.look import step_of
 from wheelhop.report.cases import records_of, seconds_of
 from wheelhop.report.loops import _loop, loops_figure, shown_runs
 from wheelhop.report.sections import loops

@@ -11,8 +11,8 @@ from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.campaign import recorded as recordings
 from wheelhop.diagnose import Baseline, Progress, Step, axle_driven, fit_baseline
-from wheelhop.diagnose.ladder import diagnose_gated, fit_with, steps_with
-from wheelhop.diagnose.look import steps_of
+from wheelhop.diagnose.search.ladder import diagnose_gated, fit_with, steps_with
+from wheelhop.diagnose.search.look import steps_of
 from wheelhop.effects import Effect, beliefs, load_effects, pick
 from wheelhop.gate import gate
 from wheelhop.logger import Log, Recording

@@ -24,7 +24,7 @@ from wheelhop.cli.progress import stages
 from wheelhop.cli.show import print_ladder, print_parameters, print_ranking, print_verdict
 from wheelhop.compare import describe
 from wheelhop.diagnose import Step, climb, fit_baseline
-from wheelhop.diagnose.look import step_of
+from wheelhop.diagnose.search.look import step_of
 from wheelhop.effects import load_effects
 from wheelhop.files import make_folder
 from wheelhop.files.words import percent

@@ -2,10 +2,10 @@
 
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, comparison_of, fit_baseline
 from wheelhop.diagnose.diagnosis import Diagnosis, Limit, Ranked, Step, to_json
-from wheelhop.diagnose.judge import Rung
-from wheelhop.diagnose.ladder import climb, diagnose
 from wheelhop.diagnose.next_run import NextRun
-from wheelhop.diagnose.ranking import caveats
+from wheelhop.diagnose.score import Rung
+from wheelhop.diagnose.search.ladder import climb, diagnose
+from wheelhop.diagnose.verdict.ranking import caveats
 
 __all__ = [
     "Baseline",

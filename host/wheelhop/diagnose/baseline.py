@@ -11,8 +11,8 @@ import numpy as np
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, TrackSpec
 from wheelhop.compare import Comparison, Floor, compare
 from wheelhop.compare.band import InBand
-from wheelhop.diagnose.judge import Rung
-from wheelhop.diagnose.validate import validate
+from wheelhop.diagnose.confirm.validate import validate
+from wheelhop.diagnose.score import Rung
 from wheelhop.fit import (
     Bench,
     Free,

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelhop.compare import Comparison, where_to_json
-from wheelhop.diagnose.judge import EXACT, LAW, Rung
 from wheelhop.diagnose.next_run import NextRun
+from wheelhop.diagnose.score import EXACT, LAW, Rung
 from wheelhop.files.words import percent, unit_of
 from wheelhop.gate import Finding
 from wheelhop.gate import to_json as findings_to_json

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Run
-from wheelhop.diagnose.judge import Rung
+from wheelhop.diagnose.score import Rung
 from wheelhop.fit import Bench, Free, Workshop
 from wheelhop.simulate import Model
 

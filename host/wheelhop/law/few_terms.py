@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.diagnose import Progress, Rung
-from wheelhop.diagnose.confirm import confirm, refit
-from wheelhop.diagnose.judge import at_noise
-from wheelhop.diagnose.screen import Screened
-from wheelhop.diagnose.validate import validate
+from wheelhop.diagnose.confirm.in_full import confirm, refit
+from wheelhop.diagnose.confirm.validate import validate
+from wheelhop.diagnose.score import at_noise
+from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, effect_parameters, fit
 from wheelhop.law.along import along, force_along

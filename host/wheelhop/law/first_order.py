@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.diagnose import Rung
-from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.effects import Effect
 from wheelhop.law.free import Form, FreeForce
 from wheelhop.law.motion import Moves

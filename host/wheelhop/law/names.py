@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from wheelhop.diagnose import Rung
-from wheelhop.diagnose.signatures import Variant, variants, with_variant
-from wheelhop.diagnose.validate import validate
+from wheelhop.diagnose.confirm.validate import validate
+from wheelhop.diagnose.screen.signatures import Variant, variants, with_variant
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, effect_parameters, fit
 from wheelhop.law.along import force_along

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, ComponentCampaign
-from wheelhop.diagnose.screen import Screened, Taken, solve
-from wheelhop.diagnose.screen_table import Columns, Known, Table, run_table
-from wheelhop.diagnose.signatures import Variant, prepare, signatures, variants
+from wheelhop.diagnose.screen.first_order import Screened, Taken, solve
+from wheelhop.diagnose.screen.signatures import Variant, prepare, signatures, variants
+from wheelhop.diagnose.screen.table import Columns, Known, Table, run_table
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.law.along import follow_all, laws_of

@@ -9,11 +9,11 @@ import numpy as np
 
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Progress, Rung, fit_baseline
-from wheelhop.diagnose.confirm import confirm, least_gain
-from wheelhop.diagnose.judge import at_noise
-from wheelhop.diagnose.ladder import fit_with, one_more
-from wheelhop.diagnose.screen import Screened, screen, taken_alone
-from wheelhop.diagnose.validate import Incumbent
+from wheelhop.diagnose.confirm.in_full import confirm, least_gain
+from wheelhop.diagnose.confirm.validate import Incumbent
+from wheelhop.diagnose.score import at_noise
+from wheelhop.diagnose.screen.first_order import Screened, screen, taken_alone
+from wheelhop.diagnose.search.ladder import fit_with, one_more
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop, foreseen
 from wheelhop.law.few_terms import find_formula, fitted

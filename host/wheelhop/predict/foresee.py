@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from wheelhop.campaign import CampaignError
-from wheelhop.diagnose.screen import tabulated
-from wheelhop.diagnose.screen_table import Columns, Known, Table, run_table
-from wheelhop.diagnose.signatures import Variant
+from wheelhop.diagnose.screen.first_order import tabulated
+from wheelhop.diagnose.screen.signatures import Variant
+from wheelhop.diagnose.screen.table import Columns, Known, Table, run_table
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, Free, RunFit, Workshop, foreseen, vehicle_parameters
 from wheelhop.predict.case import Case

@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
-from wheelhop.diagnose.judge import SIGNIFICANT
-from wheelhop.diagnose.ranking import AMBIGUOUS_DEG
+from wheelhop.diagnose.score import SIGNIFICANT
+from wheelhop.diagnose.verdict.ranking import AMBIGUOUS_DEG
 from wheelhop.predict.drives import VALIDATE_EVERY, Drive
 from wheelhop.predict.foresee import Foreseen
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.judge import at_noise
+from wheelhop.diagnose.score import at_noise
 from wheelhop.files import write_picture
 from wheelhop.law import Formula, Found, Rival, look
 from wheelhop.law.formula import Part

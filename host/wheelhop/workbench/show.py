@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Campaign
 from wheelhop.compare import Record, describe
 from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
-from wheelhop.diagnose.look import Look
-from wheelhop.diagnose.ranking import Angles, ranked_so_far
-from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.verdict.ranking import Angles, ranked_so_far
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.gate import Finding

@@ -15,8 +15,8 @@ from pathlib import Path
 from wheelhop.api import ComparisonResult
 from wheelhop.campaign import Campaign, read_campaign
 from wheelhop.diagnose import Baseline, Diagnosis, Step, fit_baseline
-from wheelhop.diagnose.ladder import diagnose_from, one_more
-from wheelhop.diagnose.look import step_of
+from wheelhop.diagnose.search.ladder import diagnose_from, one_more
+from wheelhop.diagnose.search.look import step_of
 from wheelhop.effects import Effect, beliefs, load_effects
 from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate

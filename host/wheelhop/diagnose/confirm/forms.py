@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from wheelhop.diagnose.confirm import confirm, least_cost, refit
-from wheelhop.diagnose.judge import HOPELESS, Rung, at_noise, best_first
-from wheelhop.diagnose.screen import Screened
-from wheelhop.diagnose.validate import validate
+from wheelhop.diagnose.confirm.in_full import confirm, least_cost, refit
+from wheelhop.diagnose.confirm.validate import validate
+from wheelhop.diagnose.score import HOPELESS, Rung, at_noise, best_first
+from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.fit import Workshop, effect_parameters, fit
 from wheelhop.simulate import Model
 

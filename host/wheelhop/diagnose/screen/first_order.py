@@ -21,9 +21,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.judge import all_noise
-from wheelhop.diagnose.screen_table import Columns, Known, Table, beyond, run_table
-from wheelhop.diagnose.signatures import Prepared, Variant, prepare, signatures, variants
+from wheelhop.diagnose.score import all_noise
+from wheelhop.diagnose.screen.signatures import Prepared, Variant, prepare, signatures, variants
+from wheelhop.diagnose.screen.table import Columns, Known, Table, beyond, run_table
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit import (
     Explained,

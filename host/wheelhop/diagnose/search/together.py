@@ -19,7 +19,7 @@ from math import comb, inf
 from typing import NamedTuple
 
 from wheelhop.diagnose.baseline import Progress
-from wheelhop.diagnose.confirm import (
+from wheelhop.diagnose.confirm.in_full import (
     CONFIRMED,
     SEEN,
     confirm,
@@ -29,7 +29,8 @@ from wheelhop.diagnose.confirm import (
     without,
     worth_simulating,
 )
-from wheelhop.diagnose.judge import (
+from wheelhop.diagnose.confirm.validate import Incumbent
+from wheelhop.diagnose.score import (
     HOPELESS,
     NEARLY_ALL,
     Rung,
@@ -43,9 +44,8 @@ from wheelhop.diagnose.judge import (
     power,
     worth_seeking,
 )
-from wheelhop.diagnose.look import Candidate, Look, contradicted
-from wheelhop.diagnose.screen import Screened, screen_best
-from wheelhop.diagnose.validate import Incumbent
+from wheelhop.diagnose.screen.first_order import Screened, screen_best
+from wheelhop.diagnose.search.look import Candidate, Look, contradicted
 from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 

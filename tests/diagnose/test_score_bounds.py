@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.diagnose.test_judge import BLOCKS, RUNS, BesideEffects, fit_of, leaving, noise, rung
+from tests.diagnose.test_score import BLOCKS, RUNS, BesideEffects, fit_of, leaving, noise, rung
 from wheelhop.diagnose.diagnosis import Step
-from wheelhop.diagnose.judge import (
+from wheelhop.diagnose.score import (
     MATERIAL,
     Rung,
     by_chance,

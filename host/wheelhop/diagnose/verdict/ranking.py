@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from wheelhop.compare import describe
 from wheelhop.diagnose.diagnosis import Grounds, Limit, Ranked, Step
-from wheelhop.diagnose.judge import SIGNIFICANT
-from wheelhop.diagnose.look import Candidate, Look, contradicted, summary_of
 from wheelhop.diagnose.next_run import angle_deg
-from wheelhop.diagnose.screen import Screened
+from wheelhop.diagnose.score import SIGNIFICANT
+from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.diagnose.search.look import Candidate, Look, contradicted, summary_of
 from wheelhop.effects import Effect
 from wheelhop.files.words import chance, listed
 from wheelhop.fit import Fit

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.compare.band import InBand
-from wheelhop.diagnose.judge import (
+from wheelhop.diagnose.score import (
     MATERIAL,
     Rung,
     at_noise,

@@ -1,108 +1,30 @@
-"""The verdict: what was accepted, how sure that is, and what these runs could not have shown.
-
-"Nothing is missing" is worth what the runs could have shown. The signatures that screening made
-say it beforehand, to first order: an effect s times as strong as its scales takes s² G out of the
-fitted runs' sum of squares per noise power, G = dᵀI d with the scales d of its amplitudes and
-what the runs tell of these, I.
-"""
+"""How sure a verdict is: what speaks for its first entry, against its rivals, noise and chance."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
-from math import erf, exp, inf, log, prod, sqrt, tanh
+from collections.abc import Mapping, Sequence
+from math import exp, inf, log, tanh
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from wheelhop.diagnose.critic import cramped
-from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, Grounds, Limit, Step
-from wheelhop.diagnose.judge import (
+from wheelhop.diagnose.diagnosis import UNLIKELY, Grounds, Step
+from wheelhop.diagnose.score import (
     EXACT,
-    SIGNIFICANT,
     Rung,
     by_chance,
     excess,
     lead,
     left,
     log_odds,
-    material,
     p_value,
 )
-from wheelhop.diagnose.look import Look, beside_other_laws
-from wheelhop.diagnose.next_run import NextRun, propose
-from wheelhop.diagnose.ranking import Angles, explanation, ranking
-from wheelhop.diagnose.screen import Screened
-from wheelhop.diagnose.together import Stand
-from wheelhop.effects import Effect
-from wheelhop.fit import BROAD, Workshop, louder
+from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.search.together import Stand
+from wheelhop.fit import louder
 
 Array = NDArray[np.float64]
-
-DOUBT = 0.03
-"""A rival that leaves only this share more than the effect chosen leaves a doubt, whatever the
-evidence says: simulations are no more exact than that near the noise."""
-
-
-def conclude(
-    workshop: Workshop,
-    steps: Sequence[Step],
-    first: Look,
-    last: Look,
-    stands: Mapping[str, Stand],
-    effects: Sequence[Effect],
-) -> Diagnosis:
-    """The diagnosis from the ladder's steps, the first look, the last one, what exchanging effects
-    showed, and the library."""
-    steps = [*steps[:-1], beside_other_laws(steps[-1], last)]
-    angles = Angles(first.rung.fit, first.screened, first.candidates)
-    accepted = steps[-1].added
-    on_bounds = cramped(steps[-1])
-    not_noise = steps[-1].above_floor and noisier(steps[-1], workshop.noise) < UNLIKELY
-    left_over = not_noise or bool(on_bounds)
-    verdict = (*accepted, "unknown") if left_over else accepted or ("none",)
-    shown = limits(last if last.screened else first, accepted)
-    stands_on = replace(
-        grounds(verdict, steps, first, last, stands, workshop.noise),
-        unseen=unseen(_of_the_vehicle(shown, effects), len(effects)),
-        cramped=bool(on_bounds),
-    )
-    return Diagnosis(
-        verdict=verdict,
-        confidence=confidence(verdict, stands_on),
-        grounds=stands_on,
-        ranking=ranking(first, angles, effects, steps[0]),
-        ladder=tuple(steps),
-        next_run=_next_run(workshop, accepted, first, angles),
-        explanation=explanation(
-            verdict, steps, last, stands_on, _of_the_vehicle(shown, effects), on_bounds
-        ),
-        limits=shown,
-    )
-
-
-def _next_run(
-    workshop: Workshop, accepted: Sequence[str], first: Look, angles: Angles
-) -> NextRun | None:
-    """The run that tells the effect accepted first from the rival that comes nearest to it, if any
-    comes near."""
-    chosen = next((c for c in first.candidates if c.id in accepted), None)
-    if chosen is None:
-        return None
-    near = dict(angles.near(chosen.id))
-    rivals = [c for c in first.candidates if c is not chosen]
-    close = [c for c in rivals if c.id in near or lead(chosen.rung, c.rung) < DOUBT]
-    if not close:
-        return None
-    nearest = min(close, key=lambda c: lead(chosen.rung, c.rung))
-    return propose(
-        workshop,
-        (chosen.id, chosen.rung),
-        (nearest.id, nearest.rung),
-        angles.between(chosen.id, nearest.id),
-    )
-
 
 CEILING = 0.99
 """No verdict on a single campaign is surer than this."""
@@ -264,53 +186,3 @@ def _stability(rival: Rung, accepted: Rung) -> float:
         gains += [left(a) - left(b) for a, b in zip(before.runs, after.runs, strict=True)]
     total = sum(gains)
     return (total - max(gains)) / total if total > 0.0 else -1.0
-
-
-def limits(look: Look, accepted: Collection[str]) -> tuple[Limit, ...]:
-    """The limits of all effects a look screened, in the order of their names, but for those
-    accepted, and those that leave every run numbers of its own and nothing else."""
-    found = [
-        _limit(look, item)
-        for item in look.screened
-        if item.variant.amplitudes and item.variant.effect.id not in accepted
-    ]
-    return tuple(sorted(found, key=lambda limit: limit.effect))
-
-
-def unseen(limits: Sequence[Limit], tried: int) -> float:
-    """Chance that an effect is there, weaker than its limit, if of the effects `tried` a machine
-    has one on the average and all are as likely."""
-    return 1.0 - prod(1.0 - limit.unseen / tried for limit in limits)
-
-
-def _of_the_vehicle(limits: Sequence[Limit], effects: Sequence[Effect]) -> list[Limit]:
-    """The limits of physics. What sensors and surveys do to none of these runs is not missing; a
-    vehicle has its bar on other runs, too."""
-    physics = {e.id for e in effects if e.place != "sensor" and not e.is_belief}
-    return [limit for limit in limits if limit.effect in physics]
-
-
-def _limit(look: Look, item: Screened) -> Limit:
-    """Nothing is believed of amplitudes but that they lie within `BROAD` scales, one standard
-    deviation. A switch is there or it is not."""
-    variant = item.variant
-    scale = np.array([p.scale for p in variant.amplitudes])
-    gain = float(scale @ item.information @ scale)
-    strength = float(np.sqrt(_needed(look, item) / gain)) if gain > 0.0 else inf
-    possible = all(
-        strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
-        for p in variant.amplitudes
-    )
-    weaker = 0.0 if all(p.switch for p in variant.amplitudes) else erf(strength / BROAD / sqrt(2.0))
-    weaker = weaker if possible else 1.0
-    found = {p.name: p.absent + strength * p.scale for p in variant.amplitudes if not p.switch}
-    shown = weaker < CEILING
-    return Limit(variant.effect.id, variant.choice, found if shown else {}, shown, weaker)
-
-
-def _needed(look: Look, item: Screened) -> float:
-    """The drop of the fitted runs' sum of squares, per noise power, with which an effect would be
-    simulated in full and then hold on the runs that judge."""
-    fitted, judging = look.rung.fit.size, look.rung.judging.size
-    by_chance = 2.0 * log(len(look.screened) / SIGNIFICANT) * fitted / judging
-    return max(item.price, by_chance, material(look.rung) * fitted)

@@ -14,7 +14,7 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
-from wheelhop.diagnose.judge import Rung, best_first, log_odds, unforeseen
+from wheelhop.diagnose.score import Rung, best_first, log_odds, unforeseen
 from wheelhop.fit import Bench, Fit, Workshop, fit, follow, update
 from wheelhop.fit.bench import RUNS_AWAY
 from wheelhop.simulate import Model

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
-from wheelhop.diagnose.judge import at_noise, nearly_all
+from wheelhop.diagnose.score import at_noise, nearly_all
 from wheelhop.effects import Effect
 from wheelhop.files.words import listed, percent, significant
 from wheelhop.fit import Free, of_forces

@@ -11,18 +11,19 @@ from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
-from wheelhop.diagnose.confirm import confirm, refit
-from wheelhop.diagnose.critic import criticism, refuted, upheld
+from wheelhop.diagnose.confirm.in_full import confirm, refit
+from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
-from wheelhop.diagnose.forgets import (
+from wheelhop.diagnose.score import Rung, nearly_all, of_a_law, power
+from wheelhop.diagnose.screen.first_order import screen
+from wheelhop.diagnose.search.forgets import (
     FORGETS,
     beginning_allowed_for,
     never_forgotten,
     remaining,
     without_runs,
 )
-from wheelhop.diagnose.judge import Rung, nearly_all, of_a_law, power
-from wheelhop.diagnose.look import (
+from wheelhop.diagnose.search.look import (
     Look,
     Watch,
     look_at,
@@ -32,11 +33,10 @@ from wheelhop.diagnose.look import (
     steps_of,
     with_step,
 )
-from wheelhop.diagnose.ranking import why_not
-from wheelhop.diagnose.screen import screen
-from wheelhop.diagnose.together import Stand, exchange, look_for_several, without_idle
-from wheelhop.diagnose.validate import Incumbent
-from wheelhop.diagnose.verdict import conclude
+from wheelhop.diagnose.search.together import Stand, exchange, look_for_several, without_idle
+from wheelhop.diagnose.verdict.conclude import conclude
+from wheelhop.diagnose.verdict.critic import criticism, refuted, upheld
+from wheelhop.diagnose.verdict.ranking import why_not
 from wheelhop.effects import Effect, Place, beliefs
 from wheelhop.fit import Workshop
 from wheelhop.gate import Gated, gate

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from wheelhop.campaign import Campaign, Run
-from wheelhop.diagnose.judge import LAW, Rung, unforeseen
+from wheelhop.diagnose.score import LAW, Rung, unforeseen
 from wheelhop.files.words import percent
 from wheelhop.fit import RunFit, Workshop
 from wheelhop.gate import Finding, Gated

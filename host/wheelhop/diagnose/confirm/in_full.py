@@ -13,10 +13,10 @@ from math import inf, isclose, isfinite
 
 import numpy as np
 
-from wheelhop.diagnose.judge import HOPELESS, Rung, all_noise, material, noticeable, unforeseen
-from wheelhop.diagnose.screen import Screened
-from wheelhop.diagnose.signatures import with_variant
-from wheelhop.diagnose.validate import misfits, validate
+from wheelhop.diagnose.confirm.validate import misfits, validate
+from wheelhop.diagnose.score import HOPELESS, Rung, all_noise, material, noticeable, unforeseen
+from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.diagnose.screen.signatures import with_variant
 from wheelhop.effects import Effect
 from wheelhop.fit import (
     CONVERGED_QUICK,

@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.screen_table import Columns
+from wheelhop.diagnose.screen.table import Columns
 from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.fit import Fit, FitProbe, Move, RunFit, Trial, Workshop, effect_run_parameters, moves
 from wheelhop.simulate import Model

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from math import hypot, inf
 
 from wheelhop.diagnose.baseline import Progress, comparison_of
-from wheelhop.diagnose.confirm import confirm, least_cost, refit, worth_simulating
+from wheelhop.diagnose.confirm.forms import best_form
+from wheelhop.diagnose.confirm.in_full import confirm, least_cost, refit, worth_simulating
+from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Step
-from wheelhop.diagnose.forms import best_form
-from wheelhop.diagnose.judge import (
+from wheelhop.diagnose.score import (
     HOPELESS,
     LAW,
     Rung,
@@ -27,8 +28,7 @@ from wheelhop.diagnose.judge import (
     power,
     worth_seeking,
 )
-from wheelhop.diagnose.screen import Screened, screen
-from wheelhop.diagnose.validate import Incumbent
+from wheelhop.diagnose.screen.first_order import Screened, screen
 from wheelhop.effects import Effect, OwnValues, form_of
 from wheelhop.fit import Workshop
 

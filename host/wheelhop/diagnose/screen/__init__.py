@@ -1,0 +1,1 @@
+"""Screening: what each effect could explain, to first order."""

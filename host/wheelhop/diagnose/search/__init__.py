@@ -1,0 +1,1 @@
+"""The search over sets of effects: add, drop, exchange, several together."""

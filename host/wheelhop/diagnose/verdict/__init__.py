@@ -1,0 +1,1 @@
+"""The verdict: what was found, what it is worth, and what is odd about it."""

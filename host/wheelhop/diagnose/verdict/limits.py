@@ -1,0 +1,75 @@
+"""Limits: what these runs could not have shown.
+
+"Nothing is missing" is worth what the runs could have shown. The signatures that screening made
+say it beforehand, to first order: an effect s times as strong as its scales takes s² G out of the
+fitted runs' sum of squares per noise power, G = dᵀI d with the scales d of its amplitudes and
+what the runs tell of these, I.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from math import erf, inf, log, prod, sqrt
+
+import numpy as np
+
+from wheelhop.diagnose.diagnosis import Limit
+from wheelhop.diagnose.posterior import CEILING
+from wheelhop.diagnose.score import (
+    SIGNIFICANT,
+    material,
+)
+from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.diagnose.search.look import Look
+from wheelhop.effects import Effect
+from wheelhop.fit import BROAD
+
+
+def limits(look: Look, accepted: Collection[str]) -> tuple[Limit, ...]:
+    """The limits of all effects a look screened, in the order of their names, but for those
+    accepted, and those that leave every run numbers of its own and nothing else."""
+    found = [
+        _limit(look, item)
+        for item in look.screened
+        if item.variant.amplitudes and item.variant.effect.id not in accepted
+    ]
+    return tuple(sorted(found, key=lambda limit: limit.effect))
+
+
+def unseen(limits: Sequence[Limit], tried: int) -> float:
+    """Chance that an effect is there, weaker than its limit, if of the effects `tried` a machine
+    has one on the average and all are as likely."""
+    return 1.0 - prod(1.0 - limit.unseen / tried for limit in limits)
+
+
+def of_the_vehicle(limits: Sequence[Limit], effects: Sequence[Effect]) -> list[Limit]:
+    """The limits of physics. What sensors and surveys do to none of these runs is not missing; a
+    vehicle has its bar on other runs, too."""
+    physics = {e.id for e in effects if e.place != "sensor" and not e.is_belief}
+    return [limit for limit in limits if limit.effect in physics]
+
+
+def _limit(look: Look, item: Screened) -> Limit:
+    """Nothing is believed of amplitudes but that they lie within `BROAD` scales, one standard
+    deviation. A switch is there or it is not."""
+    variant = item.variant
+    scale = np.array([p.scale for p in variant.amplitudes])
+    gain = float(scale @ item.information @ scale)
+    strength = float(np.sqrt(_needed(look, item) / gain)) if gain > 0.0 else inf
+    possible = all(
+        strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
+        for p in variant.amplitudes
+    )
+    weaker = 0.0 if all(p.switch for p in variant.amplitudes) else erf(strength / BROAD / sqrt(2.0))
+    weaker = weaker if possible else 1.0
+    found = {p.name: p.absent + strength * p.scale for p in variant.amplitudes if not p.switch}
+    shown = weaker < CEILING
+    return Limit(variant.effect.id, variant.choice, found if shown else {}, shown, weaker)
+
+
+def _needed(look: Look, item: Screened) -> float:
+    """The drop of the fitted runs' sum of squares, per noise power, with which an effect would be
+    simulated in full and then hold on the runs that judge."""
+    fitted, judging = look.rung.fit.size, look.rung.judging.size
+    by_chance = 2.0 * log(len(look.screened) / SIGNIFICANT) * fitted / judging
+    return max(item.price, by_chance, material(look.rung) * fitted)
