@@ -62,10 +62,9 @@ class Belief:
 
     def room(self, values: Mapping[str, float]) -> Array:
         """How far each number may go down and up (2, p), from where it is."""
-        now = np.array([values.get(f.name, f.mean) for f in self.free])
         scale = np.array([f.scale for f in self.free])
         bounds = np.array([[f.lower for f in self.free], [f.upper for f in self.free]])
-        return np.asarray((bounds - now) / scale)
+        return np.asarray(bounds / scale - self._now(values))
 
     def distance(self, values: Mapping[str, float]) -> float:
         """Square of Mahalanobis' distance from the mean."""

@@ -49,7 +49,7 @@ class Free:
         return more / self.sigma
 
     def sigma_at(self, value: float) -> float:
-        """How much a value that lies there must grow to be one standard deviation further away."""
+        """The standard deviation believed of it if its value lies there."""
         return self.sigma * value / self.mean if self.in_proportion else self.sigma
 
     @property
