@@ -70,6 +70,7 @@ class Backlash(Effect):
         r"k e + c\dot e - F_0 < 0:\ e = x;\quad > 0:\ e = x - g;"
         r"\quad = 0:\ x - g \leq e \leq x,\quad f = k e + c \dot e - k x - c \dot x"
     )
+    screened_at = (0.5, 0.05, 0.005)  # a wide gap is never crossed, a narrow one always
     longest_step_s = 0.0005  # the damper's force jumps when the gap closes
     source = (
         "physical backlash model (spring, damper and gap in series): M. Nordin, J. Galic, P.-O."

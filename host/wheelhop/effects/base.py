@@ -178,6 +178,9 @@ class Effect:
     has_random_heights: ClassVar[bool] = False
     """Whether it adds heights nobody knows to the ground (`height_density`): they are estimated run
     by run, and its parameters, all shapes, are found by their evidence."""
+    screened_at: ClassVar[Sequence[float]] = (0.5,)
+    """The fractions of its amplitudes' scales at which it is screened: several where what it
+    changes takes another shape as it grows."""
     longest_step_s: float = 0.0025
     """Integration step at which its force laws leave an error below the sensors' noise."""
 

@@ -1,6 +1,7 @@
 """Signatures: what an effect changes in the records when it is switched on, per unit of amplitude.
 
-They are taken at a clearly visible strength, through the same simulator that confirms the effect.
+They are taken at a clearly visible strength, through the same simulator that confirms the effect;
+at several where their shape depends on it.
 """
 
 from __future__ import annotations
@@ -20,25 +21,25 @@ from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
 
-STRENGTH = 0.5
-"""Signatures are taken at this fraction of an amplitude's scale."""
-
 RAN_AWAY = 1e9
 """A signature of such an acceleration, m/s², is that of a model that is not stable."""
 
 OWN_STRENGTH = 0.1
-"""The same for what is free in every run: a distance gained, nonlinear on a short wave."""
+"""The fraction of its scale for what is free in every run: a distance gained, nonlinear on a short
+wave."""
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One effect in one form, its shape parameters at one start, those of single runs included."""
+    """One effect in one form, its shape parameters at one start, those of single runs included, and
+    its amplitudes' signatures taken at one fraction of their scales."""
 
     effect: Effect
     choice: str
     shapes: Mapping[str, float]
     parameters: tuple[Parameter, ...]
     runs: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    strength: float = Effect.screened_at[0]
 
     @property
     def amplitudes(self) -> tuple[Parameter, ...]:
@@ -67,7 +68,10 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
         grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
         for shapes in [{**first, **start} for start in form.shape_starts(probe)] or grid:
             runs = {s.run_id: _run_shapes(form, probe, s, shapes) for s in settings}
-            found.append(Variant(form, choice, shapes, parameters, runs))
+            found += [
+                Variant(form, choice, shapes, parameters, runs, strength)
+                for strength in form.screened_at
+            ]
     return found
 
 
@@ -109,7 +113,7 @@ def prepare(workshop: Workshop, model: Model, variant: Variant) -> Prepared:
     """The models in which each amplitude is switched on by itself, clearly visible."""
     steps, models = [], []
     for p in variant.amplitudes:
-        step = p.scale if p.switch else STRENGTH * p.scale
+        step = p.scale if p.switch else variant.strength * p.scale
         steps.append(step)
         models.append(with_variant(model, variant, {p.name: p.absent + step}))
     absent = with_variant(model, variant, {})

@@ -236,8 +236,8 @@ def _confirm_best(
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first. Once one explains nearly all,
     only what screening puts beside it is a rival. Where none holds and the baseline leaves
-    something, a few more are simulated that first order thinks little of: of play it may see a
-    seventieth. What a law of the right name leaves of another form is no reason for that."""
+    something, a few more are simulated that first order, a tangent, thinks little of. What a law of
+    the right name leaves of another form is no reason for that."""
     workshop, rung = incumbent.workshop, incumbent.rung
 
     def enough(found: Rung) -> bool:
