@@ -65,7 +65,7 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
 def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_something(
     above_floor, present, holding, simulated, monkeypatch
 ):
-    """Of play of 0.12 mm in a light car screening foresees a seventieth, too little to be simulated
+    """Of play of 0.12 mm in a light car screening foresaw a seventieth, too little to be simulated
     (blind seed 12642). The best few are, but what is not worth its parameters is not."""
 
     def item(name, score):
