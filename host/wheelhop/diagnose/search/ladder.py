@@ -14,7 +14,7 @@ from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_base
 from wheelhop.diagnose.confirm.in_full import confirm, refit
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
-from wheelhop.diagnose.score import Rung, nearly_all, of_a_law, power
+from wheelhop.diagnose.score import Rung, holds_against, log_odds, nearly_all, of_a_law, power
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search.forgets import (
     FORGETS,
@@ -195,12 +195,27 @@ def climb(
         if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
             look = Look(rung, (), (), None)
             break
-        room = max_effects - len(rung.model.effects)
+        ended = _came_back(workshop, rung, tried)
+        room = 0 if ended else max_effects - len(rung.model.effects)
         look = look_at(workshop, step, effects, room, progress, watch)
         tried.append(look.remembered())
+        if ended:
+            break
     return conclude(
         workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
     )
+
+
+def _came_back(workshop: Workshop, rung: Rung, looks: Sequence[Look]) -> bool:
+    """Whether the ladder has stood on these effects before, and no worse: all that a group added is
+    not needed, one by one. Another look would find the same group."""
+    names, noise = {e.id for e in rung.model.effects}, workshop.noise
+    for then in (look.rung for look in looks):
+        if {e.id for e in then.model.effects} == names:
+            base = Incumbent(workshop, then).against(rung)
+            if not holds_against(base, rung, log_odds(base, rung, noise), 1, noise):
+                return True
+    return False
 
 
 def _open(rung: Rung, effects: Mapping[str, Effect], workshop: Workshop) -> dict[str, Effect]:

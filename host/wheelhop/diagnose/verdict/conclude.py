@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, Step
 from wheelhop.diagnose.next_run import NextRun, propose
 from wheelhop.diagnose.posterior import confidence, grounds, noisier
-from wheelhop.diagnose.score import (
-    lead,
-)
+from wheelhop.diagnose.score import lead
 from wheelhop.diagnose.search.look import Look, beside_other_laws
 from wheelhop.diagnose.search.together import Stand
 from wheelhop.diagnose.verdict.critic import cramped
