@@ -1,11 +1,12 @@
 """The fit of a linear model over ground of unknown heights: Bayes' rule in one matrix."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 from tests.fit.linear import (
     OWN,
@@ -25,6 +26,7 @@ from wheelhop.compare.band import InBand
 from wheelhop.fit import fit, update
 from wheelhop.fit.fit import foreseen
 from wheelhop.fit.height_response import Ground
+from wheelhop.fit.heights import Heights
 from wheelhop.simulate import HeightSeries
 
 BAND = InBand(128, 100.0, (5.0, 16.5))
@@ -44,23 +46,33 @@ class Even(Ground):
 
     def __init__(self, bench, model=None, system=None, coherent=True):
         self.bench, self.series, self.speed_m_s = bench, SERIES, SPEED
-        self._slowness = 1.0
+        self._slowness, self._model, self._system = 1.0, model, system
         way = SPEED * np.arange(BAND.n) / BAND.rate_hz
         self._front = np.stack([way, way + 0.3], axis=1)
 
-    def anew(self):
-        return Even(self.bench)
+    def about(self, model, system):
+        return type(self)(self.bench, model)
 
     def response(self, wave_number_rad_m):
         later = np.array([[0.0, 0.1], [0.3, -0.2]])
         return 300.0 * np.exp(-1j * wave_number_rad_m[:, None, None] * later)
 
 
+class Ringing(Even):
+    """Under channels that ring at 10 Hz, the longer the less the model is damped."""
+
+    def response(self, wave_number_rad_m):
+        ratio = wave_number_rad_m * SPEED / (2 * np.pi) / 10.0
+        damping = 0.05 * self._model.values["stiffness"] / 100.0
+        peak = 1.0 / (1.0 - ratio**2 + 2j * damping * ratio)
+        return super().response(wave_number_rad_m) * peak[:, None, None]
+
+
 @dataclass
 class RoughBench(LinearBench):
     """A run over heights that nobody knows."""
 
-    band = BAND
+    band, ground = BAND, Even
 
     @property
     def simulator(self):
@@ -68,7 +80,7 @@ class RoughBench(LinearBench):
 
     def record(self, model):
         heights = model.heights.get(self.run.id, np.zeros((2, SERIES.count)))
-        return super().record(model) + Even(self).apply(heights.reshape(-1, 1))[:, 0]
+        return super().record(model) + self.ground(self, model).apply(heights.reshape(-1, 1))[:, 0]
 
 
 @pytest.fixture
@@ -129,6 +141,59 @@ def test_heights_are_numbers_like_any_other(benches):
     for run in found.runs[:RUNS]:  # what it spent is known, the large matrices are gone
         assert 0.0 < run.heights.freedom < 4.0 * SERIES.count
         assert "_waves" not in vars(run.heights.ground)
+
+
+def ringing_benches(damping, count=12):
+    """Runs of channels that ring over heights nobody knows; of the damping they tell nothing
+    else."""
+    rng = np.random.default_rng(7)
+    made = []
+    for b in benches_of(2, count=count, noise=SIGMA, faint=1e-3):
+        bench = RoughBench(b.run, b.matrix * [0.0, 1.0, 1.0, 1.0], b.measured, b.names)
+        bench.ground = Ringing
+        heights = (rng.normal(size=(2, 2 * SERIES.count)).T @ [1.0, 1.0j]) * np.sqrt(VARIANCE)
+        model = ROUGH.with_values({"stiffness": damping}).with_heights({b.run.id: heights})
+        bench.measured = bench.record(model) + SIGMA * rng.normal(size=SIZE)
+        made.append(bench)
+    return made
+
+
+def heights_integrated_out(benches, damping):
+    """−2 ln of likelihood and prior, what is linear at its best, heights as one more noise."""
+    model = ROUGH.with_values({"stiffness": damping})
+    unit = np.eye(2 * SERIES.count)
+    lines = Ringing(benches[0], model).apply(np.hstack([unit, 1j * unit]))
+    noise = SIGMA**2 * np.eye(SIZE) + lines * np.tile(VARIANCE, 2) @ lines.T
+    design, data, prior = in_full(benches)
+    white = np.linalg.inv(np.linalg.cholesky(noise))
+    design = np.vstack([white @ part for part in design.reshape(len(benches), SIZE, -1)])
+    data = np.concatenate([white @ part for part in data.reshape(len(benches), SIZE)])
+    best = np.linalg.solve(design.T @ design + np.diag(prior), design.T @ data)
+    left = data - design @ best
+    volume = len(benches) * np.linalg.slogdet(noise)[1]
+    return left @ left + best @ (prior * best) + volume + ((damping - 100.0) / 20.0) ** 2
+
+
+def test_a_resonance_is_as_sharp_as_the_ground_it_is_heard_over_says(monkeypatch):
+    """Heights are integrated out, not taken for the likeliest: a sharper resonance asks for less
+    height, and so would seem likelier at any damping (J. Neyman, E. Scott, Econometrica 16 (1948)
+    1, of numbers that grow with the data)."""
+    monkeypatch.setattr(import_module("wheelhop.fit.fit"), "Ground", Ringing)
+    benches = ringing_benches(120.0)
+    best = minimize_scalar(lambda d: heights_integrated_out(benches, d), (80.0, 120.0)).x
+    found = fit(shop(), ROUGH, SHARED, benches)
+    away = (found.model.values["stiffness"] - best) / found.uncertainty("stiffness")
+    assert away == pytest.approx(0.0, abs=0.15)
+
+
+def test_the_volume_of_heights_grows_as_their_response_shrinks(benches):
+    """To first order, whatever the way that the response changes."""
+    model = ROUGH.with_values({"stiffness": 120.0})
+    heights = Heights(Ringing(benches[0], model), np.ones(2 * SERIES.count), VARIANCE, SIGMA)
+    other = model.with_values({"stiffness": 120.1})
+    more = replace(heights, ground=Ringing(benches[0], other)).log_volume - heights.log_volume
+    assert more > 0.005
+    assert heights.growths([(other, {"road": None})])[0] == pytest.approx(more, rel=0.01)
 
 
 def test_a_density_is_found_where_shared_numbers_are_and_stays_elsewhere(benches):

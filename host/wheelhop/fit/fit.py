@@ -8,7 +8,7 @@ wrong somewhere must not outvote the rest, nor what is believed of the vehicle.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from wheelhop.fit.density import Noise, Spectrum, find_density
 from wheelhop.fit.derivatives import moves
 from wheelhop.fit.height_response import Ground
 from wheelhop.fit.heights import Heights
-from wheelhop.fit.parameters import Free, run_parameters
+from wheelhop.fit.parameters import Free, after, between, run_parameters, stepped
 from wheelhop.fit.result import Derivatives, Fit, RunFit, kept
 from wheelhop.fit.step import Linear, Normal, Prior, damped, least
 from wheelhop.simulate import Model
@@ -129,7 +129,7 @@ def follow(workshop: Workshop, before: Model, fitted: Fit, benches: Sequence[Ben
     for run in state.runs if np.isfinite(state.cost) else ():
         normal, own = problem.normal(run, state), state.model.runs[run.bench.run.id]
         along = np.linalg.solve(damped(normal.own, 0.0), normal.mixed.T @ step)
-        model = model.with_run(run.bench.run.id, _moved(run.own, own, -np.asarray(along)))
+        model = model.with_run(run.bench.run.id, after(run.own, own, -np.asarray(along)))
     return model
 
 
@@ -155,8 +155,8 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
     for iteration in range(ITERATIONS):
         if problem.shared:
             problem.workshop.watch(iteration + 1, state.error)
-        trial, promised = problem.stepped(state, damping)
-        drop = state.cost - trial.cost if np.isfinite(trial.cost) else -np.inf
+        trial, promised, room = problem.stepped(state, damping)
+        drop = state.cost - trial.cost + room if np.isfinite(trial.cost) else -np.inf
         gain = drop / max(state.cost, state.size)
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
@@ -164,8 +164,8 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
             break
         if gain > 0 and state.cost - AHEAD * drop > bar > -np.inf:
             break
-        if gain > WORTHWHILE:  # old derivatives still serve: new ones cost many simulations
-            continue
+        if gain > WORTHWHILE and not _of_heights(state.runs):
+            continue  # old derivatives still serve; but those of no heights do not where some are
         misled = problem.misled(state)
         if misled:
             state = problem.linearise(state.model, [r for r in state.runs if r not in misled])
@@ -191,6 +191,7 @@ class _Problem:
         self.known = {} if known is None else known.derivatives
         self.converged = CONVERGED_QUICK if self.known else CONVERGED
         self.borrowed = set[str]() if known is None else {f.name for f in known.shared}
+        self.hears_heights = known is None or known.model.random_heights is not None
 
     def own(self, bench: Bench, model: Model) -> tuple[Free, ...]:
         return tuple(run_parameters(bench.run, bench.simulator.setting, model))
@@ -224,7 +225,7 @@ class _Problem:
         moved = {}
         for free in self.shared:
             if free.name not in self.borrowed:
-                other = model.with_values(_stepped(free, model.values))
+                other = model.with_values(stepped(free, model.values))
                 moved[free.name] = (other, self.workshop.systems(other))
 
         @RUNS_AWAY
@@ -295,25 +296,26 @@ class _Problem:
             likelihood = sum(r.bench.cost(r.residual, state.sigma) for r in state.runs)
         return replace(state, cost=likelihood + self._prior(state.model, state.runs))
 
-    def stepped(self, state: Fit, damping: float) -> tuple[Fit, float]:
-        """The state after a damped Gauss–Newton step, and the drop of the cost that it promised:
-        residuals and cost (at the same noise) are new, derivatives old."""
-        model, promised = self._moved(state, damping)
+    def stepped(self, state: Fit, damping: float) -> tuple[Fit, float, float]:
+        """The state after a damped Gauss–Newton step, the drop of the cost that it promised, and
+        how much more room unknown heights have there, which is part of that: residuals and cost
+        (at the same noise) are new, derivatives old."""
+        model, promised, room = self._moved(state, damping)
         systems = self.workshop.systems(model)
         self.workshop.ahead(model, systems, self.benches)
-        step = _way(self.shared, state.model.values, model.values)
+        step = between(self.shared, state.model.values, model.values)
 
         @RUNS_AWAY
         def moved(run: RunFit) -> RunFit:
             residual, run_id = run.bench.residual(model, systems), run.bench.run.id
-            own = _way(run.own, state.model.runs[run_id], model.runs[run_id])
+            own = between(run.own, state.model.runs[run_id], model.runs[run_id])
             foreseen = run.residual - run.jacobian @ np.concatenate([step, own])
             missed = float(np.linalg.norm((residual - foreseen) / run.spread)) / state.sigma
             heights = run.heights and run.heights.at(model.heights[run_id])
             return replace(run, residual=residual, heights=heights, missed=run.missed + missed)
 
         runs = tuple(self.workshop.each(moved, state.runs))
-        return self._costed(replace(state, model=model, runs=runs)), promised
+        return self._costed(replace(state, model=model, runs=runs)), promised, room
 
     def concluded(self, state: Fit) -> Fit:
         """The state with precision and prior volume."""
@@ -321,24 +323,37 @@ class _Problem:
         runs = self.workshop.each(RunFit.settled, state.runs)
         return replace(state, runs=tuple(runs), precision=precision, log_volume=log_volume)
 
-    def _moved(self, state: Fit, damping: float) -> tuple[Model, float]:
+    def _moved(self, state: Fit, damping: float) -> tuple[Model, float, float]:
         runs = self.workshop.each(lambda run: self.linear(run, state), state.runs)
         values = state.model.values
-        at, room = self.belief.precision_at(values), self.belief.room(values)
-        prior = Prior(at, self.belief.pull(values), room)
+        precision, pull = self.belief.precision_at(values), self._pull_of_heights(state)
+        prior = Prior(precision, self.belief.pull(values) + pull, self.belief.room(values))
         enough = SOLVED * self.converged * max(state.cost, state.size)
         enough = enough if damping < FIRST_DAMPING else np.inf
         step, own_steps, promised = least(prior, runs, damping, enough)
-        model = state.model.with_values(_moved(self.shared, state.model.values, step))
+        model = state.model.with_values(after(self.shared, state.model.values, step))
         for run, linear, own_step in zip(state.runs, runs, own_steps, strict=True):
             run_id = run.bench.run.id
             values = model.runs.get(run_id, {})
-            model = model.with_run(run_id, _moved(run.own, values, own_step))
+            model = model.with_run(run_id, after(run.own, values, own_step))
             if run.heights is not None and linear.heights is not None:
                 ahead, less = linear.heights
                 moved = run.heights.coefficients + ahead - less @ np.concatenate([step, own_step])
                 model = model.with_heights({run_id: moved.reshape(2, -1)})
-        return model, promised
+        return model, promised, 2.0 * float(pull @ step)
+
+    def _pull_of_heights(self, state: Fit) -> Array:
+        """Half of how the logarithm of the volume that unknown heights may fill grows (g,) along
+        the shared numbers. Without it resonances come out too sharp: the sharper, the less height
+        explains a record. Derivatives made without heights do not know of that gain: then no."""
+        heights = [run.heights for run in state.runs if run.heights is not None]
+        rough = [h for h in heights if h.coefficients.any() and self.hears_heights]
+        if not rough:
+            return np.zeros(len(self.shared))
+        models = [state.model.with_values(stepped(f, state.model.values)) for f in self.shared]
+        others = [(model, self.workshop.systems(model)) for model in models]
+        growths = self.workshop.each(lambda heights: heights.growths(others), rough)
+        return np.asarray(0.5 * np.sum(growths, axis=0) / [f.step for f in self.shared])
 
     def _prior(self, model: Model, runs: Sequence[RunFit]) -> float:
         total = self.belief.distance(model.values)
@@ -382,19 +397,3 @@ def _of_heights(runs: Sequence[RunFit]) -> bool:
     """Whether the ground of some run has unknown heights: noise is then told with them, and what is
     left counts by its squares."""
     return any(run.heights is not None for run in runs)
-
-
-def _stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:
-    return {free.name: values.get(free.name, free.mean) + free.step * free.scale}
-
-
-def _way(free: Sequence[Free], before: Mapping[str, float], after: Mapping[str, float]) -> Array:
-    """How far numbers moved, per `Free.scale`."""
-    return np.array([(after[f.name] - before.get(f.name, f.mean)) / f.scale for f in free])
-
-
-def _moved(free: Sequence[Free], values: Mapping[str, float], step: Array) -> dict[str, float]:
-    return {
-        f.name: min(max(values.get(f.name, f.mean) + f.scale * float(d), f.lower), f.upper)
-        for f, d in zip(free, step, strict=True)
-    }

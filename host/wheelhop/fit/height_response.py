@@ -7,6 +7,7 @@ rear wheel a wheelbase later; to eight channels that leaves two unknowns per fre
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -52,7 +53,11 @@ class Ground:
 
     def anew(self) -> Ground:
         """The same, what it has worked out forgotten."""
-        return Ground(self.bench, self._model, self._system, self._coherent)
+        return self.about(self._model, self._system)
+
+    def about(self, model: Model, system: System) -> Ground:
+        """The same about another model."""
+        return Ground(self.bench, model, system, self._coherent)
 
     def response(self, wave_number_rad_m: Array) -> ComplexArray:
         """Record per height of the left and the right path (k, c, 2), or of every wheel
@@ -160,17 +165,29 @@ class Ground:
 
     def square(self) -> ComplexArray:
         """GᴴG (2k, 2k), 20 MB and more: not kept."""
-        k, last = self.series.count, len(self._waves) - 1
-        left, right = self._response.transpose(2, 0, 1)
-        waves = self._waves[last].conj().T @ self._waves[0]
-        found = np.empty((2 * k, 2 * k), dtype=np.complex128, order="F")
-        found[k:, :k] = waves * (right.conj() @ left.T)
-        found[:k, k:] = found[k:, :k].conj().T
-        for i, side in enumerate((left, right)):
-            along = self._waves[min(i, last)]
-            square = waves if last == 0 else along.conj().T @ along
-            found[i * k : (i + 1) * k, i * k : (i + 1) * k] = square * (side.conj() @ side.T)
-        return found
+        response = self._paths
+        return self._overlap() * (response.conj() @ response.T)
+
+    def changes(self, weight: ComplexArray, others: Sequence[Ground]) -> Array:
+        """By how much tr(`weight` GᴴG) grows (m,) where the heights are heard as about m others, to
+        first order; `weight` (2k, 2k) is Hermitian."""
+        here = self._paths
+        pull = (weight.T * self._overlap()) @ here
+        return np.array([2.0 * np.vdot(other._paths - here, pull).real for other in others])
+
+    @property
+    def _paths(self) -> ComplexArray:
+        """The response (2k, c), left path and then right."""
+        return np.concatenate([*self._response.transpose(2, 0, 1)])
+
+    def _overlap(self) -> ComplexArray:
+        """Scalar products (2k, 2k) of the waves along left and right."""
+        first, last = self._waves[0], self._waves[-1]
+        cross = last.conj().T @ first
+        if last is first:
+            return np.tile(cross, (2, 2))
+        left, right = first.conj().T @ first, last.conj().T @ last
+        return np.block([[left, cross.conj().T], [cross, right]])
 
 
 IMPULSE_M_S2 = 0.01

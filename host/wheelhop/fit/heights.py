@@ -9,7 +9,7 @@ R. Tibshirani, J. Friedman, The Elements of Statistical Learning, 2009, eq. 3.50
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,10 +19,13 @@ from scipy import linalg
 
 from wheelhop.effects import Effect
 from wheelhop.fit.height_response import Ground
+from wheelhop.simulate import Model
+from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Values = Mapping[str, float]
+Systems = Mapping[Drive, System]
 
 LEAST_VARIANCE_M2 = 1e-24
 """Heights of a picometre can be divided by."""
@@ -74,6 +77,14 @@ class Heights:
     def log_volume(self) -> float:
         """Twice the logarithm of the share of the prior's volume that the record leaves."""
         return -4.0 * float(np.log(np.diag(self._lower).real).sum())
+
+    def growths(self, others: Sequence[tuple[Model, Systems]]) -> Array:
+        """By how much that is larger (m,) about m other models, to first order."""
+        ground, deviation = self.ground, np.sqrt(self.variance) / self.sigma
+        beside = [ground.about(model, systems[ground.bench.drive]) for model, systems in others]
+        lower, _ = linalg.lapack.zpotri(self._lower, lower=1)
+        inverse = lower + np.tril(lower, -1).conj().T
+        return -2.0 * ground.changes(inverse * np.outer(deviation, deviation), beside)
 
     def step(
         self, slope: ComplexArray, projected: ComplexArray

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import log
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, RigRun, Run
 from wheelhop.effects import Effect, Parameter, RunSetting
@@ -14,6 +15,8 @@ from wheelhop.simulate import Model
 from wheelhop.simulate.job import PATH_KEYS
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
 from wheelhop.vehicle import ABOARD, Vehicle, motions, on_mounts
+
+Array = NDArray[np.float64]
 
 SPEED_UNCERTAINTY = 0.06
 """A driver holds the nominal speed within ±10 %, nearly always: one standard deviation of it."""
@@ -60,6 +63,24 @@ class Free:
         any effect that it is. Larger where the tabulated wheel envelope changes with it.
         """
         return 0.02 if self.name in PATH_KEYS else 5e-5
+
+
+def stepped(free: Free, values: Mapping[str, float]) -> dict[str, float]:
+    """The number where a difference is taken to."""
+    return {free.name: values.get(free.name, free.mean) + free.step * free.scale}
+
+
+def between(free: Sequence[Free], before: Mapping[str, float], after: Mapping[str, float]) -> Array:
+    """How far numbers went (p,), per `Free.scale`."""
+    return np.array([(after[f.name] - before.get(f.name, f.mean)) / f.scale for f in free])
+
+
+def after(free: Sequence[Free], values: Mapping[str, float], step: Array) -> dict[str, float]:
+    """Numbers after a step (p,), per `Free.scale`, within their bounds."""
+    return {
+        f.name: min(max(values.get(f.name, f.mean) + f.scale * float(d), f.lower), f.upper)
+        for f, d in zip(free, step, strict=True)
+    }
 
 
 def initial_model(campaign: Campaign, vehicle: Vehicle) -> Model:
