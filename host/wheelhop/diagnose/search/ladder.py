@@ -157,8 +157,9 @@ def climb(
     alone = look.chosen is not None
     shorter: Mapping[str, Rung] = {}
     stands: Mapping[str, Stand] = {}
+    most = max_effects
     for _ in range(2 * max_effects):
-        room = max_effects - len(rung.model.effects)
+        room = most - len(rung.model.effects)
         better = look.chosen.rung if look.chosen is not None and room > 0 else None
         if better is None and len(rung.model.effects) > 1:
             exchanged = exchange(workshop, rung, shorter, tried, effects, progress)
@@ -195,12 +196,11 @@ def climb(
         if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
             look = Look(rung, (), (), None)
             break
-        ended = _came_back(workshop, rung, tried)
-        room = 0 if ended else max_effects - len(rung.model.effects)
+        if _came_back(workshop, rung, tried):  # nothing more is added
+            most, alone = len(rung.model.effects), False
+        room = most - len(rung.model.effects)
         look = look_at(workshop, step, effects, room, progress, watch)
         tried.append(look.remembered())
-        if ended:
-            break
     return conclude(
         workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
     )
