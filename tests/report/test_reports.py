@@ -144,6 +144,22 @@ def test_an_effect_that_took_no_part_has_its_reason(friction, tmp_path):
     assert "No run drives over a known track: tyre-lift-off." in page.text
 
 
+def test_what_was_only_screened_is_folded_away(friction, tmp_path):
+    """Four in five of the library, on most campaigns; all of it where nothing is missing."""
+    best = friction.diagnosis.ranking[0]
+    screened = replace(best, confirmed_error=None, validated_error=None, evidence=None)
+    screened = replace(screened, effect="bump-stop", reason="screened: others explain far more")
+    for ranking in ((best, screened), (screened,)):
+        file = tmp_path / "page.html"
+        write_diagnosis_report(
+            file, friction.campaign, replace(friction.diagnosis, ranking=ranking), friction.library
+        )
+        _, page = page_of(file)
+        assert page.text.count("screened: others explain far more") == 1
+        assert "1 effect was screened only" in page.text
+        assert ("why, or why not" in page.text) == (best in ranking)
+
+
 def test_doubts_and_the_run_that_settles_them_are_on_the_page(friction, tmp_path):
     best, *others = friction.diagnosis.ranking
     best = replace(best, ambiguous_with=(("bump-stop", 11.6),))

@@ -175,7 +175,7 @@ def ranking(diagnosis: Diagnosis, effects: Mapping[str, Effect]) -> str:
             " order expects; confirmed: the error reached when the effect is simulated in full and"
             " fitted with the vehicle; held out: the same model on runs no fit has seen. Log"
             " evidence is relative to the baseline’s, p the chance that any of the effects tried"
-            " does as well without being there."
+            " does as well without being there. What screening foresees little of is not simulated."
         ),
         tables.ranking_table(diagnosis.ranking, effects),
     )

@@ -108,13 +108,21 @@ def _heat_cell(ratio: float) -> str:
 
 
 def ranking_table(ranking: Sequence[Ranked], effects: Mapping[str, Effect]) -> str:
-    """Every effect of the library on the first rung, best first; those that do not apply folded
-    into a line."""
+    """The effects of the library that were simulated in full on the first rung, best first; those
+    that were screened only, and those that do not apply, folded into a line each."""
     idle = [item for item in ranking if item.reason.startswith("does not apply")]
     shown = [item for item in ranking if item not in idle]
     rows = [_ranking_row(i, item, effects) for i, item in enumerate(shown, start=1)]
+    pairs = list(zip(shown, rows, strict=True))
+    tried = [row for item, row in pairs if item.confirmed_error is not None]
+    rest = [[*row[:3], row[-1]] for item, row in pairs if item.confirmed_error is None]
     headings = ["", "effect", "screened E", "confirmed E", "held-out E", "log evidence", "p"]
-    return table([*headings, "why, or why not"], rows, "rlrrrrrl") + _folded(idle)
+    found = table([*headings, "why, or why not"], tried, "rlrrrrrl") if tried else ""
+    if rest:
+        screened = table([*headings[:3], "why not"], rest, "rlrl")
+        count = "1 effect was" if len(rest) == 1 else f"{len(rest)} effects were"
+        found += f"<details><summary>{count} screened only</summary>{screened}</details>"
+    return found + _folded(idle)
 
 
 def _folded(idle: Sequence[Ranked]) -> str:
