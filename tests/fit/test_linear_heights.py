@@ -186,6 +186,17 @@ def test_a_resonance_is_as_sharp_as_the_ground_it_is_heard_over_says(monkeypatch
     assert away == pytest.approx(0.0, abs=0.15)
 
 
+def test_derivatives_made_without_heights_pull_at_nothing_that_heights_tell(monkeypatch):
+    """They do not know what a sharper resonance would explain, and so must not know what it costs:
+    a quick fit would step far away and back."""
+    monkeypatch.setattr(import_module("wheelhop.fit.fit"), "Ground", Ringing)
+    benches, of, seen = ringing_benches(120.0), shop(), []
+    known = fit(of, START, SHARED, benches)
+    of.watch = lambda iteration, error: seen.append(error)
+    fit(of, ROUGH.with_values(known.model.values), SHARED, benches, known)
+    assert len(seen) <= 3
+
+
 def test_the_volume_of_heights_grows_as_their_response_shrinks(benches):
     """To first order, whatever the way that the response changes."""
     model = ROUGH.with_values({"stiffness": 120.0})
