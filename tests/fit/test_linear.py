@@ -181,3 +181,22 @@ def test_a_number_that_nothing_depends_on_stays_as_believed():
     plain = fit(Shop(), start, SHARED, benches)
     for free in SHARED:
         assert found.model.values[free.name] == pytest.approx(plain.model.values[free.name])
+
+
+def test_what_only_the_priors_hold_ends_where_they_say():
+    """Loud runs that show nothing but a ratio, as accelerations do of masses and forces, and a
+    start from which both numbers have to fall: a damped step goes a hundred-thousandth of the way
+    (blind seed 13407: all masses stayed 9 % heavy, a cost of 11 above the least)."""
+    benches = benches_of(4, count=3)
+    for bench in benches:
+        bench.matrix[:, 1] = -bench.matrix[:, 0]
+        bench.matrix *= 100.0
+        bench.measured = bench.matrix @ np.array([0.5, -0.5, 0.1, 0.1])
+    begun = START.with_values({f.name: f.mean + 3.0 * f.scale for f in SHARED})
+    found = fit(Shop(), begun, SHARED, benches)
+    design, data, prior = in_full(benches)
+    best = (
+        np.linalg.solve(design.T @ design / SIGMA**2 + np.diag(prior), design.T @ data) / SIGMA**2
+    )
+    values = [(found.model.values[f.name] - f.mean) / f.scale for f in SHARED]
+    np.testing.assert_allclose(values, best[:2], atol=0.1)

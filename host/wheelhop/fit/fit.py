@@ -26,7 +26,6 @@ from wheelhop.fit.step import Linear, Normal, Prior, damped, least
 from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 ITERATIONS = 60
 
@@ -56,7 +55,6 @@ NEAR_NOISE = 1.1
 
 WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
-
 
 AHEAD = 10.0
 """A fit has no hope to come where ten more steps as good as the last would not lead: on its way
@@ -161,7 +159,10 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
         if gain > 0:
             state, damping = problem.weighted(trial), max(damping / 10.0, LEAST_DAMPING)
         if 0 <= gain < problem.converged:
-            break
+            if damping <= LEAST_DAMPING or problem.known or not problem.promises(state):
+                break
+            damping = LEAST_DAMPING
+            continue
         if gain > 0 and state.cost - AHEAD * drop > bar > -np.inf:
             break
         if gain > WORTHWHILE and not _of_heights(state.runs):
@@ -238,8 +239,7 @@ class _Problem:
             others = [f for f in self.shared if f.name not in columns]
             new = [f for f in own if f.name not in columns]
             together = moves(bench, model, new, lambda f: f.step * f.scale)
-            trials = [moved[f.name] for f in others]
-            trials += [(move.model, systems) for move in together]
+            trials = [moved[f.name] for f in others] + [(m.model, systems) for m in together]
             changes = bench.changes((model, systems), trials)
             made = {
                 f.name: bench.coefficients(change) / f.step
@@ -257,8 +257,7 @@ class _Problem:
                 ground = Ground(bench, model, systems[bench.drive])
                 level = model.heights[bench.run.id].ravel()
                 heights = Heights(ground, level, np.zeros(len(level)), 1.0)
-            even = np.ones(bench.size)
-            return RunFit(bench, own, residual, derivatives, even, heights)
+            return RunFit(bench, own, residual, derivatives, np.ones(bench.size), heights)
 
         found |= {run.bench.run.id: run for run in self.workshop.each(linearise_run, benches)}
         runs = tuple(found[bench.run.id] for bench in self.benches)
@@ -266,9 +265,8 @@ class _Problem:
         return self.weighted(state) if np.isfinite(state.rss) else state
 
     def weighted(self, state: Fit) -> Fit:
-        """The state with the noise, the density of unknown heights and the cost that follow from
-        its residuals. Unknown heights take up what a model is wrong by, and are told from noise
-        that is white."""
+        """The state with the noise, density of unknown heights and cost that follow from its
+        residuals. Heights take up what a model is wrong by, and are told from white noise."""
         given = sum(len(run.own) for run in state.runs) + len(self.shared)
         noise = Noise(state.rss, state.size - given, self.workshop.noise)
         effect = state.model.random_heights
@@ -316,6 +314,10 @@ class _Problem:
 
         runs = tuple(self.workshop.each(moved, state.runs))
         return self._costed(replace(state, model=model, runs=runs)), promised, room
+
+    def promises(self, state: Fit) -> bool:
+        """Whether an undamped step would gain: one damped hardly moves what priors alone hold."""
+        return self._moved(state, LEAST_DAMPING)[1] >= self.converged * max(state.cost, state.size)
 
     def concluded(self, state: Fit) -> Fit:
         """The state with precision and prior volume."""
@@ -394,6 +396,5 @@ def _spectrum(run: RunFit) -> Spectrum:
 
 
 def _of_heights(runs: Sequence[RunFit]) -> bool:
-    """Whether the ground of some run has unknown heights: noise is then told with them, and what is
-    left counts by its squares."""
+    """Whether some run's ground has unknown heights: what is left then counts by its squares."""
     return any(run.heights is not None for run in runs)
