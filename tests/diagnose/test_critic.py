@@ -127,9 +127,10 @@ def test_a_number_on_its_bound_is_said_and_an_absent_amplitude_is_not():
     assert finding.about == "body.mass_kg" and finding.kind == "at-bound"
 
 
-@pytest.mark.parametrize(("ahead", "said"), [(-0.19, False), (-0.21, True), (0.3, False)])
+@pytest.mark.parametrize(("ahead", "said"), [(-0.29, False), (-0.31, True), (0.4, False)])
 def test_a_number_as_likely_to_be_just_short_of_its_bound_is_not_held_by_it(ahead, said):
-    """The truth may well lie there: two standard deviations, of 0.1, outwards are told from it."""
+    """The truth may well lie there, as no lean at all of a driver who rocks (blind seed 13417: 2.04
+    of its deviations, and half of all confidence): three, of 0.1, outwards are told from it."""
     mass = number("body.mass_kg", 4.0, 0.1, 200.0, 20.0, lower=4.0, upper=400.0, ahead=ahead)
     assert bool(list(_bounds([mass], DAMPER))) is said
 

@@ -22,7 +22,7 @@ from wheelhop.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 MOVED = 3.0
-"""Standard deviations that a number may move before that is said."""
+"""Standard deviations that a number may move, or be held back by a bound, before that is said."""
 AT_BOUND = 0.01  # of a number's scale
 NEAR = 2.0
 """Standard deviations within which a law is not told from what it becomes at a bound."""
@@ -210,7 +210,7 @@ def _at_bound(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[
     score test. Not strengths of nothing, nor laws that become another there."""
     said = {f"{e.id}.{limit.parameter}" for e in effects for limit in e.becomes}
     for n in numbers:
-        if abs(n.ahead) <= NEAR * n.sd:
+        if abs(n.ahead) <= MOVED * n.sd:
             continue
         bounds = [
             bound for bound in (n.free.lower if n.ahead < 0.0 else n.free.upper,) if isfinite(bound)
