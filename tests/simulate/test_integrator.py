@@ -1,8 +1,11 @@
 """Time integration against closed forms: one mass on a spring, with and without force laws."""
 
+import gc
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from math import pi
 from pkgutil import iter_modules
+from time import sleep
 
 import numpy as np
 import pytest
@@ -228,6 +231,24 @@ def test_what_has_no_memory_leaves_it_alone(law):
         numbers = rng.uniform(0.5, 2.0, 64)
         changed |= law(x, v, dx, 0.001, z, numbers)[1] != z
     assert remembers(law) == changed
+
+
+def test_threads_may_ask_for_memories_at_once():
+    """They take turns whenever Python collects garbage, in the middle of a law's tree, too."""
+
+    def turn(*_):
+        sleep(0.0)
+
+    usual = gc.get_threshold()
+    gc.callbacks.append(turn)
+    gc.set_threshold(20)
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            asked = [*LAWS.values()] * 100
+            assert [*pool.map(remembers.__wrapped__, asked)] == [*map(remembers, asked)]
+    finally:
+        gc.set_threshold(*usual)
+        gc.callbacks.remove(turn)
 
 
 def test_a_law_whose_text_is_lost_may_have_a_memory():

@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Sequence
 from functools import cache
 from itertools import groupby
+from threading import Lock
 from types import FunctionType
 from typing import Any
 
@@ -34,6 +35,10 @@ Array = NDArray[np.float64]
 
 make_array: Any = _make_array  # these have no types
 unpack_tuple: Any = _unpack_tuple
+
+PARSING = Lock()
+"""CPython 3.11 counts how deep the trees of all threads are as one, and a tree that is made beside
+another may end in a SystemError (python/cpython issue 106905)."""
 
 # Elsewhere laws are called through pointers. numba calls that experimental; tests hold what we use.
 warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
@@ -137,7 +142,8 @@ def remembers(single: Any) -> bool:
     """Whether a law returns anything for its memory but what it was given."""
     function: FunctionType = single.py_func
     try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+        with PARSING:
+            tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
     except (OSError, SyntaxError):
         return True
     given = function.__code__.co_varnames[4]
