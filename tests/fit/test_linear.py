@@ -186,7 +186,7 @@ def test_a_number_that_nothing_depends_on_stays_as_believed():
 def test_what_only_the_priors_hold_ends_where_they_say():
     """Loud runs that show nothing but a ratio, as accelerations do of masses and forces, and a
     start from which both numbers have to fall: a damped step goes a hundred-thousandth of the way
-    (blind seed 13407: all masses stayed 9 % heavy, a cost of 11 above the least)."""
+    (blind seed 13407: all masses stayed 11 % heavy, a cost of 11 above the least)."""
     benches = benches_of(4, count=3)
     for bench in benches:
         bench.matrix[:, 1] = -bench.matrix[:, 0]
