@@ -6,6 +6,7 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import Rung
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search.look import Candidate
@@ -68,7 +69,7 @@ def test_at_the_fitted_strength_the_angle_is_what_the_rival_leaves(base, screene
     pair = {s.variant.effect.id: s for s in found}
     candidates, share = [], dict[str, float]()
     for name in ("dry-friction", "digressive-damper"):
-        fit = confirm(base.workshop, base.rung, pair[name]).fit
+        fit = confirm(Incumbent(base.workshop, base.rung), pair[name]).fit
         candidates.append(Candidate(pair[name], Rung(fit, None), 0.0, 1, True))
         weighed = [
             (run.residual / before.spread, before.surprise)

@@ -34,7 +34,7 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
         fitted[rung.id] = bar
         return rung
 
-    def best_form(workshop, rung, screened, found):
+    def best_form(incumbent, screened, found):
         formed.append(screened)
         return found
 
@@ -80,9 +80,9 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
     items = [item(*pair) for pair in scores.items()]
     chosen, tried = items[-1:], []
 
-    def confirm(workshop, rung, screened, beside):
+    def confirm(incumbent, screened, beside):
         tried.append(screened.variant.effect.id)
-        return rung
+        return incumbent.rung
 
     monkeypatch.setattr(looking, "worth_simulating", lambda *asked, **how: chosen)
     monkeypatch.setattr(looking, "confirm", confirm)
@@ -130,7 +130,7 @@ def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch
     candidates = [candidate("seat", 1.0), candidate("spring", second)]
     found = []
 
-    def best_form(workshop, rung, screened, better):
+    def best_form(incumbent, screened, better):
         found.append(screened)
         return better
 

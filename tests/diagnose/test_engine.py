@@ -7,6 +7,7 @@ from tests import truth
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects import load_effects
 from wheelhop.vehicle import read_nominal
@@ -30,7 +31,7 @@ def test_a_strong_line_is_found_in_the_runs_held_out(tmp_path):
     campaign = read_campaign(tmp_path)
     base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
     (screened,) = screen(base.workshop, base.rung.fit, [load_effects()["engine-vibration"]])
-    found = confirm(base.workshop, base.rung, screened)
+    found = confirm(Incumbent(base.workshop, base.rung), screened)
     assert found.error_validate < 0.2 * base.rung.error_validate
     assert found.model.values["engine-vibration.freq_hz"] == pytest.approx(HZ, rel=0.03)
     for own in found.model.runs.values():

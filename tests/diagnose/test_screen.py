@@ -12,6 +12,7 @@ from tests.report.small import write_small_campaign
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import all_noise, at_noise
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.screen.signatures import prepare, signatures, variants
@@ -43,7 +44,7 @@ def test_the_score_is_the_evidence_of_the_full_fit(tmp_path, seed, hidden, withi
     """To first order; numbers of single runs are priced by how little their prior knows of them."""
     base = baseline_of(campaign(tmp_path, seed, hidden))
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY[name] for name in hidden])
-    rung = confirm(base.workshop, base.rung, screened)
+    rung = confirm(Incumbent(base.workshop, base.rung), screened)
     evidence = rung.fit.evidence - base.rung.fit.evidence
     assert screened.score == pytest.approx(evidence, rel=within)
 

@@ -115,7 +115,7 @@ def test_what_leaves_far_more_to_first_order_is_no_rival(strong_friction, monkey
     assert error["digressive-damper"] < 2.0 * error["dry-friction"] < error["asymmetric-damper"]
     simulated = []
 
-    def confirmed(workshop, rung, screened, beside):
+    def confirmed(incumbent, screened, beside):
         simulated.append(screened.variant.effect.id)
         return base.rung
 

@@ -9,6 +9,7 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of, diagnosed
 from wheelhop.diagnose.confirm import in_full as confirming
 from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import Rung, at_noise, log_odds
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search import ladder, together
@@ -42,7 +43,7 @@ def look_at(folder, library):
     screened = screen(workshop, rung.fit, list(library.values()))
     candidates = []
     for item in screened:
-        alone = confirm(workshop, rung, item)
+        alone = confirm(Incumbent(workshop, rung), item)
         odds = log_odds(rung, alone, workshop.noise)
         candidates.append(Candidate(item, alone, odds, len(library), False))
     return workshop, Look(rung, tuple(screened), tuple(candidates), None)
@@ -120,9 +121,9 @@ def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simul
     group = together._Group((), SimpleNamespace(fit=fitted, model=model))
     tried = []
 
-    def confirm(workshop, rung, screened, beside):
+    def confirm(incumbent, screened, beside):
         tried.append(screened.variant.effect.id)
-        return rung
+        return incumbent.rung
 
     monkeypatch.setattr(together, "screen_best", lambda workshop, base, others: [spring])
     monkeypatch.setattr(together, "confirm", confirm)

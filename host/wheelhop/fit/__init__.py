@@ -4,7 +4,7 @@ from wheelhop.fit.belief import BROAD
 from wheelhop.fit.bench import Bench, Trial, Watch, Workshop
 from wheelhop.fit.density import Explained, Noise, Spectrum, explained, find_density
 from wheelhop.fit.derivatives import Move, moves
-from wheelhop.fit.fit import CONVERGED_QUICK, fit, follow, foreseen, update
+from wheelhop.fit.fit import CONVERGED_QUICK, fit, follow, foreseen, linearised, update
 from wheelhop.fit.height_response import Ground
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import (
@@ -49,6 +49,7 @@ __all__ = [
     "follow",
     "foreseen",
     "initial_model",
+    "linearised",
     "louder",
     "moves",
     "of_forces",

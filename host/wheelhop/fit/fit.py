@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wheelhop.fit.belief import Belief
 from wheelhop.fit.bench import RUNS_AWAY, Bench, Workshop
-from wheelhop.fit.density import Noise, Spectrum, find_density
+from wheelhop.fit.density import Noise, find_density
 from wheelhop.fit.derivatives import moves
 from wheelhop.fit.height_response import Ground
 from wheelhop.fit.heights import Heights
@@ -145,6 +145,14 @@ def foreseen(
     return problem.concluded(replace(state, runs=runs))
 
 
+def linearised(
+    workshop: Workshop, model: Model, shared: Sequence[Free], benches: Sequence[Bench]
+) -> Fit:
+    """Where a fit begins, with the derivatives there."""
+    problem = _Problem(workshop, Belief.of(shared), tuple(benches), None, density_free=False)
+    return problem.linearise(problem.completed(model))
+
+
 @RUNS_AWAY
 def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
     state, damping = problem.linearise(problem.completed(model)), FIRST_DAMPING
@@ -165,7 +173,7 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
             continue
         if gain > 0 and state.cost - AHEAD * drop > bar > -np.inf:
             break
-        if gain > WORTHWHILE and not _of_heights(state.runs):
+        if gain > WORTHWHILE and not state.of_heights:
             continue  # old derivatives still serve; but those of no heights do not where some are
         misled = problem.misled(state)
         if misled:
@@ -270,7 +278,7 @@ class _Problem:
         given = sum(len(run.own) for run in state.runs) + len(self.shared)
         noise = Noise(state.rss, state.size - given, self.workshop.noise)
         effect = state.model.random_heights
-        if effect is None or not _of_heights(state.runs):
+        if effect is None or not state.of_heights:
             sigma = self.workshop.noise or noise.sigma
             runs = tuple(
                 replace(run, spread=run.bench.spread(run.residual, sigma)) for run in state.runs
@@ -278,7 +286,7 @@ class _Problem:
             return self._costed(replace(state, runs=runs, sigma=sigma))
         parameters = self.workshop.parameters_of(effect) if self.density_free else ()
         rough = [run for run in state.runs if run.heights is not None]
-        spectra = self.workshop.each(_spectrum, rough)
+        spectra = self.workshop.each(RunFit.spectrum, rough)
         theta, noise = find_density(effect, parameters, state.model.theta(effect), spectra, noise)
         model = state.model.with_values({f"{effect.id}.{k}": v for k, v in theta.items()})
         runs = tuple(
@@ -288,7 +296,7 @@ class _Problem:
         return self._costed(replace(state, model=model, runs=runs, sigma=noise.sigma))
 
     def _costed(self, state: Fit) -> Fit:
-        if _of_heights(state.runs):
+        if state.of_heights:
             likelihood = state.rss / state.sigma**2
         else:
             likelihood = sum(r.bench.cost(r.residual, state.sigma) for r in state.runs)
@@ -366,7 +374,7 @@ class _Problem:
 
     def linear(self, run: RunFit, state: Fit) -> Linear:
         """A run of a state, linearised."""
-        own, even = state.model.runs[run.bench.run.id], _of_heights(state.runs)
+        own, even = state.model.runs[run.bench.run.id], state.of_heights
         return Linear.of(run, own, state.sigma, even=even)
 
     def normal(self, run: RunFit, state: Fit) -> Normal:
@@ -388,13 +396,3 @@ class _Problem:
         matrix = damped(matrix, 0.0)
         log_volume -= np.linalg.slogdet(matrix)[1]
         return matrix, 0.5 * float(log_volume)
-
-
-def _spectrum(run: RunFit) -> Spectrum:
-    assert run.heights is not None
-    return Spectrum.of(run.heights.ground, run.data, run.residual)
-
-
-def _of_heights(runs: Sequence[RunFit]) -> bool:
-    """Whether some run's ground has unknown heights: what is left then counts by its squares."""
-    return any(run.heights is not None for run in runs)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wheelhop.fit.belief import Belief
 from wheelhop.fit.bench import Bench
+from wheelhop.fit.density import Spectrum
 from wheelhop.fit.heights import Heights
 from wheelhop.fit.parameters import Free, of_forces
 from wheelhop.simulate import Model
@@ -109,6 +110,11 @@ class RunFit:
         if self.heights is None:
             return self.residual
         return self.residual + self.heights.contribution()
+
+    def spectrum(self) -> Spectrum:
+        """What the density of its heights is told from."""
+        assert self.heights is not None
+        return Spectrum.of(self.heights.ground, self.data, self.residual)
 
     def uncertainties(self, sigma: float) -> dict[str, float]:
         """Standard deviation of each of the run's own numbers, what runs share held fixed, where
@@ -212,6 +218,11 @@ class Fit:
     def size(self) -> int:
         """Number of in-band data."""
         return sum(run.bench.size for run in self.runs)
+
+    @property
+    def of_heights(self) -> bool:
+        """Whether some run's ground has unknown heights: what is left counts by squares."""
+        return any(run.heights is not None for run in self.runs)
 
     @property
     def has_derivatives(self) -> bool:

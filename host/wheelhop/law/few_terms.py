@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wheelhop.diagnose import Progress, Rung
 from wheelhop.diagnose.confirm.in_full import confirm, refit
-from wheelhop.diagnose.confirm.validate import validate
+from wheelhop.diagnose.confirm.validate import Incumbent, validate
 from wheelhop.diagnose.score import at_noise
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.effects import Effect
@@ -84,7 +84,7 @@ def find_formula(
 def fitted(workshop: Workshop, base: Rung, screened: Screened) -> Rung:
     """The model with a law, fitted in full. A strong one moves everything else elsewhere: where
     more than noise is left, its derivatives are not those without it."""
-    rung = confirm(workshop, base, screened)
+    rung = confirm(Incumbent(workshop, base), screened)
     if gives_force_at_once(workshop.campaign) or at_noise(rung, workshop.noise):
         return rung
     return min(rung, refit(workshop, rung), key=lambda rung: rung.fit.cost)

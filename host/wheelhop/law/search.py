@@ -102,10 +102,11 @@ def find_law(
         formula = find_formula(signatures, start, rung, where, moved, progress)
     # Where one run alone went far, a spline knows nothing without it; a formula may.
     laws = [rung] if formula is None else [rung, formula.rung]
-    if not any(Incumbent(workshop, base).gives_way_to(law) for law in laws):
+    incumbent = Incumbent(workshop, base)
+    if not any(incumbent.gives_way_to(law) for law in laws):
         return nothing
     rivals = _of_kind(base, where, library)
-    named = _named(workshop, base, rivals, progress)
+    named = _named(incumbent, rivals, progress)
     law = min(laws, key=lambda rung: rung.error_judging)
     if not named or named[0].rung.error_judging > AS_WELL * law.error_judging:
         progress("the named law whose force comes nearest")
@@ -155,20 +156,18 @@ def _of_kind(base: Rung, where: Where, library: Sequence[Effect]) -> list[Effect
     return [e for e in library if e.place == kind and e.id not in present]
 
 
-def _named(
-    workshop: Workshop, base: Rung, rivals: Sequence[Effect], progress: Progress
-) -> list[Rival]:
+def _named(incumbent: Incumbent, rivals: Sequence[Effect], progress: Progress) -> list[Rival]:
     """Those that explain most, fitted in full: the first, and on a rig every one, in all its forms,
     the others, which stand beside it for the eye, in the likeliest one."""
     progress("named laws beside it")
+    workshop, base = incumbent.workshop, incumbent.rung
     screened = [s for s in screen(workshop, base.fit, rivals) if np.isfinite(s.gain)]
     if is_component(base.model.values):
         screened = screened[:NAMED_ON_RIG]
     else:
         screened = [*screened[:1], *(replace(s, others=()) for s in screened[1:NAMED])]
     return _best_first(
-        Rival(s.variant.effect.id, s.variant.effect.title, confirm(workshop, base, s))
-        for s in screened
+        Rival(s.variant.effect.id, s.variant.effect.title, confirm(incumbent, s)) for s in screened
     )
 
 

@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from wheelhop.diagnose.confirm.in_full import confirm, least_cost, refit
-from wheelhop.diagnose.confirm.validate import validate
+from wheelhop.diagnose.confirm.validate import Incumbent, validate
 from wheelhop.diagnose.score import HOPELESS, Rung, at_noise, best_first
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.fit import Workshop, effect_parameters, fit
 from wheelhop.simulate import Model
 
 
-def best_form(workshop: Workshop, base: Rung, screened: Screened, found: Rung) -> Rung:
-    """The effect that was added to `base` in the form that explains most in full simulation.
+def best_form(incumbent: Incumbent, screened: Screened, found: Rung) -> Rung:
+    """The effect that was added to a rung in the form that explains most in full simulation.
 
     Forms that screening could not tell from the one `found` are begun where screening puts them.
     One with no hope to come as far as that in the runs fitted is fitted no further, and what
@@ -22,19 +22,20 @@ def best_form(workshop: Workshop, base: Rung, screened: Screened, found: Rung) -
     numbers and more begins where it has ended: stops at both ends of the travel may be seen by
     neither of the clearances that screening gives them, and by one of them all the same.
     """
+    workshop = incumbent.workshop
     tried = (screened, *screened.others)
     present = {s.variant.choice for s in tried if s.variant.effect in found.model.effects}
     for other in tried:
         if other.variant.choice not in present:
             present.add(other.variant.choice)
-            rival = confirm(workshop, base, replace(other, others=()), beside=[found])
+            rival = confirm(incumbent, replace(other, others=()), beside=[found])
             if rival.error_judging <= HOPELESS * found.error_judging:
                 rival = refit(workshop, rival, least_cost([found]))
             found = _better(workshop, found, rival)
     for model in () if at_noise(found, workshop.noise) else _richer(workshop, found):
         effect = model.effects[-1]
         free = effect_parameters(workshop.parameters_of(effect), model, effect)
-        shared, benches = [*base.fit.shared, *free], workshop.of_role("fit")
+        shared, benches = [*incumbent.rung.fit.shared, *free], workshop.of_role("fit")
         fitted = fit(workshop, model, shared, benches, bar=least_cost([found]))
         found = _better(workshop, found, validate(workshop, fitted, before=model))
     return found

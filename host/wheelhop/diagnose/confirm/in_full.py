@@ -13,7 +13,7 @@ from math import inf, isclose, isfinite
 
 import numpy as np
 
-from wheelhop.diagnose.confirm.validate import misfits, validate
+from wheelhop.diagnose.confirm.validate import Incumbent, believable, misfits, validate
 from wheelhop.diagnose.score import HOPELESS, Rung, all_noise, material, noticeable, unforeseen
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.diagnose.screen.signatures import with_variant
@@ -23,7 +23,6 @@ from wheelhop.fit import (
     Bench,
     Fit,
     FitProbe,
-    Free,
     RunFit,
     Workshop,
     effect_parameters,
@@ -87,21 +86,44 @@ def worth_simulating(
     return chosen
 
 
-def confirm(
-    workshop: Workshop, base: Rung, screened: Screened, beside: Sequence[Rung] = ()
-) -> Rung:
-    """Fit the model of `base` with the screened effect added.
+def confirm(incumbent: Incumbent, screened: Screened, beside: Sequence[Rung] = ()) -> Rung:
+    """Fit the model of a rung with the screened effect added.
 
-    Derivatives with respect to the base's parameters are taken from the base: a quick fit that
-    ends a little above the minimum; `refit` goes all the way. A fit that ends far above what
-    screening expects, or at numbers hard to believe, has gone astray and begins again elsewhere,
-    and so does one that leaves more than noise while another form is as likely: to first order a
-    strong effect shows little difference between its forms. The best one counts. A switch changes
-    everything at once: where it makes things worse by more than a quick fit neglects, the
-    derivatives have changed, and only a full fit does it justice, if there is hope. What has none
-    to come as far as one of the models `beside` it ends early.
+    Derivatives with respect to the rung's parameters are taken from it: a quick fit that ends a
+    little above the minimum; `refit` goes all the way. Where the vehicle of the rung is hard to
+    believe, one may lack the effect there and find it nowhere near: then another fit begins where
+    the vehicle is believed to be, and what ends likelier counts. A switch changes everything at
+    once: where it makes things worse by more than a quick fit neglects, the derivatives have
+    changed, and only a full fit does it justice, if there is hope. What has none to come as far as
+    one of the models `beside` it ends early.
     """
+    workshop, base = incumbent.workshop, incumbent.rung
     bar = -inf if screened.variant.effect.has_random_heights else least_cost(beside)
+    best = _begun_at(workshop, base, screened, bar)
+    if not all_noise(best, workshop.noise) and incumbent.as_believed is not None:
+        other = _begun_at(workshop, incumbent.as_believed, screened, bar)
+        best = max(best, other, key=lambda one: one.evidence)
+    # A run held out took no part in the fit: it begins about the numbers found.
+    effect = screened.variant.effect
+    shapes, held_out = best.model.theta(effect), workshop.of_role("validate")
+    foreseeing = begun(workshop, base.model, best.model, effect, shapes, held_out)
+    rough = validate(workshop, replace(best, model=foreseeing), base.update)
+    neglected = CONVERGED_QUICK * max(base.fit.cost, base.fit.size)
+    worse = best.cost > base.fit.cost + neglected
+    switch = all(p.switch for p in screened.variant.amplitudes)
+    if switch and worse and best.error < HOPELESS * base.fit.error:
+        full = refit(workshop, rough, least_cost([base, *beside]))
+        return min(rough, full, key=lambda rung: rung.fit.cost)
+    return rough
+
+
+def _begun_at(workshop: Workshop, base: Rung, screened: Screened, bar: float) -> Fit:
+    """The best quick fit that begins at a rung.
+
+    One that ends far above what screening expects, or at numbers hard to believe, has gone astray
+    and begins again elsewhere, and so does one that leaves more than noise while another form is as
+    likely: to first order a strong effect shows little difference between its forms.
+    """
     best: Fit | None = None
     believed = False
     starts = _starts(workshop, base, screened)[: len(SHARES)]
@@ -120,18 +142,7 @@ def confirm(
         if saturated is not None:
             found, _ = _fitted_from(workshop, base, saturated, bar)
             best = max(best, found, key=lambda one: one.evidence)
-    # A run held out took no part in the fit: it begins about the numbers found.
-    effect = screened.variant.effect
-    shapes, held_out = best.model.theta(effect), workshop.of_role("validate")
-    foreseeing = begun(workshop, base.model, best.model, effect, shapes, held_out)
-    rough = validate(workshop, replace(best, model=foreseeing), base.update)
-    neglected = CONVERGED_QUICK * max(base.fit.cost, base.fit.size)
-    worse = best.cost > base.fit.cost + neglected
-    switch = all(p.switch for p in screened.variant.amplitudes)
-    if switch and worse and best.error < HOPELESS * base.fit.error:
-        full = refit(workshop, rough, least_cost([base, *beside]))
-        return min(rough, full, key=lambda rung: rung.fit.cost)
-    return rough
+    return best
 
 
 def _fitted_from(workshop: Workshop, base: Rung, start: Model, bar: float) -> tuple[Fit, bool]:
@@ -145,13 +156,7 @@ def _fitted_from(workshop: Workshop, base: Rung, start: Model, bar: float) -> tu
         shared = [*base.fit.shared, *amplitudes]
         start = fit(workshop, start, shared, benches, base.fit, bar=bar).model
     found = fit(workshop, start, [*base.fit.shared, *free], benches, base.fit, bar=bar)
-    return found, _believable(found, free)
-
-
-def _believable(found: Fit, free: Sequence[Free]) -> bool:
-    """Whether the numbers lie where they are believed to."""
-    values = found.model.values
-    return all(abs(f.away(values[f.name])) < FAR for f in free)
+    return found, believable(found, free)
 
 
 def refit(workshop: Workshop, rung: Rung, bar: float = -inf) -> Rung:
@@ -219,10 +224,6 @@ SMALLEST_START = 0.05
 
 ASTRAY = 1.2
 """A fit that ends this many times above the error that screening expects has gone astray."""
-
-FAR = 3.0
-"""And so has one that ends so many standard deviations from what is believed of the effect's
-numbers: a gap that is never used up fits from any width above one that is."""
 
 
 def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[str, Model]]:

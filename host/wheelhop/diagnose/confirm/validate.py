@@ -15,7 +15,7 @@ from math import inf, isfinite, sqrt
 import numpy as np
 
 from wheelhop.diagnose.score import Rung, best_first, log_odds, unforeseen
-from wheelhop.fit import Bench, Fit, Workshop, fit, follow, update
+from wheelhop.fit import Bench, Fit, Free, Workshop, fit, follow, linearised, update
 from wheelhop.fit.bench import RUNS_AWAY
 from wheelhop.simulate import Model
 
@@ -93,10 +93,20 @@ def misfits(
     return [float(t) if isfinite(t) else inf for t in total]
 
 
+FAR = 3.0
+"""A fit that ends so many standard deviations from what is believed of a number has gone astray."""
+
+
+def believable(found: Fit, free: Sequence[Free]) -> bool:
+    """Whether these numbers of a fit lie where they are believed to."""
+    values = found.model.values
+    return all(abs(f.away(values[f.name])) < FAR for f in free)
+
+
 @dataclass(frozen=True, eq=False)
 class Incumbent:
-    """A rung that others are held against on equal terms: if a rival's numbers may move on the runs
-    held out, so may its own."""
+    """A rung that others begin at and are held against on equal terms: if a rival's numbers may
+    move on the runs held out, so may its own."""
 
     workshop: Workshop
     rung: Rung
@@ -109,6 +119,21 @@ class Incumbent:
         """Whether a rival is the better model, and runs held out do not object."""
         noise, mine = self.workshop.noise, self.against(rival)
         return best_first([mine, rival], noise)[0] is rival and log_odds(mine, rival, noise) > 0.0
+
+    @cached_property
+    def as_believed(self) -> Rung | None:
+        """The same model where the vehicle is believed to be, with the derivatives of there; None
+        unless its numbers have gone far from that. Wheels that are too small, for one, stand for
+        contact patches that are too long, and from there no way may lead to these."""
+        fitted = self.rung.fit
+        effects = tuple(f"{effect.id}." for effect in fitted.model.effects)
+        vehicle = [f for f in fitted.shared if not f.name.startswith(effects)]
+        if believable(fitted, vehicle):
+            return None
+        model = fitted.model.with_values({f.name: f.mean for f in vehicle})
+        benches = [run.bench for run in fitted.runs]
+        found = linearised(self.workshop, model, fitted.shared, benches)
+        return replace(self.rung, fit=found) if isfinite(found.cost) else None
 
     @cached_property
     def _moved(self) -> Rung:

@@ -257,7 +257,7 @@ def one_more(workshop: Workshop, rung: Rung, effect: Effect, progress: Progress)
         reason = why_not(effect, workshop.drives)
         raise CampaignError(f"{where}: {effect.id} cannot be added: {reason}; leave it out")
     progress(f"simulating {effect.id}")
-    rough = confirm(workshop, rung, screened[0])
+    rough = confirm(Incumbent(workshop, rung), screened[0])
     progress(f"fitting the vehicle with {effect.id}")
     return refit(workshop, rough)
 

@@ -249,7 +249,7 @@ def _confirm_best(
 
     def simulate(item: Screened, which: str) -> None:
         progress(f"simulating {item.variant.effect.id} ({which})")
-        confirmed = confirm(workshop, rung, item, beside=[c.rung for c in found])
+        confirmed = confirm(incumbent, item, beside=[c.rung for c in found])
         found.append(_judged(incumbent, item, confirmed, len(screened)))
         watch(Look(rung, tuple(screened), tuple(_best_first(found, workshop.noise)), None))
 
@@ -289,7 +289,7 @@ def _refit_leaders(
         worth = leader.holds or better.fit.cost < bar
         leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
         if worth and leads and not at_noise(better, workshop.noise):
-            better = best_form(workshop, rung, leader.screened, better)
+            better = best_form(incumbent, leader.screened, better)
         refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
     return _best_first(refitted, workshop.noise) + others

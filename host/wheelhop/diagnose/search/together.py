@@ -108,7 +108,7 @@ def _best_pair(
         pair = _Group((first.screened, second), first.rung)
         progress(f"simulating {' with '.join(pair.ids)}")
         beside = [group.rung for group in found]
-        found.append(pair._replace(rung=confirm(workshop, first.rung, second, beside)))
+        found.append(pair._replace(rung=confirm(Incumbent(workshop, first.rung), second, beside)))
     return _fitted(workshop, found, visited, progress)
 
 
@@ -179,6 +179,7 @@ def _grown(
     screened = screen_best(workshop, group.rung.fit, others)
     fitted = group.rung.fit
     hope = max((s.gain for s in screened), default=0.0) > worth_seeking(fitted)
+    incumbent = Incumbent(workshop, group.rung)
     found: list[_Group] = []
     # Where the best is no more than a part, many explain nearly as much: not all are simulated.
     # Where all are next to nothing, only what first order cannot judge is.
@@ -191,7 +192,7 @@ def _grown(
     ):
         progress(f"simulating {item.variant.effect.id} with {' and '.join(group.ids)}")
         beside = [grown.rung for grown in found]
-        rung = confirm(workshop, group.rung, item, beside)
+        rung = confirm(incumbent, item, beside)
         found.append(_Group((*group.members, item), rung))
     found = [grown for grown in found if grown.rung.fit.evidence > fitted.evidence]
     return _fitted(workshop, found, visited, progress)
@@ -324,19 +325,20 @@ def exchange(
         others = present - {accepted.id}
         seen = next((k for k in looks if {e.id for e in k.rung.model.effects} == others), None)
         if seen is not None:
-            base = seen.rung
+            bare = Incumbent(workshop, seen.rung)
             rivals = [c.rung for c in seen.candidates if c.id not in present]
         else:
             progress(f"could another effect stand for {accepted.id}?")
             base = shorter.get(accepted.id) or without(workshop, rung, accepted.id)
+            bare = Incumbent(workshop, base)
             found = screen_best(workshop, base.fit, [effects[accepted.id], *absent])
             settled = nearly_all(base, rung, workshop.noise)
             near = _near(found, accepted)
             screened = worth_simulating(
                 workshop, base, near, at_least=RIVALS, reach=1.0, settled=settled
             )
-            rivals = [confirm(workshop, base, item, beside=[rung]) for item in screened]
-        as_free = Incumbent(workshop, base).against(rung)
+            rivals = [confirm(bare, item, beside=[rung]) for item in screened]
+        as_free = bare.against(rung)
         if not rivals:
             stands[accepted.id] = Stand(as_free, as_free)
             continue
