@@ -33,9 +33,9 @@ def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
 
 @pytest.mark.parametrize("seed", [103, 105])
 def test_an_effect_whose_lack_has_led_the_vehicle_astray_is_found(tmp_path, seed):
-    """For want of long contact patches the baseline makes wheels of a third of their radius and
-    unsprung masses of a tenth of theirs. From there even a fit with all derivatives ended at 1.9
-    and 9.6 times the noise's power."""
+    """For want of long contact patches the baseline makes wheels of two fifths of their radius or
+    less and unsprung masses of a tenth of theirs. From there even a fit with all derivatives ended
+    at 1.9 and 9.6 times the noise's power."""
     hidden = {"tyre-envelope": {"front_m": 0.26, "rear_m": 0.32}}
     folder = truth.make_campaign(
         tmp_path, seed=seed, effects=hidden, preset="formula-student", short=True

@@ -31,6 +31,7 @@ class Quantity:
     equation: str
     scale: float
     instead: str = ""
+    screened_at: Sequence[float] = Effect.screened_at
 
 
 QUANTITIES = (
@@ -43,14 +44,16 @@ QUANTITIES = (
         "all recordings",
     ),
     # Of all tracks no such error shows: longer waves under a longer vehicle are the same.
-    # Over a record of fifty waves an error of one in a thousand is a twentieth of a wave: with
-    # more, a signature would not be in proportion to it.
+    # Over a record of fifty waves an error of one in a thousand is a twentieth of a wave.
     Quantity(
         "wavelength",
         ("pitch_m",),
         "longer or shorter in their waves than surveyed",
         r"z = z_\text{surveyed}(x / (1 + \epsilon))",
         0.001,
+        # Speed and start of a run follow, and what is left is how the wheels follow one another: a
+        # fiftieth of what the end of the record moves by. The square of that must be small beside.
+        screened_at=(5e-5,),
     ),
 )
 
@@ -74,6 +77,7 @@ class TrackSurvey(Effect):
         self.title = f"{kind} tracks are {quantity.title}"  # type: ignore[misc]
         self.equation = quantity.equation  # type: ignore[misc]
         self.kind, self.quantity, self.runs = kind, quantity, runs
+        self.screened_at = quantity.screened_at  # type: ignore[misc]
 
     def acts_in(self, run: RunSetting) -> bool:
         """In the runs over such a track."""
