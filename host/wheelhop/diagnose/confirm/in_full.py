@@ -91,9 +91,9 @@ def confirm(incumbent: Incumbent, screened: Screened, beside: Sequence[Rung] = (
 
     Derivatives with respect to the rung's parameters are taken from it: a quick fit that ends a
     little above the minimum; `refit` goes all the way. Where the vehicle of the rung is hard to
-    believe, one may lack the effect there and find it nowhere near: then another fit begins where
-    the vehicle is believed to be, and what ends likelier counts. A switch changes everything at
-    once: where it makes things worse by more than a quick fit neglects, the derivatives have
+    believe, that may be for want of the effect, and no way may lead back: then another fit begins
+    where the vehicle is believed to be, and what ends likelier counts. A switch changes everything
+    at once: where it makes things worse by more than a quick fit neglects, the derivatives have
     changed, and only a full fit does it justice, if there is hope. What has none to come as far as
     one of the models `beside` it ends early.
     """
