@@ -101,7 +101,8 @@ def confirm(incumbent: Incumbent, screened: Screened, beside: Sequence[Rung] = (
     bar = -inf if screened.variant.effect.has_random_heights else least_cost(beside)
     best = _begun_at(workshop, base, screened, bar)
     if not all_noise(best, workshop.noise) and incumbent.as_believed is not None:
-        other = _begun_at(workshop, incumbent.as_believed, screened, bar)
+        (_, start), *_ = _starts(workshop, incumbent.as_believed, screened)
+        other, _ = _fitted_from(workshop, incumbent.as_believed, start, bar)
         best = max(best, other, key=lambda one: one.evidence)
     # A run held out took no part in the fit: it begins about the numbers found.
     effect = screened.variant.effect
