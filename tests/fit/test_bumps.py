@@ -66,7 +66,7 @@ SPEEDS = _speeds(campaign_with(np.zeros((N, 8))).runs[0], NOMINAL / 8.0)
 
 
 @pytest.mark.parametrize(
-    ("speed", "met_s"), [(SPEEDS[3], 2.3), (SPEEDS[-4], 3.7), (SPEEDS[9], 5.4)]
+    ("speed", "met_s"), [(SPEEDS[3], 2.3), (SPEEDS[-4], 3.7), (SPEEDS[16], 5.4)]
 )
 def test_speed_and_start_are_found_wherever_in_the_record_the_bump_is(speed, met_s):
     """To two samples, and to two of the steps in which speeds are tried."""

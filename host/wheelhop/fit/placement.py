@@ -19,10 +19,11 @@ from wheelhop.vehicle import Drive, System, axle_name, behind_m, corner_position
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-REACH = 0.12
-"""Speeds are sought within this fraction of the nominal one."""
+REACH = 0.2
+"""Speeds are sought within this fraction of the nominal one: a hand holds one to a tenth, and what
+it is read from may be another tenth off."""
 
-FEW_SPEEDS = 24
+FEW_SPEEDS = 40
 
 
 def find_start(

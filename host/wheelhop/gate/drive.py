@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 REACH = 0.12
-"""A speed held by hand stays within this fraction of the nominal one (`fit/placement.py`)."""
+"""A speed held by hand stays within this fraction of the nominal one. Beyond it the campaign says
+something wrong, though the fit may find its way (`fit/placement.py`)."""
 HARMONICS = 4
 STEP_HZ = 0.05  # of the nominal vehicle's response
 SAMPLES = 128  # of a wheel's path within one pitch
