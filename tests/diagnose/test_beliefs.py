@@ -8,12 +8,14 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY
+from tests.simulate.setup import ATV, campaign_of, model_of, simulated
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline, to_json
 from wheelhop.diagnose.confirm.in_full import least_gain, worth_simulating
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.effects.beliefs import beliefs
-from wheelhop.vehicle import read_vehicle
+from wheelhop.simulate import RunSimulator
+from wheelhop.vehicle import Vehicle, read_vehicle
 
 RIVALS = ("tyre-envelope", "progressive-tyre", "progressive-spring", "sensor-gain", "sensor-mount")
 FEW = {name: LIBRARY[name] for name in RIVALS}
@@ -77,6 +79,34 @@ def test_screening_sees_waves_that_are_longer_than_surveyed(clean, kind):
     belief = beliefs(wrong, vehicle)[f"belief: wavelength of {kind} tracks"]
     (screened,) = screen(base.workshop, base.rung.fit, [belief])
     assert screened.amplitudes["error"] == pytest.approx(0.01, rel=0.05)
+
+
+def test_a_run_keeps_to_its_waves_however_long_they_are():
+    """Speed and start are told in metres of the survey. So waves that are 3 % longer are met as
+    often: the run goes 3 % faster, from 3 % farther on, and meets unknown heights where it did."""
+    error, track = 0.03, {"amplitude_mm": 5.0, "pitch_mm": 600.0}
+    true = {**track, "pitch_mm": (1.0 + error) * track["pitch_mm"]}
+    surveyed, found = (
+        {"run": truth.Run(truth.Track("washboard", keys), speed, start, np.arange(512) / 100.0)}
+        for keys, speed, start in (
+            (track, 3.4, 36.2),
+            (true, (1 + error) * 3.4, (1 + error) * 36.2),
+        )
+    )
+    said = campaign_of(surveyed)
+    name = "belief: wavelength of washboard tracks"
+    belief = beliefs(said, Vehicle("ATV", ATV, {}))[name]
+    model = model_of(ATV, surveyed)
+    model = replace(model, effects=(belief,), values={**ATV, f"{name}.error": error})
+    driven = model_of(ATV, found)
+    assert model.speed_m_s("run", 3.0) == pytest.approx(driven.speed_m_s("run", 3.0))
+    driven_on = campaign_of(found, nominal_m_s={"run": 3.4})
+    count = RunSimulator(said, said.runs[0], 4.0).series.count
+    heights = {"run": 1e-5 * np.exp(1j * np.arange(2.0 * count)).reshape(2, count)}
+    for changed in ({}, heights):
+        record = simulated(said, model.with_heights(changed))["run"]
+        same = simulated(driven_on, driven.with_heights(changed))["run"]
+        np.testing.assert_allclose(record, same, atol=1e-9 * np.abs(same).max())
 
 
 def test_of_many_beliefs_the_best_are_enough(clean):

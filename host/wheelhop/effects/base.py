@@ -245,6 +245,10 @@ class Effect:
         """The track as it really is, where the campaign says otherwise."""
         return track
 
+    def stretch(self, theta: Values, run_id: str) -> float:
+        """How long a metre of the survey of a run's track really is, m."""
+        return 1.0
+
     def stated(self) -> Mapping[str, tuple[str, float]]:
         """Of a belief: what each of its parameters is the error of, as a dotted name, and what the
         campaign says of it."""

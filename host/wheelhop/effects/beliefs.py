@@ -23,7 +23,7 @@ from wheelhop.vehicle import Vehicle, corner_position
 class Quantity:
     """A number of tracks that a survey may have wrong: `keys` are its names in `TrackSpec`, `scale`
     is a relative error that plainly shows; ``instead`` says what looks like the same error in all
-    tracks, empty if that does not show at all."""
+    tracks, empty if that does not show at all. An error `along` a track lengthens all of it."""
 
     name: str
     keys: tuple[str, ...]
@@ -31,7 +31,7 @@ class Quantity:
     equation: str
     scale: float
     instead: str = ""
-    screened_at: Sequence[float] = Effect.screened_at
+    along: bool = False
 
 
 QUANTITIES = (
@@ -44,16 +44,13 @@ QUANTITIES = (
         "all recordings",
     ),
     # Of all tracks no such error shows: longer waves under a longer vehicle are the same.
-    # Over a record of fifty waves an error of one in a thousand is a twentieth of a wave.
     Quantity(
         "wavelength",
         ("pitch_m",),
         "longer or shorter in their waves than surveyed",
         r"z = z_\text{surveyed}(x / (1 + \epsilon))",
-        0.001,
-        # Speed and start of a run follow, and what is left is how the wheels follow one another: a
-        # fiftieth of what the end of the record moves by. The square of that must be small beside.
-        screened_at=(5e-5,),
+        0.01,
+        along=True,
     ),
 )
 
@@ -77,7 +74,6 @@ class TrackSurvey(Effect):
         self.title = f"{kind} tracks are {quantity.title}"  # type: ignore[misc]
         self.equation = quantity.equation  # type: ignore[misc]
         self.kind, self.quantity, self.runs = kind, quantity, runs
-        self.screened_at = quantity.screened_at  # type: ignore[misc]
 
     def acts_in(self, run: RunSetting) -> bool:
         """In the runs over such a track."""
@@ -96,6 +92,12 @@ class TrackSurvey(Effect):
         keys = self.quantity.keys
         true = {k: float(v) * factor for k, v in track.values.items() if k in keys}
         return replace(track, values={**track.values, **true})
+
+    def stretch(self, theta: Values, run_id: str) -> float:
+        """A run keeps to its waves, however long: what shows of their length is how the wheels
+        follow one another."""
+        along = self.quantity.along and run_id in self.runs
+        return 1.0 + theta["error"] if along else 1.0
 
     def stated(self) -> Mapping[str, tuple[str, float]]:
         """The quantity over what was surveyed."""

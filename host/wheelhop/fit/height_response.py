@@ -41,8 +41,7 @@ class Ground:
         assert bench.simulator.series is not None
         self.bench = bench
         self.series: HeightSeries = bench.simulator.series
-        way = bench.simulator.way(model)
-        way = way - model.runs.get(bench.run.id, {}).get("start_m", 0.0)
+        way = bench.simulator.way(model) - model.start_m(bench.run.id)
         time = bench.run.time_s
         self._front = way[:, :2]
         self._behind_m = float(np.mean(way[:, :2] - way[:, 2:]))

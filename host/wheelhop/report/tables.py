@@ -247,11 +247,12 @@ def runs_table(campaign: Campaign, step: Step) -> str:
 
 def _drive(run: Run, step: Step) -> list[str]:
     """Track, nominal and fitted speed."""
-    fitted = step.rung.model.runs.get(run.id, {}).get("speed_m_s")
+    model = step.rung.model
+    fitted = "speed_m_s" in model.runs.get(run.id, {})
     return [
         escape(track_words(run.track)),
         f"{run.speed_m_s * 3.6:.3g}",
-        "–" if fitted is None else f"{fitted * 3.6:.2f}",
+        f"{model.speed_m_s(run.id, run.speed_m_s) * 3.6:.2f}" if fitted else "–",
     ]
 
 

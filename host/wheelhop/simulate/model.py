@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,8 @@ class Model:
     ``values`` holds every number under one name: "body.mass_kg" as in vehicle.toml,
     "channel.imu.x_m" for a sensor whose place is estimated, "dry-friction.front_N" for an effect's
     parameter. ``runs`` holds, for each run's id, what that run leaves free: "speed_m_s",
-    "start_m" (x of the front axle at time_s = 0) and effects' own, prefixed like the others.
+    "start_m" (x of the front axle at time_s = 0) and effects' own, prefixed like the others. Those
+    two are in metres of the survey: where its waves are too short, they stay below the wheels.
     ``heights`` holds the coefficients (2, k), m, of a run's `HeightSeries`, where an effect adds
     heights nobody knows.
     """
@@ -59,6 +61,18 @@ class Model:
     @cached_property
     def _thetas(self) -> dict[str, Values]:
         return {}
+
+    def stretch(self, run_id: str) -> float:
+        """How long a metre of the survey of a run's track is, m."""
+        return prod(effect.stretch(self.theta(effect), run_id) for effect in self.effects)
+
+    def start_m(self, run_id: str) -> float:
+        """Where the front axle of a run is at time_s = 0, m."""
+        return self.stretch(run_id) * self.runs.get(run_id, {}).get("start_m", 0.0)
+
+    def speed_m_s(self, run_id: str, nominal_m_s: float) -> float:
+        """The mean speed of a run, m/s; the nominal one where none is fitted."""
+        return self.stretch(run_id) * self.runs.get(run_id, {}).get("speed_m_s", nominal_m_s)
 
     def with_values(self, changes: Values) -> Model:
         """The same model with some numbers changed."""

@@ -143,11 +143,13 @@ def ways(model: Model, run: RunSetting, time_s: Array) -> tuple[Array, Array]:
         faster = speed / run.speed_m_s
         position = run.course.place(run.course.time(start) + faster * time_s)
         now = faster * run.course.speed(position)
+    stretch = model.stretch(run.run_id)
+    position, now = stretch * position, stretch * now
     x = position[:, None] - np.array([behind_m(model.values, i) for i in CORNERS])
     rate = np.repeat(now[:, None], len(CORNERS), axis=1)
     for effect in model.effects:
         theta = model.theta(effect, run.run_id)
-        extra = effect.travel(theta, run, time_s, position, speed)
+        extra = effect.travel(theta, run, time_s, position, stretch * speed)
         if extra is not None:
             x, rate = x + extra[0], rate + extra[1]
     return x, rate

@@ -364,7 +364,7 @@ class RunSimulator:
             rate[:, j] = slope * speed[:, i]
         if self.series is not None and self.run.id in model.heights:
             slow = slowness(model, self.run)
-            way = slow * (x - model.runs.get(self.run.id, {}).get("start_m", 0.0))
+            way = slow * (x - model.start_m(self.run.id))
             more, slopes = self.series.at(model.heights[self.run.id], way)
             height, rate = height + more[:, rolling], rate + (slow * slopes * speed)[:, rolling]
         rise(time_s, height, rate)

@@ -20,7 +20,7 @@ POINTS_PER_WAVE = 16
 
 def slowness(model: Model, run: Run) -> float:
     """The nominal speed of a run over its speed in a model."""
-    speed = model.runs.get(run.id, {}).get("speed_m_s", run.speed_m_s)
+    speed = model.speed_m_s(run.id, run.speed_m_s)
     return float(np.divide(run.speed_m_s, speed))  # infinite where a fit runs away
 
 
