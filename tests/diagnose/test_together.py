@@ -278,6 +278,21 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
 
 
 @pytest.mark.slow
+def test_a_damper_taken_for_friction_gives_its_place_back(tmp_path):
+    """Beside sampling in sequence a digressive damper looks most like friction that creeps, which
+    leaves something. In friction's place a quick fit of the damper ends far above that: its knee is
+    believed at twice what it is, and only a full fit finds it (blind seed 13870)."""
+    damper = {"knee_m_s": 0.08, "slope_ratio": 0.41}
+    hidden = {"digressive-damper": damper, "sensor-skew": {"skew_s": 0.00093}}
+    folder = truth.make_campaign(tmp_path, seed=103, effects=hidden, short=True)
+    library = {name: LIBRARY[name] for name in (*hidden, "dry-friction")}
+    diagnosis = diagnosed(folder, library)
+    assert set(diagnosis.verdict) == set(hidden)
+    assert any("dry-friction" in step.added for step in diagnosis.ladder)
+    assert diagnosis.ladder[-1].over_floor <= 1.03
+
+
+@pytest.mark.slow
 def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
     """Friction is chosen, then friction with a mount, then the mount found idle: what the first
     look said of each by itself is what is reported, and friction is not its own rival."""

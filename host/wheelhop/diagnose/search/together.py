@@ -34,6 +34,7 @@ from wheelhop.diagnose.score import (
     HOPELESS,
     NEARLY_ALL,
     Rung,
+    all_noise,
     at_noise,
     best_first,
     holds_against,
@@ -343,8 +344,11 @@ def exchange(
             stands[accepted.id] = Stand(as_free, as_free)
             continue
         best = best_first(rivals, workshop.noise)[0]
-        if best_first([rung, best], workshop.noise)[0] is best or lead(rung, best) < NEAR:
-            best = refit(workshop, best)
+        close = best_first([rung, best], workshop.noise)[0] is best or lead(rung, best) < NEAR
+        # Where something is left, a rival may be what is missing, however far above it a quick fit
+        # has ended; one without hope ends early.
+        if close or not all_noise(rung.fit, workshop.noise):
+            best = refit(workshop, best, -inf if close else rung.fit.cost)
         if incumbent.gives_way_to(best):
             return Exchange(best)
         stands[accepted.id] = Stand(as_free, best)
