@@ -186,6 +186,21 @@ def test_a_resonance_is_as_sharp_as_the_ground_it_is_heard_over_says(monkeypatch
     assert away == pytest.approx(0.0, abs=0.15)
 
 
+def test_heights_pull_at_no_number_that_they_are_not_heard_by(monkeypatch):
+    """Nor where the resonance has moved a little since their response was worked out: a number that
+    only its belief holds would run away, as the common scale of masses and forces did."""
+    monkeypatch.setattr(import_module("wheelhop.fit.fit"), "Ground", Ringing)
+    benches, of, seen = ringing_benches(120.0), shop(), []
+    for bench in benches:
+        bench.matrix = bench.matrix * [0.0, 0.0, 1.0, 1.0]
+    best = fit(of, ROUGH, SHARED, benches).model
+    of.watch = lambda iteration, error: seen.append(error)
+    found = fit(of, best, SHARED, benches).model
+    assert len(seen) <= 8
+    assert found.values["stiffness"] == pytest.approx(best.values["stiffness"], abs=2.0)
+    assert found.values["mass"] == pytest.approx(START.values["mass"], abs=1e-6)
+
+
 def test_derivatives_made_without_heights_pull_at_nothing_that_heights_tell(monkeypatch):
     """They do not know what a sharper resonance would explain, and so must not know what it costs:
     a quick fit would step far away and back."""

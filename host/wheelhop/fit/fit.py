@@ -360,10 +360,11 @@ class _Problem:
         rough = [h for h in heights if h.coefficients.any() and self.hears_heights]
         if not rough:
             return np.zeros(len(self.shared))
+        # Some runs' heights are still heard as about an earlier model: so is the one to step from.
         models = [state.model.with_values(stepped(f, state.model.values)) for f in self.shared]
-        others = [(model, self.workshop.systems(model)) for model in models]
-        growths = self.workshop.each(lambda heights: heights.growths(others), rough)
-        return np.asarray(0.5 * np.sum(growths, axis=0) / [f.step for f in self.shared])
+        others = [(model, self.workshop.systems(model)) for model in (state.model, *models)]
+        grown = np.sum(self.workshop.each(lambda heights: heights.growths(others), rough), axis=0)
+        return np.asarray(0.5 * (grown[1:] - grown[0]) / [f.step for f in self.shared])
 
     def _prior(self, model: Model, runs: Sequence[RunFit]) -> float:
         total = self.belief.distance(model.values)
