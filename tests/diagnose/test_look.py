@@ -34,7 +34,7 @@ def remembered(rung: Rung) -> Rung:
     screened = Screened(None, {}, 0.0, 0.0, 0.0, 0.0, {"0": np.ones(9)}, np.zeros((0, 0)))
     look = Look(rung, (screened,), (Candidate(screened, rung, 0.0, 1, True),), None)
     after = look.remembered()
-    assert not after.screened and not after.candidates[0].screened.contribution
+    assert not any(s.contribution for s in (*after.screened, after.candidates[0].screened))
     assert after.rung.judging.has_derivatives == after.candidates[0].rung.judging.has_derivatives
     return after.candidates[0].rung
 
@@ -133,7 +133,8 @@ def test_a_search_that_comes_back_to_where_it_stood_ends(tmp_path, monkeypatch, 
     added, stands, last = ladder.climb(base, library, max_effects=4, progress=lambda text: None)
     assert added == stays
     assert len(groups) == 1
-    assert last.screened  # so that the limits of what is found can be told
+    assert len(looks) == 2  # what is said of the rest was seen when it stood there first
+    assert [s.error for s in last.screened] == [s.error for s in looks[1].screened] != []
     assert stands == (set(stays) if len(stays) > 1 else set())
 
 

@@ -196,26 +196,29 @@ def climb(
         if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
             look = Look(rung, (), (), None)
             break
-        if _came_back(workshop, rung, tried):  # nothing more is added
+        then = _came_back(workshop, rung, tried)
+        if then is not None:  # nothing more is added
             most, alone = len(rung.model.effects), False
-        room = most - len(rung.model.effects)
-        look = look_at(workshop, step, effects, room, progress, watch)
+            look = replace(then, rung=rung, candidates=(), chosen=None)
+        else:
+            room = most - len(rung.model.effects)
+            look = look_at(workshop, step, effects, room, progress, watch)
         tried.append(look.remembered())
     return conclude(
         workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
     )
 
 
-def _came_back(workshop: Workshop, rung: Rung, looks: Sequence[Look]) -> bool:
-    """Whether the ladder has stood on these effects before, and no worse: all that a group added is
-    not needed, one by one. Another look would find the same group."""
+def _came_back(workshop: Workshop, rung: Rung, looks: Sequence[Look]) -> Look | None:
+    """The look of when the ladder stood on these effects before, and no worse: all that a group
+    added is not needed, one by one. Another look would find the same group."""
     names, noise = {e.id for e in rung.model.effects}, workshop.noise
-    for then in (look.rung for look in looks):
-        if {e.id for e in then.model.effects} == names:
-            base = Incumbent(workshop, then).against(rung)
+    for look in looks:
+        if {e.id for e in look.rung.model.effects} == names:
+            base = Incumbent(workshop, look.rung).against(rung)
             if not holds_against(base, rung, log_odds(base, rung, noise), 1, noise):
-                return True
-    return False
+                return look
+    return None
 
 
 def _open(rung: Rung, effects: Mapping[str, Effect], workshop: Workshop) -> dict[str, Effect]:

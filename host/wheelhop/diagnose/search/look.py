@@ -78,14 +78,15 @@ class Look:
     chosen: Candidate | None
 
     def remembered(self) -> Look:
-        """The look as later ones ask for it: how well each candidate did. Signatures serve but
-        once."""
-        candidates = [
+        """The look as later ones ask for it: how well each effect did, without signatures, which
+        serve but once."""
+        screened = tuple(replace(s, contribution={}) for s in self.screened)
+        candidates = tuple(
             replace(c, screened=replace(c.screened, contribution={}), rung=remembered(c.rung))
             for c in self.candidates
-        ]
+        )
         rung = remembered(self.rung)
-        return replace(self, rung=rung, screened=(), candidates=tuple(candidates))
+        return replace(self, rung=rung, screened=screened, candidates=candidates)
 
 
 Watch = Callable[[Look], None]
