@@ -360,7 +360,8 @@ class _Problem:
         rough = [h for h in heights if h.coefficients.any() and self.hears_heights]
         if not rough:
             return np.zeros(len(self.shared))
-        # Some runs' heights are still heard as about an earlier model: so is the one to step from.
+        # A run's response may be that of an earlier model. The growth from there to here is none
+        # along any number, so it is subtracted.
         models = [state.model.with_values(stepped(f, state.model.values)) for f in self.shared]
         others = [(model, self.workshop.systems(model)) for model in (state.model, *models)]
         grown = np.sum(self.workshop.each(lambda heights: heights.growths(others), rough), axis=0)
