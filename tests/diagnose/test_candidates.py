@@ -56,7 +56,8 @@ def test_where_none_holds_the_fitted_runs_say_which_is_fitted_in_full(monkeypatc
 @pytest.mark.parametrize(
     ("above_floor", "present", "holding", "simulated"),
     [
-        (True, (), (), ["lift-off", "play", "damper", "tyre"]),
+        (True, (), (), ["lift-off", "play", "damper", "tyre", "strong play"]),
+        (True, (), ("tyre",), ["lift-off", "play", "damper", "tyre"]),
         (True, (), ("lift-off",), ["lift-off"]),
         (True, ("friction",), (), ["lift-off"]),
         (False, (), (), ["lift-off"]),
@@ -66,7 +67,9 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
     above_floor, present, holding, simulated, monkeypatch
 ):
     """Of play of 0.12 mm in a light car screening foresaw a seventieth, too little to be simulated
-    (blind seed 12642). The best few are, but what is not worth its parameters is not."""
+    (blind seed 12642). The best few are, but what is not worth its parameters is not; and where
+    none of them holds either, what may be too strong for first order. An effect that is tried twice
+    is as good as its better fit."""
 
     def item(name, score):
         effect = SimpleNamespace(id=name)
@@ -84,15 +87,24 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
         tried.append(screened.variant.effect.id)
         return incumbent.rung
 
+    def confirm_strong(incumbent, start, beside):
+        tried.append(start)
+        return SimpleNamespace(evidence=2.0)
+
     monkeypatch.setattr(looking, "worth_simulating", lambda *asked, **how: chosen)
     monkeypatch.setattr(looking, "confirm", confirm)
+    monkeypatch.setattr(looking, "strong", lambda incumbent, items: [(items[0], "strong play")])
+    monkeypatch.setattr(looking, "confirm_strong", confirm_strong)
     monkeypatch.setattr(looking, "_judged", judged)
     monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))
-    rung = SimpleNamespace(model=SimpleNamespace(effects=present))
+    rung = SimpleNamespace(model=SimpleNamespace(effects=present), evidence=1.0)
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
     quiet = {"progress": lambda text: None, "watch": lambda look: None}
-    looking._confirm_best(incumbent, items, above_floor, **quiet)
+    found = looking._confirm_best(incumbent, items, above_floor, **quiet)
     assert tried == simulated
+    evidence = {c.id: c.rung.evidence for c in found}
+    assert len(evidence) == len(found)
+    assert evidence.get("play", 1.0) == (2.0 if "strong play" in tried else 1.0)
 
 
 @pytest.mark.parametrize(("left", "holds"), [(1.5, False), (0.9, True)])

@@ -147,7 +147,7 @@ def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(
 
     workshop = SimpleNamespace(noise=1.0, of_role=lambda role: [])
     monkeypatch.setattr(confirming, "_starts", lambda *_: [("", model)])
-    monkeypatch.setattr(confirming, "_fitted_from", lambda *_: (quick, True))
+    monkeypatch.setattr(confirming, "fitted_from", lambda *_: (quick, True))
     monkeypatch.setattr(confirming, "all_noise", lambda *_: False)
     monkeypatch.setattr(confirming, "begun", lambda *_: model)
     monkeypatch.setattr(confirming, "validate", lambda workshop, fit, update: Rung(fit, None))

@@ -102,7 +102,7 @@ def confirm(incumbent: Incumbent, screened: Screened, beside: Sequence[Rung] = (
     best = _begun_at(workshop, base, screened, bar)
     if not all_noise(best, workshop.noise) and incumbent.as_believed is not None:
         (_, start), *_ = _starts(workshop, incumbent.as_believed, screened)
-        other, _ = _fitted_from(workshop, incumbent.as_believed, start, bar)
+        other, _ = fitted_from(workshop, incumbent.as_believed, start, bar)
         best = max(best, other, key=lambda one: one.evidence)
     # A run held out took no part in the fit: it begins about the numbers found.
     effect = screened.variant.effect
@@ -130,7 +130,7 @@ def _begun_at(workshop: Workshop, base: Rung, screened: Screened, bar: float) ->
     starts = _starts(workshop, base, screened)[: len(SHARES)]
     forms = [choice for choice, _ in starts]
     for i, (_, model) in enumerate(starts):
-        found, believable = _fitted_from(workshop, base, model, bar)
+        found, believable = fitted_from(workshop, base, model, bar)
         if best is None or found.evidence > best.evidence:
             best, believed = found, believable
         fine = best.error < ASTRAY * screened.error and believed
@@ -141,22 +141,25 @@ def _begun_at(workshop: Workshop, base: Rung, screened: Screened, bar: float) ->
     if not believed and any(p.is_shape for p in screened.variant.parameters):
         saturated = _saturated(workshop, base, screened)
         if saturated is not None:
-            found, _ = _fitted_from(workshop, base, saturated, bar)
+            found, _ = fitted_from(workshop, base, saturated, bar)
             best = max(best, found, key=lambda one: one.evidence)
     return best
 
 
-def _fitted_from(workshop: Workshop, base: Rung, start: Model, bar: float) -> tuple[Fit, bool]:
+def fitted_from(
+    workshop: Workshop, base: Rung, start: Model, bar: float, *, anew: bool = False
+) -> tuple[Fit, bool]:
     """A quick fit that begins at a model, and whether the numbers of its last effect lie where they
-    are believed to."""
+    are believed to. `anew`: with derivatives of its own, which is slow."""
+    known = None if anew else base.fit
     effect, benches = start.effects[-1], workshop.of_role("fit")
     free = effect_parameters(workshop.parameters_of(effect), start, effect)
     # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
     amplitudes = [f for f in free if not f.is_shape]
     if 0 < len(amplitudes) < len(free):
         shared = [*base.fit.shared, *amplitudes]
-        start = fit(workshop, start, shared, benches, base.fit, bar=bar).model
-    found = fit(workshop, start, [*base.fit.shared, *free], benches, base.fit, bar=bar)
+        start = fit(workshop, start, shared, benches, known, bar=bar).model
+    found = fit(workshop, start, [*base.fit.shared, *free], benches, known, bar=bar)
     return found, believable(found, free)
 
 
@@ -235,7 +238,7 @@ def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[st
     for item in (screened, *screened.others):
         switches = all(p.switch for p in item.variant.amplitudes)
         shares = SHARES[:1] if switches else SHARES
-        models = list(_starts_of(workshop, base, item, shares))
+        models = list(starts_of(workshop, base, item, shares))
         order = np.argsort(misfits(workshop, models, fitted, base.fit.sigma), kind="stable")
         by_variant.append([(item.variant.choice, models[i]) for i in order])
     return [*(models[0] for models in by_variant), *by_variant[0][1:]]
@@ -248,7 +251,7 @@ def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model | No
     found: list[tuple[float, Model]] = []
     fitted = workshop.of_role("fit")
     for item in (screened, *screened.others):
-        models = [next(_starts_of(workshop, base, item, [share])) for share in shares]
+        models = [next(starts_of(workshop, base, item, [share])) for share in shares]
         misfit = misfits(workshop, models, fitted, base.fit.sigma)
         # Strengths that end at one bound are the same; only others that do the same are saturated.
         same = [
@@ -265,9 +268,11 @@ def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model | No
     return min(found, key=lambda one: one[0])[1] if found else None
 
 
-def _starts_of(
+def starts_of(
     workshop: Workshop, base: Rung, screened: Screened, shares: Sequence[float]
 ) -> Iterator[Model]:
+    """The models where the fit of one form of an effect may begin, at some shares of the amplitudes
+    that screening expects: with the vehicle as it is, and moved along with them."""
     variant = screened.variant
     absent = with_variant(base.model, variant, {})
     everywhere = list(workshop.benches.values())

@@ -10,6 +10,7 @@ from math import hypot, inf
 from wheelhop.diagnose.baseline import Progress, comparison_of
 from wheelhop.diagnose.confirm.forms import best_form
 from wheelhop.diagnose.confirm.in_full import confirm, least_cost, refit, worth_simulating
+from wheelhop.diagnose.confirm.strong import confirm_strong, strong
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.score import (
@@ -31,6 +32,7 @@ from wheelhop.diagnose.score import (
 from wheelhop.diagnose.screen.first_order import Screened, screen
 from wheelhop.effects import Effect, OwnValues, form_of
 from wheelhop.fit import Workshop
+from wheelhop.simulate import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,8 +239,9 @@ def _confirm_best(
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first. Once one explains nearly all,
     only what screening puts beside it is a rival. Where none holds and the baseline leaves
-    something, a few more are simulated that first order, a tangent, thinks little of. What a law of
-    the right name leaves of another form is no reason for that."""
+    something, a few more are simulated that first order, a tangent, thinks little of; where none of
+    these does, a few that may be too strong for it. What a law of the right name leaves of another
+    form is no reason for that."""
     workshop, rung = incumbent.workshop, incumbent.rung
 
     def enough(found: Rung) -> bool:
@@ -248,10 +251,18 @@ def _confirm_best(
     rivals = worth_simulating(workshop, rung, screened, at_least=1, settled=True)
     found: list[Candidate] = []
 
-    def simulate(item: Screened, which: str) -> None:
+    def simulate(item: Screened, which: str, start: Model | None = None) -> None:
         progress(f"simulating {item.variant.effect.id} ({which})")
-        confirmed = confirm(incumbent, item, beside=[c.rung for c in found])
-        found.append(_judged(incumbent, item, confirmed, len(screened)))
+        beside = [c.rung for c in found]
+        if start is None:
+            confirmed = confirm(incumbent, item, beside)
+        else:
+            confirmed = confirm_strong(incumbent, start, beside)
+        judged = _judged(incumbent, item, confirmed, len(screened))
+        likelier = [
+            c for c in found if c.id == judged.id and c.rung.evidence > judged.rung.evidence
+        ]
+        found[:] = [c for c in found if c.id != judged.id] + (likelier or [judged])
         watch(Look(rung, tuple(screened), tuple(_best_first(found, workshop.noise)), None))
 
     for i, item in enumerate(chosen):
@@ -261,6 +272,9 @@ def _confirm_best(
         more = [s for s in screened if s not in chosen and s.score > 0][:LAST_RESORT]
         for i, item in enumerate(more):
             simulate(item, f"{i + 1} of {len(more)} more")
+        strongest = [] if any(c.holds for c in found) else strong(incumbent, screened)[:LAST_RESORT]
+        for i, (item, start) in enumerate(strongest):
+            simulate(item, f"{i + 1} of {len(strongest)} strong ones", start)
     return _best_first(found, workshop.noise)
 
 

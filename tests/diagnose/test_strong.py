@@ -1,0 +1,44 @@
+"""An effect so strong that first order about the vehicle fitted without it sees none of it."""
+
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import LIBRARY, baseline_of
+from wheelhop.diagnose.confirm.in_full import confirm
+from wheelhop.diagnose.confirm.strong import confirm_strong, strong
+from wheelhop.diagnose.confirm.validate import Incumbent
+from wheelhop.diagnose.screen.first_order import screen
+
+HELD = {"dry-friction": {"coulomb_front_N": 145.0, "coulomb_rear_N": 220.0}}
+
+
+def test_friction_that_nearly_always_holds_is_found_where_it_is_strong(tmp_path):
+    """The baseline has springs as stiff as the joints that hold. Begun at what first order expects,
+    a formula car's friction ends at some newtons and twice the cost; begun as strong as it shows,
+    where the vehicle is believed to be, it is the first of all, and leaves noise."""
+    folder = truth.make_campaign(
+        tmp_path, seed=103, effects=HELD, preset="formula-student", short=True
+    )
+    base = baseline_of(folder)
+    workshop, incumbent = base.workshop, Incumbent(base.workshop, base.rung)
+    screened = screen(workshop, base.rung.fit, list(LIBRARY.values()))
+    (friction,) = [s for s in screened if s.variant.effect.id == "dry-friction"]
+    noise = workshop.noise**2 * base.rung.fit.size
+    assert confirm(incumbent, friction).fit.rss > 2.0 * noise
+    first, start = strong(incumbent, screened)[0]
+    assert first.variant.effect.id == "dry-friction"
+    rung = confirm_strong(incumbent, start, [])
+    assert rung.fit.rss < 1.05 * noise
+    # What accelerations tell are forces per mass.
+    values = rung.model.values
+    ratio = values["dry-friction.rear_N"] / values["dry-friction.front_N"]
+    assert ratio == pytest.approx(220.0 / 145.0, rel=0.05)
+
+
+def test_where_the_vehicle_is_believable_nothing_is_begun_strong(tmp_path):
+    folder = truth.make_campaign(
+        tmp_path, seed=104, effects={}, preset="formula-student", short=True
+    )
+    base = baseline_of(folder)
+    screened = screen(base.workshop, base.rung.fit, [LIBRARY["dry-friction"]])
+    assert strong(Incumbent(base.workshop, base.rung), screened) == []
