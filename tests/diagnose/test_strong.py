@@ -14,8 +14,8 @@ HELD = {"dry-friction": {"coulomb_front_N": 145.0, "coulomb_rear_N": 220.0}}
 
 def test_friction_that_nearly_always_holds_is_found_where_it_is_strong(tmp_path):
     """The baseline has springs as stiff as the joints that hold. Begun at what first order expects,
-    a formula car's friction ends at some newtons and twice the cost; begun as strong as it shows,
-    where the vehicle is believed to be, it is the first of all, and leaves noise."""
+    a formula car's friction leaves more than twice the noise's power; begun as strong as shows
+    clearly, where the vehicle is believed to be, it is the first of all, and leaves noise."""
     folder = truth.make_campaign(
         tmp_path, seed=103, effects=HELD, preset="formula-student", short=True
     )

@@ -2,8 +2,8 @@
 
 The vehicle fitted without it has springs as stiff as what holds them, and about that vehicle the
 effect's signature is nothing. Nor does a little of it help where the vehicle is believed to be. So
-each effect is simulated there as strong as it may be, and what comes nearest to the records is
-fitted from there.
+each effect is simulated there as strong as shows clearly (`Parameter.scale`), and what comes
+nearest to the records is fitted from there.
 """
 
 from __future__ import annotations
@@ -17,23 +17,19 @@ from wheelhop.diagnose.score import Rung
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.simulate import Model
 
-STRENGTHS = (1.0, 3.0)
-"""Amplitudes begin at these multiples of their scales, which show clearly."""
-
 
 def strong(incumbent: Incumbent, screened: Sequence[Screened]) -> list[tuple[Screened, Model]]:
-    """Effects as strong as they may be, each with the model where its fit may begin: those that
+    """Effects as strong as shows clearly, each with the model where its fit may begin: those that
     come nearest to the runs fitted first, and none that comes no nearer than the vehicle does
     without. Empty where that vehicle is not hard to believe."""
     base, workshop = incumbent.as_believed, incumbent.workshop
     if base is None:
         return []
     starts = [
-        (effect, next(starts_of(workshop, base, _as_strong(form, strength), [1.0])))
+        (effect, next(starts_of(workshop, base, _as_strong(form), [1.0])))
         for effect in screened
         for form in (effect, *effect.others)
         if any(not p.switch for p in form.variant.amplitudes)
-        for strength in STRENGTHS
     ]
     models = [base.model, *(model for _, model in starts)]
     without, *left = misfits(workshop, models, workshop.of_role("fit"), base.fit.sigma)
@@ -54,11 +50,11 @@ def confirm_strong(incumbent: Incumbent, start: Model, beside: Sequence[Rung]) -
     return validate(workshop, found, before=start)
 
 
-def _as_strong(screened: Screened, strength: float) -> Screened:
-    """The same with every amplitude so strong, to the side where screening sees it."""
+def _as_strong(screened: Screened) -> Screened:
+    """The same with every amplitude at its scale, to the side where screening sees it."""
     amplitudes = dict(screened.amplitudes)
     for p in screened.variant.amplitudes:
         if not p.switch:
             side = -1.0 if amplitudes[p.name] < p.absent else 1.0
-            amplitudes[p.name] = p.absent + side * strength * p.scale
+            amplitudes[p.name] = p.absent + side * p.scale
     return replace(screened, amplitudes=amplitudes)
