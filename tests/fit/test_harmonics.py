@@ -67,7 +67,7 @@ def test_speed_and_start_are_found_by_any_of_three_harmonics(sines, harmonic):
 
 def test_a_line_counts_for_what_it_takes_out_of_the_record(sines):
     """One that the model gives half as much power again, but of which there are only eight tenths:
-    that is 2 · 0.8 − 1 of it, and nine tenths of the first."""
+    that is 0.8² of it, and less than the first; of nine tenths it is more."""
     sines(2)
     speeds = _speeds(RUN, PITCH)
     power = np.array([np.sum(record_of(speed, 0.0, 2) ** 2) for speed in speeds])
@@ -86,6 +86,19 @@ def test_a_line_counts_for_what_it_takes_out_of_the_record(sines):
     campaign = campaign_with(record)
     found = find_start(campaign, campaign.runs[0], MODEL, SYSTEM)
     assert found["speed_m_s"] == pytest.approx(speeds[other])
+
+
+def test_a_run_that_answers_less_than_the_model_is_placed_all_the_same(sines):
+    """As over waves as long as a tyre's contact patch, which the rigid wheel of the model follows:
+    no speed is preferred because the model expects less of it."""
+    sines(2)
+    speeds, start = _speeds(RUN, PITCH), 37.0 / 64.0 * PITCH
+    strongest = speeds[np.argmax([np.sum(record_of(speed, 0.0, 2) ** 2) for speed in speeds])]
+    campaign = campaign_with(0.1 * record_of(strongest, start, 2))
+    found = find_start(campaign, campaign.runs[0], MODEL, SYSTEM)
+    assert found["speed_m_s"] == pytest.approx(strongest)
+    waves = (found["start_m"] - start) * 2.0 / PITCH
+    assert abs(waves - round(waves)) < 0.02
 
 
 def test_some_channels_are_enough(sines):

@@ -131,7 +131,7 @@ def _match_harmonics(
     samples = 128
     shape = fft.rfft(_envelopes(model, track, np.arange(samples) * period / samples), axis=0)
     phases = np.arange(64) / 64
-    match = np.zeros((len(speeds), len(phases)))
+    cross, power = np.zeros((2, len(speeds), len(phases)))
     taper = np.hanning(len(run.time_s))[:, None]
     measured = taper * (run.record - run.record.mean(axis=0)) * 2 / taper.sum()
     once = np.exp(-2j * np.pi * (speeds / period)[:, None] * run.time_s)
@@ -146,11 +146,13 @@ def _match_harmonics(
         wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
         response = frequency_response(system, frequency[inside])[:, predicted] @ wheel
         response *= campaign.averaging.kept(frequency[inside])[:, None]
-        # Sum of |measured − model|² over channels, less the part that neither changes.
-        cross = np.einsum("fc,fc->f", response, line.conj())
         turn = np.exp(2j * np.pi * k * phases)
-        power = np.einsum("fc,fc->f", response, response.conj()).real
-        match[inside] += 2 * (cross[:, None] * turn).real - power[:, None]
+        cross[inside] += (np.einsum("fc,fc->f", response, line.conj())[:, None] * turn).real
+        power[inside] += np.einsum("fc,fc->f", response, response.conj()).real[:, None]
+    # Of a model that answers too strongly, as a rigid wheel does on short waves, a share counts.
+    share = np.clip(cross / np.maximum(power, np.finfo(float).tiny), 0.0, 1.0)
+    # Sum of |measured − share · model|² over channels, less the part that none of them changes.
+    match = 2 * share * cross - share**2 * power
     i, j = np.unravel_index(np.argmax(match), match.shape)
     return {"speed_m_s": float(speeds[i]), "start_m": float(phases[j] * period)}
 
