@@ -281,27 +281,31 @@ def _confirm_best(
 def _refit_leaders(
     incumbent: Incumbent, candidates: Sequence[Candidate], above_floor: bool, progress: Progress
 ) -> list[Candidate]:
-    """The candidates, the best two that hold fitted with all derivatives; the best first.
+    """The candidates, the leaders of them fitted with all derivatives; the best first.
 
     A quick fit favours effects that resemble what the vehicle's own parameters do, and it may end
-    where its derivatives no longer hold: before none is believed, the best few are fitted so, too,
-    as far as there is hope that they take a part of what is left that is worth it.
+    where its derivatives no longer hold: before one is believed, the best two that hold are fitted
+    so, too. What a fit that went astray makes of runs held out says nothing of its effect, so where
+    much is left the few that make the runs fitted likelier than these two are fitted as well; if
+    none holds, as far as there is hope that they take a part of it that is worth it.
     """
     workshop, rung = incumbent.workshop, incumbent.rung
-    leaders, bar = [c for c in candidates if c.holds][:2], -inf
-    if not leaders and above_floor:
-        # What a fit that went astray makes of runs held out says nothing of the effect.
-        leaders = sorted(candidates, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
-        bar = rung.fit.cost - worth_seeking(rung.fit)
+    holding = [c for c in candidates if c.holds][:2]
+    bar = -inf if holding else rung.fit.cost - worth_seeking(rung.fit)
+    likeliest = max((c.rung.fit.evidence for c in holding), default=-inf)
+    astray = [c for c in candidates if not c.holds and c.rung.fit.evidence > likeliest]
+    astray = sorted(astray, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
+    leaders = [*holding, *astray] if above_floor else holding
     refitted: list[Candidate] = []
     for leader in leaders:
         ahead = next((c.rung for c in refitted if c.holds), None)
-        if ahead and leader.rung.error_judging > HOPELESS * ahead.error_judging:
+        if ahead and leader.rung.fit.error > HOPELESS * ahead.fit.error:
             refitted.append(leader)
             continue
         progress(f"fitting the vehicle with {leader.id}")
-        better = refit(workshop, leader.rung, least_cost([ahead]) if ahead else bar)
-        worth = leader.holds or better.fit.cost < bar
+        beat = least_cost([ahead]) if ahead else bar
+        better = refit(workshop, leader.rung, beat)
+        worth = leader.holds or better.fit.cost < beat
         leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
         if worth and leads and not at_noise(better, workshop.noise):
             better = best_form(incumbent, leader.screened, better)
