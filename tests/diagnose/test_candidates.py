@@ -134,9 +134,15 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
 
 
 @pytest.mark.parametrize(("left", "holds"), [(1.5, False), (0.9, True)])
-def test_a_driver_takes_more_than_a_law_may_leave(left, holds, monkeypatch):
+@pytest.mark.parametrize(
+    ("free", "parameters"), [("longitudinal-pitch", ()), ("small-scale-roughness", ("waviness",))]
+)
+def test_what_is_free_in_every_run_takes_more_than_a_law_may_leave(
+    free, parameters, left, holds, monkeypatch
+):
     """A spring takes 100 of the power and leaves 2: a hundredth of that, 1, may be of another form
-    of spring. What a driver does in every run takes half of it, or just more than all of it."""
+    of spring. What a driver does in every run, or unknown heights of its ground, takes half of it,
+    or just more than all of it."""
     monkeypatch.setattr(looking, "log_odds", lambda base, rival, noise: 99.0)
     monkeypatch.setattr(looking, "holds_against", lambda *asked: True)
     monkeypatch.setattr(looking, "contradicted", lambda rung, effect: False)
@@ -148,8 +154,8 @@ def test_a_driver_takes_more_than_a_law_may_leave(left, holds, monkeypatch):
     incumbent = SimpleNamespace(
         workshop=SimpleNamespace(noise=0.0), against=lambda rival: rung(2.0)
     )
-    pitch = load_effects()["longitudinal-pitch"]
-    screened = SimpleNamespace(variant=SimpleNamespace(effect=pitch, parameters=()))
+    effect = load_effects()[free]
+    screened = SimpleNamespace(variant=SimpleNamespace(effect=effect, parameters=parameters))
     assert looking._judged(incumbent, screened, rung(left), 30).holds is holds
     gain = load_effects()["sensor-gain"]
     screened = SimpleNamespace(variant=SimpleNamespace(effect=gain, parameters=("error",)))

@@ -325,7 +325,8 @@ def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -
     odds = log_odds(base, rival, noise)
     effect, dropped = screened.variant.effect, power(base) - power(rival)
     of_the_first = effect.on_rig and of_a_law(dropped, base.by_laws)
-    if not screened.variant.parameters:  # free in every run: it takes part of whatever is left
+    if not screened.variant.parameters or effect.has_random_heights:
+        # Free at every second of a run, it takes a part of whatever is left.
         of_the_first = dropped < LAW**2 * base.by_laws
     likely = holds_against(base, rival, odds, tried, noise) and not of_the_first
     return Candidate(screened, rival, odds, tried, likely and not contradicted(rival, effect))
