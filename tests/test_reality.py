@@ -5,13 +5,15 @@ import shutil
 import numpy as np
 import pytest
 
+from benchmarks.blind.everything import COLOURED, IN_THE_FILES, STATED, colour_the_noise
 from benchmarks.blind.plan import plan
 from benchmarks.blind.reality import REALITY
 from benchmarks.blind.recipes import RECIPES
 from benchmarks.blind.score import Outcome
 from tests.campaign.build import write_campaign
+from tests.truth import in_band
 from wheelhop.campaign import read_campaign
-from wheelhop.vehicle import read_vehicle
+from wheelhop.vehicle import corner_position, read_vehicle
 
 
 def spoilt(folder, kind, seed=0):
@@ -69,6 +71,51 @@ def test_coloured_noise_is_stated_in_its_sum_and_lies_low(tmp_path):
     assert spectrum[(frequency > 0.4) & (frequency < 6.0)].sum() > 0.6 * inside
 
 
+@pytest.mark.parametrize("name", IN_THE_FILES)
+def test_an_imperfection_of_the_files_grows_with_its_amount(tmp_path, name):
+    """Twice the amount is twice as far from what was written, with the same draws."""
+    before = read_campaign(write_campaign(tmp_path / "before"))
+    vehicle = read_vehicle(before.vehicle_file)
+    away = []
+    for amount in (1.0, 2.0):
+        folder = shutil.copytree(tmp_path / "before", tmp_path / f"{amount}")
+        IN_THE_FILES[name](folder, np.random.default_rng(3), amount)
+        away.append(numbers(name, read_campaign(folder), vehicle))
+    written = numbers(name, before, vehicle)
+    np.testing.assert_allclose(away[1] - written, 2.0 * (away[0] - written), rtol=1e-3, atol=2e-5)
+    assert np.abs(away[0] - written).max() > 1e-4
+
+
+def place_on_body(channel, vehicle):
+    """Where it is said to be, m; an axle's point where the body's above it is."""
+    if channel.corner is not None:
+        return corner_position(vehicle.values, channel.corner)
+    return channel.x_m, channel.y_m
+
+
+def numbers(name, campaign, vehicle):
+    """What an imperfection of the files changes."""
+    if name == "scales":
+        return np.concatenate([run.record.ravel() for run in campaign.runs])
+    if name == "positions":
+        return np.array([place_on_body(channel, vehicle) for channel in campaign.channels])
+    key = {"amplitudes": "amplitude_m", "pitches": "pitch_m"}[name]
+    return np.array([run.track.values[key] / 0.01 for run in campaign.runs])
+
+
+def test_coloured_noise_is_more_than_is_stated(tmp_path):
+    folder = write_campaign(tmp_path / "campaign")
+    before = read_campaign(folder)
+    colour_the_noise(folder, np.random.default_rng(1))
+    after = read_campaign(folder)
+    added = [in_band(b.record - a.record) for a, b in zip(before.runs, after.runs, strict=True)]
+    rms = np.sqrt(np.mean([np.mean(part**2) for part in added]))
+    share = rms / np.hypot(rms, before.noise_rms)
+    assert share == pytest.approx(COLOURED, abs=0.02)
+    whole = np.hypot(rms, before.noise_rms)
+    assert after.noise_rms / whole == pytest.approx(STATED, abs=0.02)
+
+
 def test_every_circumstance_has_seeds_of_its_own_for_good():
     cases = [c for c in plan(1000, 2, RECIPES.keys()) if c.kind in REALITY]
     assert len({c.seed for c in cases}) == len(cases) == 2 * len(REALITY)
@@ -89,6 +136,13 @@ def test_every_circumstance_has_seeds_of_its_own_for_good():
         ("amplitude-believed", (), ("none",), True, False),
         ("amplitude-believed", (), ("belief: position of B1",), False, True),
         ("one-run", ("driver-seat",), ("unknown",), False, False),
+        ("everything", ("backlash",), ("backlash", "speed-fluctuation", "unknown"), True, False),
+        ("everything", ("backlash",), ("small-scale-roughness", "backlash"), False, False),
+        ("everything", ("backlash",), ("backlash", "mount-bushing"), True, True),
+        ("everything", (), ("none",), True, False),
+        ("everything", (), ("unknown",), True, False),
+        ("everything", (), ("belief: position of B1", "sensor-gain"), True, False),
+        ("everything", (), ("backlash",), False, True),
     ],
 )
 def test_answers_are_counted(kind, hidden, verdict, passed, false_claim):

@@ -1,4 +1,4 @@
-"""python -m benchmarks.blind generate|run|table [--seeds published] [--short] …"""
+"""python -m benchmarks.blind generate|run|table|compare [--seeds published] [--short] …"""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import sys
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from functools import partial
 from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
-from benchmarks.blind import table
+from benchmarks.blind import compare, table
 from benchmarks.blind.answers import read_answers, write_answers
 from benchmarks.blind.generate import generate
 from benchmarks.blind.picture import draw_confusion
@@ -35,9 +36,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     work = Work(given.work, given.short, given.label)
     cases = _chosen(given)
     try:
-        return {"generate": _generate, "run": _run, "table": _table}[given.command](
-            cases, work, given
-        )
+        commands = {"generate": _generate, "run": _run, "table": _table, "compare": _compare}
+        return commands[given.command](cases, work, given)
     except KeyboardInterrupt:
         print("interrupted; what is done is kept", file=sys.stderr)
         return 130
@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.blind", description=__doc__)
-    parser.add_argument("command", choices=("generate", "run", "table"))
+    parser.add_argument("command", choices=("generate", "run", "table", "compare"))
     parser.add_argument("--seeds", choices=FIRST_SEED, default="dev", help="which ones (dev)")
     parser.add_argument("--rounds", type=int, default=1, help="of 200 seeds (1)")
     parser.add_argument("--first-round", type=int, default=0, help="begin with this round (0)")
@@ -59,6 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--answers", type=Path, nargs="+", default=(), help="count those of earlier tables, too"
     )
+    parser.add_argument("--before", help="with compare: the set of results to compare with")
     parser.add_argument("--again", action="store_true", help="forget earlier results")
     return parser
 
@@ -170,6 +171,19 @@ def _table(cases: Sequence[Case], work: Work, given: argparse.Namespace) -> int:
     draw_confusion(confusion(outcomes), folder / "confusion.png")
     print(f"\nin {folder}")
     return 0
+
+
+def _compare(cases: Sequence[Case], work: Work, given: argparse.Namespace) -> int:
+    """Print what two sets of results say otherwise; 1 if a verdict differs."""
+    if given.before is None:
+        raise SystemExit("compare: say with --before which set of results to compare with")
+    earlier = replace(work, label=given.before)
+    both = [(_outcome(case, earlier), _outcome(case, work)) for case in cases]
+    pairs = [(before, after) for before, after in both if before and after]
+    if not pairs:
+        raise SystemExit(f"no campaign has results called {given.before} and {given.label}")
+    print(compare.text(pairs), end="")
+    return 1 if compare.differing(pairs) else 0
 
 
 def _is_unmade(case: Case, work: Work) -> bool:

@@ -12,7 +12,9 @@ from benchmarks.blind.score import Outcome
 
 NUMBERS = ("confidence", "baseline_over_floor", "error_over_floor", "seconds")
 LISTS = ("verdict", "ranking")
-COLUMNS = ("name", "asked", *LISTS, *NUMBERS, "complaint", "mass_off")
+LATER = ("mass_off", "cpu_seconds")
+"""Numbers that older tables do not say, and some answers have not."""
+COLUMNS = ("name", "asked", *LISTS, *NUMBERS, "complaint", *LATER)
 RANKED = 3
 """So many effects of a ranking are kept; no figure of the table needs more."""
 
@@ -24,7 +26,8 @@ def write_answers(file: Path, outcomes: Sequence[Outcome], unmade: Iterable[str]
         writer.writeheader()
         for o in outcomes:
             row = {name: f"{getattr(o, name):.6g}" for name in NUMBERS}
-            row["mass_off"] = "" if isnan(o.mass_off) else f"{o.mass_off:.6g}"
+            later = {name: getattr(o, name) for name in LATER}
+            row |= {k: "" if isnan(value) else f"{value:.6g}" for k, value in later.items()}
             row |= {"verdict": "+".join(o.verdict), "ranking": "+".join(o.ranking[:RANKED])}
             writer.writerow({"name": o.name, "asked": "yes", **row, "complaint": o.complaint})
         writer.writerows({"name": name, "asked": "no"} for name in unmade)
@@ -56,5 +59,5 @@ def _outcome(case: Case, row: dict[str, str]) -> Outcome:
         error_over_floor=error,
         seconds=seconds,
         complaint=row["complaint"],
-        mass_off=float(row.get("mass_off") or nan),  # older tables do not say it
+        **{name: float(row.get(name) or nan) for name in LATER},
     )

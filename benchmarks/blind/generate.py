@@ -6,14 +6,17 @@ import shutil
 import tempfile
 import time
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.blind.everything import IN_THE_FILES, SHOWS, colour_the_noise, imperfections
 from benchmarks.blind.outside import OUTSIDE
 from benchmarks.blind.plan import Case
 from benchmarks.blind.reality import REALITY
@@ -62,8 +65,16 @@ class _Scene:
     fitted_over_floor: float = 1.0  # of the campaign looked at last
     rate_hz: float = 100.0
 
-    def ratio(self, effects: Sequence[Effect], *, short: bool, draft: bool) -> float:
-        """Write the campaign and look at it as a user would: baseline over floor, held out."""
+    def ratio(
+        self,
+        effects: Sequence[Effect],
+        *,
+        short: bool,
+        draft: bool,
+        spoil: Callable[[Path], None] = lambda folder: None,
+    ) -> float:
+        """Write the campaign, spoil it and look at it as a user would: baseline over floor, held
+        out."""
         write_campaign(
             self.folder,
             rougher(self.preset, self.severity),
@@ -74,12 +85,15 @@ class _Scene:
             rate_hz=SAMPLE_RATE_HZ if draft else self.rate_hz,
             draft=draft,
         )
+        spoil(self.folder)
         held_out, self.fitted_over_floor = baseline_over_floor(self.folder)
         return held_out
 
-    def draw(self, name: str) -> Hidden:
-        """The effect's shape, the same whenever it is asked for on the same tracks."""
-        rng = np.random.default_rng([self.case.campaign_seed, 1 + self.case.hidden.index(name)])
+    def draw(self, name: str, number: int | None = None) -> Hidden:
+        """The shape of a hidden effect, or of another with a `number` of its own: the same whenever
+        it is asked for on the same tracks."""
+        number = self.case.hidden.index(name) if number is None else number
+        rng = np.random.default_rng([self.case.campaign_seed, 1 + number])
         car = car_of(rougher(self.preset, self.severity), self.case.campaign_seed)
         return {**RECIPES, **OUTSIDE, **self.laws}[name](rng, car)
 
@@ -140,6 +154,10 @@ def _make(case: Case, folder: Path, short: bool) -> dict[str, Any]:
     else:
         effects = [found[name][0].at(found[name][1]) for name in case.hidden]
         ratio = scene.ratio(effects, short=short, draft=False)
+    imperfect: dict[str, Any] = {}
+    if case.kind == "everything":
+        there = [found[name][0].at(found[name][1]) for name in case.hidden]
+        imperfect, ratio = _everything(scene, there, short)
     truth = tomllib.loads((folder / "truth.toml").read_text())
     if circumstance is not None:
         circumstance.spoil(folder, np.random.default_rng([case.campaign_seed, 4]))
@@ -151,7 +169,57 @@ def _make(case: Case, folder: Path, short: bool) -> dict[str, Any]:
         "amounts": {name: found[name][1] for name in case.hidden},
         "severity": scene.severity,
         "noise_rms_m_s2": noise,
+        "imperfections": imperfect,
     }
+
+
+def _everything(
+    scene: _Scene, there: Sequence[Effect], short: bool
+) -> tuple[dict[str, tuple[float, float] | None], float]:
+    """Write the campaign with all imperfections at once. Returns of each its amount and what that
+    leaves alone, over the noise (None: it cannot show so little or so much); and what the baseline
+    leaves of all."""
+    seed = scene.case.campaign_seed
+    rng = np.random.default_rng([seed, 5])
+    amounts: dict[str, tuple[float, float] | None] = {}
+    machine: list[Effect] = []
+    files: list[Callable[[Path], None]] = []
+    start = scene.noise_rms / TYPICAL_NOISE / own_part(TYPICAL_RATIO)
+    for number, name in enumerate(imperfections(scene.case.hidden)):
+        wanted = _alone(rng)
+        hidden = next(
+            h for k in range(9) if not (h := scene.draw(name, 10 + number + 20 * k)).by_severity
+        )
+        with suppress(Unreachable):
+            amounts[name] = None
+            amounts[name] = found = _seek(
+                scene, hidden, wanted, start * own_part(wanted.aim), short=True, draft=True
+            )
+            machine.append(hidden.at(found[0]))
+    for number, (name, change) in enumerate(IN_THE_FILES.items()):
+
+        def spoil(folder: Path, amount: float, number: int = number, change=change) -> None:
+            change(folder, np.random.default_rng([seed, 6, number]), amount)
+
+        def measure(amount: float, spoil=spoil) -> float:
+            return scene.ratio([], short=True, draft=True, spoil=partial(spoil, amount=amount))
+
+        with suppress(Unreachable):
+            amounts[name] = None
+            amounts[name] = found = seek(measure, _alone(rng), 1.0, (0.05, 5.0))
+            files.append(partial(spoil, amount=found[0]))
+
+    def all_of_them(folder: Path) -> None:
+        for change in files:
+            change(folder)
+        colour_the_noise(folder, np.random.default_rng([seed, 7]))
+
+    return amounts, scene.ratio([*there, *machine], short=short, draft=False, spoil=all_of_them)
+
+
+def _alone(rng: np.random.Generator) -> Wanted:
+    low, high = SHOWS
+    return Wanted(1.0 + _between((low - 1.0, high - 1.0), rng), low, high)
 
 
 def _wanted(case: Case, rng: np.random.Generator) -> Wanted:

@@ -66,10 +66,14 @@ ALSO_IN_THE_FIELD = (
 )
 
 KINDS = ("clear", "weak", "none", "two", "four", "outside", "without", "faint", *REALITY)
+KINDS += ("everything",)
 FIRST_SLOT = {"clear": 0, "weak": 30, "none": 60, "two": 70, "four": 80, "outside": 90}
 FIRST_SLOT |= {"without": 100, "faint": 130}
 FIRST_SLOT |= {kind: 160 + k for k, kind in enumerate(REALITY)}
-COUNT = {"none": 10, "two": 10, "four": 7}
+FIRST_SLOT |= {"everything": 185}
+COUNT = {"none": 10, "two": 10, "four": 7, "everything": 10}
+NOTHING = 0.2
+"""Share of the campaigns of the kind "everything" that hide nothing."""
 
 
 @dataclass(frozen=True)
@@ -138,9 +142,14 @@ def _hidden(kind: str, first: int, available: Collection[str]) -> list[tuple[str
     if kind in REALITY:
         rng = np.random.default_rng([first + FIRST_SLOT[kind], 3])
         return [tuple(str(name) for name in [rng.choice(REALITY[kind].hides)] if name)]
-    draw = _two if kind == "two" else _four
+    draw = {"two": _two, "four": _four, "everything": _one_or_none}[kind]
     seeds = range(first + FIRST_SLOT[kind], first + FIRST_SLOT[kind] + COUNT[kind])
     return [draw(np.random.default_rng(seed), available) for seed in seeds]
+
+
+def _one_or_none(rng: np.random.Generator, available: Collection[str]) -> tuple[str, ...]:
+    name = str(rng.choice([e for e in EFFECTS if e in available]))
+    return () if rng.random() < NOTHING else (name,)
 
 
 def _two(rng: np.random.Generator, available: Collection[str]) -> tuple[str, ...]:

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from benchmarks.blind.recipes import Recipe, Rng
+from benchmarks.blind.folder import Array, Rng, Table, edit, list_channels, records
+from benchmarks.blind.recipes import Recipe
 from benchmarks.blind.strength import Hidden
 from benchmarks.blind.vehicles import Car
 from tests.truth import CHANNELS, in_band
@@ -28,11 +28,7 @@ from tests.truth.other_laws import (
 )
 from wheelhop.calibration import nominal_constants, write_constants
 
-Array = NDArray[np.float64]
 Spoil = Callable[[Path, Rng], None]
-Table = tuple[list[str], Array]
-"""Names of the columns, time first, and their rows."""
-
 COMMON = ("", "dry-friction", "driver-seat", "left-right-drift", "anti-roll-bar")
 """One of these is hidden; "" is nothing."""
 
@@ -52,31 +48,17 @@ class Circumstance:
     belief: str = ""
 
 
-def _edit(file: Path, change: Callable[[str], str]) -> None:
-    file.write_text(change(file.read_text()))
-
-
 def _scale(file: Path, key: str, factor: float, count: int = 0) -> None:
     """Multiply the numbers that stand behind a key, the first `count` of them or all."""
 
     def scaled(found: re.Match[str]) -> str:
         return f"{found[1]}{float(found[2]) * factor:.8g}"
 
-    _edit(
-        file, lambda text: re.sub(rf"(?m)^({re.escape(key)} = )(\S+)$", scaled, text, count=count)
-    )
-
-
-def _records(folder: Path, change: Callable[[list[str], Array], Table]) -> None:
-    """Change every recording: the names of its columns and its rows (n, 1 + c), time first."""
-    for file in sorted((folder / "runs").glob("*.csv")):
-        names = file.read_text().split("\n", 1)[0].split(",")
-        names, rows = change(names, np.loadtxt(file, delimiter=",", skiprows=1))
-        np.savetxt(file, rows, "%.9g", ",", header=",".join(names), comments="")
+    edit(file, lambda text: re.sub(rf"(?m)^({re.escape(key)} = )(\S+)$", scaled, text, count=count))
 
 
 def _noise_unstated(folder: Path, rng: Rng) -> None:
-    _edit(folder / "campaign.toml", lambda t: re.sub(r"(?m)^noise_rms_m_s2.*\n", "", t))
+    edit(folder / "campaign.toml", lambda t: re.sub(r"(?m)^noise_rms_m_s2.*\n", "", t))
 
 
 def _noise_misstated(folder: Path, rng: Rng) -> None:
@@ -94,7 +76,7 @@ def _noise_coloured(folder: Path, rng: Rng) -> None:
         rows[:, 1:] += rms / np.sqrt(np.mean(in_band(drift) ** 2)) * drift
         return names, rows
 
-    _records(folder, add)
+    records(folder, add)
     _scale(folder / "campaign.toml", "noise_rms_m_s2", np.sqrt(2.0))
 
 
@@ -105,7 +87,7 @@ def _codes(folder: Path, rng: Rng) -> None:
         rows[:, 1:] = np.round(rows[:, 1:] / CODE_M_S2) * CODE_M_S2
         return names, rows
 
-    _records(folder, rounded)
+    records(folder, rounded)
 
 
 def _scales(folder: Path, rng: Rng) -> None:
@@ -116,7 +98,7 @@ def _scales(folder: Path, rng: Rng) -> None:
         rows[:, 1:] *= gains
         return names, rows
 
-    _records(folder, scaled)
+    records(folder, scaled)
     write_constants(nominal_constants(CHANNELS), folder / "calibration.toml")
 
 
@@ -138,16 +120,7 @@ def _positions_believed(folder: Path, rng: Rng) -> None:
         x = ahead - length * (corner // 2) + 0.1 * float(rng.choice([-1, 1]))
         y = width * (0.5 - corner % 2)
         places[name] = f"[{x:.4f}, {y:.4f}]" if name in moved else f'"{name}"'
-    _list_channels(folder, places)
-
-
-def _list_channels(folder: Path, places: Mapping[str, str]) -> None:
-    """Say in campaign.toml which channels there are, and where."""
-    lines = ["", "[channels]", *(f"{name} = {place}" for name, place in places.items()), ""]
-    _edit(
-        folder / "campaign.toml",
-        lambda text: text.replace("\n[[run]]", "\n".join(lines) + "\n[[run]]", 1),
-    )
+    list_channels(folder, places)
 
 
 def _surveyed(key: str, factor: float) -> Spoil:
@@ -165,7 +138,7 @@ def _surveyed(key: str, factor: float) -> Spoil:
                 block,
             )
 
-        _edit(
+        edit(
             folder / "campaign.toml",
             lambda t: "\n[[run]]".join(one(b) for b in t.split("\n[[run]]")),
         )
@@ -199,7 +172,7 @@ def _dead(folder: Path, rng: Rng) -> None:
         rows[:, column] = rows[0, column]
         return names, rows
 
-    _records(folder, still)
+    records(folder, still)
 
 
 def _only(count: int) -> Spoil:
@@ -208,8 +181,8 @@ def _only(count: int) -> Spoil:
     def spoil(folder: Path, rng: Rng) -> None:
         kept = sorted(1 + rng.choice(len(CHANNELS), count, replace=False))
         columns = [0, *kept]
-        _records(folder, lambda names, rows: ([names[c] for c in columns], rows[:, columns]))
-        _list_channels(folder, {CHANNELS[c - 1]: f'"{CHANNELS[c - 1]}"' for c in kept})
+        records(folder, lambda names, rows: ([names[c] for c in columns], rows[:, columns]))
+        list_channels(folder, {CHANNELS[c - 1]: f'"{CHANNELS[c - 1]}"' for c in kept})
 
     return spoil
 

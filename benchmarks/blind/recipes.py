@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from benchmarks.blind.folder import Rng
 from benchmarks.blind.strength import Hidden
 from benchmarks.blind.vehicles import Car
 from tests.truth import CHANNELS, make_effect
 
-Rng = np.random.Generator
 Recipe = Callable[[Rng, Car], Hidden]
 
 

@@ -26,7 +26,7 @@ def ask(case: Case, work: Work, threads: int) -> dict[str, Any]:
         program = ["benchmarks.blind.without", case.hidden[0]]
     command = [sys.executable, "-m", *program, "diagnose", str(work.campaign(case.campaign))]
     command += ["--json", str(answer), "--jobs", str(threads)]
-    begin = time.perf_counter()
+    begin, spent = time.perf_counter(), _spent_by_children()
     try:
         done = subprocess.run(
             command,
@@ -42,7 +42,14 @@ def ask(case: Case, work: Work, threads: int) -> dict[str, Any]:
     ended = {
         "status": status,
         "seconds": round(time.perf_counter() - begin, 2),
+        "cpu_seconds": round(_spent_by_children() - spent, 2),
         "complaint": complaint if status else "",
     }
     write_json(work.timing(case.name), ended)
     return ended
+
+
+def _spent_by_children() -> float:
+    """Processor seconds of the programs this process has run."""
+    times = os.times()
+    return times.children_user + times.children_system

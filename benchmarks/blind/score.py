@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from math import isnan, nan
 from typing import Any
 
+from benchmarks.blind.everything import is_there
 from benchmarks.blind.plan import Case
 from benchmarks.blind.reality import REALITY
 
@@ -38,6 +39,7 @@ class Outcome:
     error_over_floor: float  # last rung's error_validate over that of the true model (its noise)
     seconds: float
     complaint: str = ""
+    cpu_seconds: float = nan  # of all threads
     mass_off: float = nan  # body mass less the true one, per standard deviation that was stated
 
     @property
@@ -52,10 +54,20 @@ class Outcome:
             return False
         if self.kind in ("outside", "without"):
             return self.verdict[0] == "unknown"
+        if self.kind == "everything" and not self.hidden:
+            return self.verdict[0] in ("none", "unknown") or is_there(self.verdict[0])
         return self.verdict[0] in (self.hidden or ("none",)) or self._is_belief(self.verdict[0])
 
+    @property
+    def first_is_hidden(self) -> bool:
+        """Whether the verdict begins with what is hidden."""
+        return self.verdict[:1] == self.hidden[:1]
+
     def _is_belief(self, name: str) -> bool:
-        """Whether a name is that of a belief which is wrong in this kind of campaign."""
+        """Whether a name is that of a belief, or of a small imperfection, which is there in every
+        campaign of this kind."""
+        if self.kind == "everything":
+            return is_there(name)
         belief = REALITY[self.kind].belief if self.kind in REALITY else ""
         return bool(belief) and name.startswith(belief)
 
@@ -88,6 +100,8 @@ class Outcome:
             return False
         if self.kind in SINGLE:
             return self.first_is_right
+        if self.kind == "everything":
+            return self.first_is_hidden if self.hidden else not self.is_false_claim
         if self.kind == "none":
             return self.verdict == ("none",)
         if self.kind == "two":
@@ -132,5 +146,6 @@ def outcome(
         error_over_floor=float("inf") if error is None else error / made["oracle_rel_validate"],
         seconds=float(ended["seconds"]),
         complaint=str(ended["complaint"]),
+        cpu_seconds=float(ended.get("cpu_seconds", nan)),  # older ones do not say it
         mass_off=(mass - mass_kg) / deviation if mass and deviation else nan,
     )

@@ -128,9 +128,24 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
         rate("taken out of the library", "without", lambda o: o.passed, 0.90),
         rate("two: both, no third", "two", lambda o: o.passed, 0.85),
         rate("four: three or more, none wrong", "four", lambda o: o.passed, 0.70),
+        *(_everything(outcomes) if any(o.kind == "everything" for o in outcomes) else []),
         *(rate(f"in reality: {kind}", kind, lambda o: o.passed, 0.0) for kind in real),
         *([wrong] if real else []),
         *([Rate("all named: body mass within 3 sd", near, len(told), 0.95)] if told else []),
+    ]
+
+
+def _everything(outcomes: Sequence[Outcome]) -> list[Rate]:
+    asked = [o for o in outcomes if o.kind == "everything"]
+    hidden, nothing = [o for o in asked if o.hidden], [o for o in asked if not o.hidden]
+    first, wrong = (sum(o.passed for o in hidden), sum(o.is_false_claim for o in asked))
+    invented = sum(o.is_false_claim for o in nothing)
+    return [
+        Rate("everything: the hidden one first", first, len(hidden), 0.90),
+        Rate("everything: a wrong name above 50 %", wrong, len(asked), 0.05, at_least=False),
+        Rate(
+            "everything, nothing hidden: such a name", invented, len(nothing), 0.0, at_least=False
+        ),
     ]
 
 
@@ -140,6 +155,11 @@ def figures(outcomes: Sequence[Outcome], short: bool) -> list[Figure]:
     every = [o.error_over_floor for o in outcomes if o.kind in ("two", "four")]
     seconds = [o.seconds for o in outcomes if o.kind in SINGLE]
     middle, longest = (inf, inf) if short else (30.0, 60.0)
+    spent = [o.cpu_seconds for o in outcomes if o.kind == "everything"]
+    of_everything = [
+        Figure("CPU seconds, everything: median", _median(spent), 20.0, 1),
+        Figure("CPU seconds, everything: longest", max(spent, default=np.nan), 60.0, 1),
+    ]
     return [
         Figure("error / floor, single and none: median", _median(single), 1.02, 3),
         Figure("error / floor, single and none: worst", max(single, default=np.nan), 1.3, 3),
@@ -147,6 +167,7 @@ def figures(outcomes: Sequence[Outcome], short: bool) -> list[Figure]:
         Figure("error / floor, two and four: worst", max(every, default=np.nan), inf, 3),
         Figure("seconds per campaign, single: median", _median(seconds), middle, 1),
         Figure("seconds per campaign, single: longest", max(seconds, default=np.nan), longest, 1),
+        *(of_everything if spent else []),
     ]
 
 

@@ -65,7 +65,7 @@ def _rate_line(rate: Rate) -> str:
     low, high = rate.interval
     wanted = f"{'>=' if rate.at_least else '<='} {100 * rate.target:3.0f} %"
     met = MET[rate.met]
-    if rate.target == 0.0:
+    if rate.target == 0.0 and rate.at_least:
         wanted, met = "", ""
     if not rate.of:
         return f"{rate.label:40s}    -                           {wanted}"
