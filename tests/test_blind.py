@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from benchmarks.blind import without
+from benchmarks.blind import compare, without
 from benchmarks.blind.__main__ import main
 from benchmarks.blind.answers import read_answers, write_answers
 from benchmarks.blind.outside import OUTSIDE
@@ -226,3 +226,24 @@ def test_the_published_answers_give_the_published_table(table, tmp_path, capsys)
     assert main(["table", *asked, "--answers", str(answers), "--work", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
     assert printed.startswith(text)
+
+
+def test_two_versions_are_compared_verdict_by_verdict():
+    hidden = ("backlash",)
+    before = [answer("clear", hidden, hidden), answer("clear", hidden, hidden, error=2.0)]
+    after = [answer("clear", hidden, hidden), answer("clear", hidden, ("unknown",), 0.4)]
+    pairs = list(zip(before, after, strict=True))
+    told = compare.text(pairs)
+    assert compare.differing(pairs) == pairs[1:] and compare.differing(pairs[:1]) == []
+    assert "x: backlash (0.90) -> unknown (0.40)  WORSE" in told
+    assert "2 campaigns asked of both: 1 verdicts the same" in told
+    assert "right: 2 before, 1 after" in told
+    assert f"error / floor, geometric mean, after / before: {sqrt(0.5):.3f}" in told
+
+
+def test_campaigns_of_everything_have_seeds_of_their_own():
+    cases = [c for c in plan(FIRST_SEED["dev"], 6, EFFECTS) if c.kind == "everything"]
+    others = [c for c in plan(FIRST_SEED["dev"], 6, EFFECTS) if c.kind != "everything"]
+    assert len(cases) == 60 and not {c.seed for c in cases} & {c.seed for c in others}
+    assert 5 <= sum(not c.hidden for c in cases) <= 20
+    assert {c.preset for c in cases} == set(PRESETS)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from benchmarks.blind.recipes import Recipe, Rng
+from benchmarks.blind.folder import Rng
+from benchmarks.blind.recipes import Recipe
 from benchmarks.blind.strength import Hidden
 from benchmarks.blind.vehicles import Car
 from tests.truth import CHANNELS
