@@ -4,13 +4,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from threading import Thread
 
 import pyarrow.parquet as pq
 import pytest
 
+from tests.patience import PATIENCE_S, wait_until
 from tests.predict.test_sweep import FILE, sweep
 from wheelhop.cli.main import main
 from wheelhop.predict.journal import run_sweep
@@ -38,22 +38,18 @@ def test_a_killed_worker_changes_nothing_in_the_table(tmp_path, scheduler):
     both = [worker(scheduler), worker(scheduler)]
     try:
         with distributed.Client(scheduler) as client:
-            client.wait_for_workers(2, timeout=120)
+            client.wait_for_workers(2, timeout=PATIENCE_S)
 
         def kill_one():
-            until = time.monotonic() + 120
-            while time.monotonic() < until:
-                if journal.exists() and journal.read_bytes().count(b"\n") > 5:
-                    os.kill(both[0].pid, signal.SIGKILL)
-                    return
-                time.sleep(0.002)
+            wait_until(lambda: journal.exists() and journal.read_bytes().count(b"\n") > 5)
+            os.kill(both[0].pid, signal.SIGKILL)
 
         killer = Thread(target=kill_one)
         killer.start()
         words = [*WORDS, "--sweep", axis, "--out", str(table), "--cluster", scheduler]
         assert main(words) == 0
         killer.join()
-        assert both[0].wait(timeout=10) == -signal.SIGKILL
+        assert both[0].wait(timeout=PATIENCE_S) == -signal.SIGKILL
         assert both[1].poll() is None
     finally:
         for process in both:

@@ -16,6 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.patience import PATIENCE_S, wait_until
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.main import main
 from wheelhop.predict.journal import run_sweep
@@ -153,10 +154,8 @@ def test_killed_it_goes_on_and_computes_nothing_twice(tmp_path):
     command = [sys.executable, "-m", "wheelhop.cli.main", *words]
     killed = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        until = time.monotonic() + 60
-        while not (journal.exists() and journal.read_bytes().count(b"\n") > 2):
-            assert killed.poll() is None and time.monotonic() < until
-            time.sleep(0.005)
+        wait_until(lambda: journal.exists() and journal.read_bytes().count(b"\n") > 2)
+        assert killed.poll() is None
     finally:
         os.kill(killed.pid, signal.SIGKILL)
         killed.wait()
@@ -187,7 +186,7 @@ class Slow:
 
     def rows(self, number):
         print("begun", flush=True)
-        time.sleep(60)
+        time.sleep(10 * {PATIENCE_S})
 
 
 if __name__ == "__main__":
@@ -204,7 +203,7 @@ if __name__ == "__main__":
 @pytest.mark.parametrize("word", ["starting", "begun"])
 def test_an_interruption_ends_workers_at_once_and_they_say_nothing(word, tmp_path):
     """A terminal sends it to all of them, which may just be starting."""
-    (tmp_path / "slow.py").write_text(SLOW)
+    (tmp_path / "slow.py").write_text(SLOW.replace("{PATIENCE_S}", str(PATIENCE_S)))
     with subprocess.Popen(
         [sys.executable, "slow.py"],
         cwd=tmp_path,
@@ -219,7 +218,7 @@ def test_an_interruption_ends_workers_at_once_and_they_say_nothing(word, tmp_pat
         time.sleep(0.5)
         os.killpg(process.pid, signal.SIGINT)
         try:
-            _, err = process.communicate(timeout=20)
+            _, err = process.communicate(timeout=PATIENCE_S)
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
