@@ -11,14 +11,13 @@ from wheelhop.files.keys import (
     shown,
     similar_file,
 )
+from wheelhop.files.lock import claimed, locked, own_folder
 from wheelhop.files.toml import Document, to_toml
 from wheelhop.files.write import (
     check_new,
     check_picture,
     check_target,
-    claimed,
     is_draft,
-    locked,
     made_folder,
     make_folder,
     new_folder,
@@ -44,6 +43,7 @@ __all__ = [
     "made_folder",
     "make_folder",
     "new_folder",
+    "own_folder",
     "parse_toml",
     "quoted",
     "read_text",
