@@ -2,6 +2,7 @@
 and files written for people, whole or not at all."""
 
 from wheelhop.files.error import InputError
+from wheelhop.files.folders import cache_folder, own_folder
 from wheelhop.files.keys import (
     Table,
     did_you_mean,
@@ -11,7 +12,8 @@ from wheelhop.files.keys import (
     shown,
     similar_file,
 )
-from wheelhop.files.lock import claimed, locked, own_folder
+from wheelhop.files.lock import claimed, locked
+from wheelhop.files.source import Source
 from wheelhop.files.toml import Document, to_toml
 from wheelhop.files.write import (
     check_new,
@@ -32,7 +34,9 @@ from wheelhop.files.write import (
 __all__ = [
     "Document",
     "InputError",
+    "Source",
     "Table",
+    "cache_folder",
     "check_new",
     "check_picture",
     "check_target",

@@ -57,8 +57,8 @@ def cluster(address: str) -> Iterator[Executor]:
     """The workers of the Dask scheduler at an address, such as "tcp://10.0.0.5:8786".
 
     A point whose worker is lost is computed by another. The workers need the same wheelhop, and
-    surveys and effects of one's own under the same paths. Raises CampaignError, one line, where
-    nothing answers, and where the workers cannot compute.
+    surveys under the same paths; effects of one's own come with the work. Raises CampaignError, one
+    line, where nothing answers, and where the workers cannot compute.
     """
     try:
         dask: Any = import_module("distributed")
