@@ -13,6 +13,7 @@ from wheelhop.files.keys import (
     similar_file,
 )
 from wheelhop.files.lock import claimed, locked
+from wheelhop.files.process import away_from_here
 from wheelhop.files.source import Source
 from wheelhop.files.toml import Document, to_toml
 from wheelhop.files.write import (
@@ -36,6 +37,7 @@ __all__ = [
     "InputError",
     "Source",
     "Table",
+    "away_from_here",
     "cache_folder",
     "check_new",
     "check_picture",

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError
-from wheelhop.files import InputError, Source
+from wheelhop.files import InputError, Source, away_from_here
 from wheelhop.workbench.order import GiveWay, Order, obey_orders
 from wheelhop.workbench.session import (
     Choice,
@@ -264,7 +264,8 @@ class Desk:
         context = get_context("spawn")
         here, there = context.Pipe()
         self._process = context.Process(target=obey_orders, args=(there,), daemon=True)
-        self._process.start()
+        with away_from_here():
+            self._process.start()
         there.close()
         self._orders = here
         threading.Thread(target=self._listen, args=(here,), daemon=True).start()
