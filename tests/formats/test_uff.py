@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.formats.foreign import G
-from tests.formats.recordings import assert_same, recording
+from tests.formats.recordings import assert_same, believed, recording
 from wheelhop.formats import ExchangeError, Map, losses, read, write
 from wheelhop.formats.header import sidecar
 from wheelhop.logger.recording import Channel
@@ -206,6 +206,9 @@ def test_two_recordings_in_one_file_are_groups(tmp_path):
     write(recording(rows=8, gaps=((5, 6),)), path)
     write(recording(rows=9, gaps=((2, 4),)), other)
     path.write_bytes(path.read_bytes() + other.read_bytes())
+    with pytest.raises(ExchangeError, match=r"run\.uff\.toml: is the header of other samples"):
+        read(path)
+    believed(path)
     with pytest.raises(ExchangeError, match=r"run\.uff\.toml: does not describe the functions"):
         read(path)
     sidecar(path).unlink()
@@ -217,6 +220,7 @@ def test_a_sidecar_of_another_file_is_noticed(tmp_path):
     write(recording(rows=6, gaps=()), tmp_path / "run.uff")
     write(recording(rows=6, gaps=(), channels=2), tmp_path / "other.uff")
     sidecar(tmp_path / "other.uff").rename(sidecar(tmp_path / "run.uff"))
+    believed(tmp_path / "run.uff")
     with pytest.raises(ExchangeError, match=r"run\.uff\.toml: does not describe the functions"):
         read(tmp_path / "run.uff")
 
@@ -228,6 +232,7 @@ def test_a_file_of_ours_that_another_program_wrote_again_starts_where_it_did(tmp
     write(original, path)
     sets = [item | {"id2": "NONE", "rsp_node": 0, "binary": 0} for item in functions(path)]
     pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+    believed(path)
     found = read(path)
     assert found.values == pytest.approx(original.values, rel=1e-5, nan_ok=True)
     assert (found.rate_hz, found.start_s) == (original.rate_hz, original.start_s)

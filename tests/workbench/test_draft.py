@@ -1,5 +1,6 @@
 """From three files of another recorder to a campaign: what can be guessed is."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -211,6 +212,43 @@ def test_runs_join_a_campaign_or_none_does(draft, tmp_path):
     more.pieces[2].id = "again-2"
     more.join(folder)
     assert len(read_campaign(folder).runs) == 6
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a process that is killed is a fork of this")
+def test_killed_while_it_joins_runs_a_campaign_has_all_of_them_or_none(draft, tmp_path):
+    """Killed before and after every rename in turn."""
+    folder, places = tmp_path / "campaign", {}
+    draft.make(folder, "t")
+    before = (folder / "campaign.toml").read_bytes()
+    more = Draft(tmp_path / "more", folder)
+    for file in write_foreign(tmp_path):
+        more.add(file)
+    more.read()
+    for i, piece in enumerate(more.pieces):
+        piece.id, piece.speed_kmph = f"again-{i}", 12.0
+    for step in range(20):
+        child = os.fork()
+        if child == 0:
+            rename, left = os.replace, [step]
+
+            def killed(source, target, rename=rename, left=left):
+                for last in (True, False):
+                    if left[0] == 0:
+                        os._exit(7)
+                    left[0] -= 1
+                    if last:
+                        rename(source, target)
+
+            os.replace = killed
+            more.join(folder)
+            os._exit(0)
+        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        places[step] = len(read_campaign(folder).runs) - len(draft.pieces)
+        assert places[step] in (0, len(more.pieces)), step
+        (folder / "campaign.toml").write_bytes(before)
+        if status == 0:
+            break
+    assert len(set(places.values())) == 2 and len(places) > len(more.pieces)
 
 
 def test_a_stretch_can_be_added_by_hand(draft):

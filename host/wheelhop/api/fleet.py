@@ -17,7 +17,8 @@ from wheelhop.api.verbs import diagnose
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.diagnose import Progress
-from wheelhop.files import InputError
+from wheelhop.effects.own_file import read_source
+from wheelhop.files import InputError, Source
 from wheelhop.fit.bench import processors
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.sweep import Row
@@ -32,12 +33,13 @@ BEGIN_WITH = ("campaign.toml", CONSTANTS_FILE)
 class Fleet:
     """Which campaigns are diagnosed and how, as plain data that any worker anywhere can begin with.
 
-    `library` is a file with effects of one's own, `threads` how many work on one campaign.
+    `library` is the text of a file with effects of one's own, `threads` how many work on one
+    campaign.
     """
 
     folders: tuple[Path, ...]
     max_effects: int = 4
-    library: Path | None = None
+    library: Source | None = None
     threads: int = 1
     things = "campaigns"
 
@@ -82,7 +84,7 @@ class Fleet:
         known = {
             "wheelhop": version("wheelhop"),
             "max_effects": self.max_effects,
-            "library": "" if self.library is None else _digest(self.library),
+            "library": "" if self.library is None else self.library.digest,
             "campaigns": [[str(folder), _digests(folder)] for folder in self.folders],
         }
         return hashlib.sha256(json.dumps(known).encode()).hexdigest()
@@ -130,7 +132,7 @@ def diagnose_fleet(
     fleet = Fleet(
         given,
         max_effects,
-        None if effects is None else Path(effects),
+        None if effects is None else read_source(Path(effects)),
         1 if executor else max(1, many // len(given)),
     )
     with workers(min(many, len(given))) if executor is None else nullcontext(executor) as working:

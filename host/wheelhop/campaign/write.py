@@ -174,44 +174,53 @@ def new_campaign(
 
 
 def add_run(folder: str | Path, recording: Recording, run: NewRun) -> Path:
-    """Write a recording into `folder`/runs and its [[run]] into campaign.toml; return the file.
+    """Write a recording into `folder`/runs and its [[run]] into campaign.toml, as `add_runs` does;
+    return the file."""
+    return add_runs(folder, [(recording, run)])[0]
 
-    campaign.toml and the new recording are then read; if that fails everything is as before, and
+
+def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> list[Path]:
+    """Write recordings into `folder`/runs and their [[run]] into campaign.toml; return the files.
+
+    campaign.toml and the new recordings are then read; if that fails everything is as before, and
     the CampaignError says why. campaign.toml is written last, and it decides: without its [[run]] a
     recording is not part of the campaign. Others who add runs at the same time wait. Raises
     CampaignError too for codes instead of m/s², and for a gap.
     """
-    if not FILE_NAME.fullmatch(run.id):
-        raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
-    _check_samples(recording, run.source or run.id)
     folder = Path(folder)
-    toml = folder / "campaign.toml"
+    toml, files = folder / "campaign.toml", []
+    for recording, run in runs:
+        if not FILE_NAME.fullmatch(run.id):
+            raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
+        _check_samples(recording, run.source or run.id)
     if not toml.exists():
         raise CampaignError(f"{toml}: no such file; begin with campaign new")
-    file = folder / "runs" / f"{run.id}.csv"
     with locked(folder, CampaignError):
-        before, added = _text(toml), _run_lines(recording, run)
-        if {run.id, f"runs/{run.id}.csv"} & _taken(before, toml):
-            raise CampaignError(f"{toml}: there is a run {run.id!r}: choose another --id")
-        after = before.rstrip("\n") + "\n\n" + added
-        made = []
+        text = before = _text(toml)
+        made: list[Path] = []
         try:
-            if not file.exists():
-                made = [*make_folder(file.parent, CampaignError), file]
-            with replacing(file, CampaignError, within=folder) as draft:
-                _write_csv(draft, recording)
-                # A power cut may have ended an earlier attempt before campaign.toml was written.
-                if file.exists() and not filecmp.cmp(file, draft, shallow=False):
-                    raise CampaignError(
-                        f"{file}: there is another recording of this name: choose another --id"
-                    )
-            _check(folder, _excerpt(before, added), run)
-            write_text(toml, after, CampaignError)
+            for recording, run in runs:
+                file, added = folder / "runs" / f"{run.id}.csv", _run_lines(recording, run)
+                if {run.id, f"runs/{run.id}.csv"} & _taken(text, toml):
+                    raise CampaignError(f"{toml}: there is a run {run.id!r}: choose another --id")
+                if not file.exists():
+                    made += [*make_folder(file.parent, CampaignError), file]
+                with replacing(file, CampaignError, within=folder) as draft:
+                    _write_csv(draft, recording)
+                    # A power cut may have ended an earlier attempt before it wrote campaign.toml.
+                    if file.exists() and not filecmp.cmp(file, draft, shallow=False):
+                        raise CampaignError(
+                            f"{file}: there is another recording of this name: choose another --id"
+                        )
+                _check(folder, _excerpt(text, added), run)
+                text = text.rstrip("\n") + "\n\n" + added
+                files.append(file)
+            write_text(toml, text, CampaignError)
         except BaseException:
-            if _text(toml) != after:
+            if _text(toml) == before:
                 remove(made)
             raise
-    return file
+    return files
 
 
 def _named_by(vehicle: Path) -> Iterator[Path]:

@@ -15,6 +15,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects
+from wheelhop.effects.own_file import read_source
 from wheelhop.files.words import titles
 from wheelhop.formats import FORMATS
 from wheelhop.predict import (
@@ -140,7 +141,7 @@ def _sweep(arguments: Namespace) -> int:
         tuple(Axis.parse(text) for text in arguments.sweep),
         _seconds(arguments),
         arguments.seed,
-        arguments.library,
+        None if arguments.library is None else read_source(arguments.library),
     )
     sweep.check()
     at = arguments.cluster

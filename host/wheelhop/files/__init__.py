@@ -2,6 +2,7 @@
 and files written for people, whole or not at all."""
 
 from wheelhop.files.error import InputError
+from wheelhop.files.folders import cache_folder, own_folder
 from wheelhop.files.keys import (
     Table,
     did_you_mean,
@@ -11,14 +12,15 @@ from wheelhop.files.keys import (
     shown,
     similar_file,
 )
+from wheelhop.files.lock import claimed, locked
+from wheelhop.files.process import away_from_here
+from wheelhop.files.source import Source
 from wheelhop.files.toml import Document, to_toml
 from wheelhop.files.write import (
     check_new,
     check_picture,
     check_target,
-    claimed,
     is_draft,
-    locked,
     made_folder,
     make_folder,
     new_folder,
@@ -33,7 +35,10 @@ from wheelhop.files.write import (
 __all__ = [
     "Document",
     "InputError",
+    "Source",
     "Table",
+    "away_from_here",
+    "cache_folder",
     "check_new",
     "check_picture",
     "check_target",
@@ -44,6 +49,7 @@ __all__ = [
     "made_folder",
     "make_folder",
     "new_folder",
+    "own_folder",
     "parse_toml",
     "quoted",
     "read_text",

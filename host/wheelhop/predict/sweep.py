@@ -16,6 +16,7 @@ import numpy as np
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.course import Course
 from wheelhop.effects import Effect, load_effects
+from wheelhop.files import Source
 from wheelhop.predict.case import Case
 from wheelhop.predict.drives import Word, read_drives, read_effects
 from wheelhop.predict.ride import Ride, ride
@@ -58,8 +59,8 @@ class Axis:
 class Sweep:
     """What is swept, as plain data that any worker anywhere can begin with.
 
-    `tracks` and `effects` are words as on the command line, `library` the file with effects of
-    one's own. Points are numbered with the last axis changing fastest.
+    `tracks` and `effects` are words as on the command line, `library` the text of a file with
+    effects of one's own. Points are numbered with the last axis changing fastest.
     """
 
     vehicle: Vehicle
@@ -69,7 +70,7 @@ class Sweep:
     axes: tuple[Axis, ...]
     seconds: float
     seed: int
-    library: Path | None = None
+    library: Source | None = None
     things = "points"
 
     def __len__(self) -> int:
@@ -127,18 +128,18 @@ class Sweep:
     @property
     def fingerprint(self) -> str:
         """Differs where anything differs that the results depend on, files included."""
-        files = [] if self.library is None else [self.library]
-        files += [drive.file for drive in self.case(0).drives if drive.file is not None]
+        files = [drive.file for drive in self.case(0).drives if drive.file is not None]
         known = asdict(replace(self, library=None))
         known["wheelhop"] = version("wheelhop")
+        known["library"] = None if self.library is None else self.library.digest
         known["files"] = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
         return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()
 
 
 @cache
-def _library(file: Path | None) -> Mapping[str, Effect]:
+def _library(source: Source | None) -> Mapping[str, Effect]:
     """Read once in each process: looking for installed effects takes longer than a run."""
-    return load_effects(file)
+    return load_effects(source)
 
 
 def _ids(effects: Sequence[str]) -> set[str]:

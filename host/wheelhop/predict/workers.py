@@ -15,6 +15,7 @@ from threading import Thread
 from typing import Any
 
 from wheelhop.campaign import CampaignError
+from wheelhop.files import away_from_here
 from wheelhop.fit.bench import processors
 
 ANSWERS_S = 10.0
@@ -28,17 +29,19 @@ class Workers(ProcessPoolExecutor):
     def __init__(self, jobs: int) -> None:
         context = get_context("spawn")
         watched, self._held = context.Pipe(duplex=False)
-        super().__init__(jobs, context, _end_with, (watched,))
+        with away_from_here():  # what keeps track of its semaphores is a process, too
+            super().__init__(jobs, context, _end_with, (watched,))
 
     def submit(self, *work: Any, **options: Any) -> Future[Any]:
         """As any executor. A Ctrl-C is the parent's alone, also while a process starts."""
-        if sys.platform == "win32":
-            return super().submit(*work, **options)
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-        try:
-            return super().submit(*work, **options)  # a process it starts inherits the mask
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        with away_from_here():
+            if sys.platform == "win32":
+                return super().submit(*work, **options)
+            before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+            try:
+                return super().submit(*work, **options)  # a process it starts inherits the mask
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     def __exit__(self, kind: type[BaseException] | None, *what: Any) -> None:
         """Wait for the work, unless the block has failed."""
@@ -57,8 +60,8 @@ def cluster(address: str) -> Iterator[Executor]:
     """The workers of the Dask scheduler at an address, such as "tcp://10.0.0.5:8786".
 
     A point whose worker is lost is computed by another. The workers need the same wheelhop, and
-    surveys and effects of one's own under the same paths. Raises CampaignError, one line, where
-    nothing answers, and where the workers cannot compute.
+    surveys under the same paths; effects of one's own come with the work. Raises CampaignError, one
+    line, where nothing answers, and where the workers cannot compute.
     """
     try:
         dask: Any = import_module("distributed")

@@ -13,11 +13,10 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError
-from wheelhop.files import InputError
+from wheelhop.files import InputError, Source, away_from_here
 from wheelhop.workbench.order import GiveWay, Order, obey_orders
 from wheelhop.workbench.session import (
     Choice,
@@ -70,7 +69,7 @@ class Desk:
     line the user should read, an error or what was written.
     """
 
-    def __init__(self, campaign: Campaign, effects_file: Path | None) -> None:
+    def __init__(self, campaign: Campaign, effects_file: Source | None) -> None:
         self.campaign = campaign
         self.effects_file = effects_file
         self.version = 0
@@ -92,7 +91,7 @@ class Desk:
         self._orders: Connection | None = None
         self._next: Order | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._effects_before: tuple[Path | None, tuple[str, ...]] | None = None
+        self._effects_before: tuple[Source | None, tuple[str, ...]] | None = None
         if self._session.ranking:
             self.rankings[()] = Ranking((), self._session.ranking, {})
 
@@ -172,8 +171,8 @@ class Desk:
         self.rankings = {}
         self._work(diagnose=True)
 
-    def use_effects(self, file: Path) -> None:
-        """Load effects of the user's own, who has seen the file and wants it to run."""
+    def use_effects(self, file: Source) -> None:
+        """Load effects of the user's own, who has seen this text and wants it to run."""
         self._effects_before = self.effects_file, tuple(self.cards)
         self.effects_file = file
         self._work()
@@ -265,7 +264,8 @@ class Desk:
         context = get_context("spawn")
         here, there = context.Pipe()
         self._process = context.Process(target=obey_orders, args=(there,), daemon=True)
-        self._process.start()
+        with away_from_here():
+            self._process.start()
         there.close()
         self._orders = here
         threading.Thread(target=self._listen, args=(here,), daemon=True).start()

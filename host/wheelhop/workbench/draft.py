@@ -12,8 +12,8 @@ from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.tracks import KINDS
-from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
-from wheelhop.files import InputError, read_text, remove, write_text
+from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
+from wheelhop.files import InputError, remove
 from wheelhop.formats import Map, Pick, draft_mapping, read, read_mapping
 from wheelhop.formats.places import likely_point
 from wheelhop.logger.recording import Recording
@@ -177,24 +177,14 @@ class Draft:
                     like = replace(like, averaging_s=averaging_ms * 1e-3)
                 noise = self.recorder["noise_rms_m_s2"]
                 new_campaign(folder, title, like, {}, vehicle, self.constants, noise)
-            for piece in taken:
-                self._add(folder, piece)
+            add_runs(folder, [self._run(piece) for piece in taken])
         except BaseException:
             remove([path for path in (folder, *sorted(folder.rglob("*"))) if path not in before])
             raise
 
     def join(self, folder: Path) -> None:
         """Add the runs to the campaign that is in the folder, all or none. Raises InputError."""
-        taken, made = self._taken(folder), []
-        toml = folder / "campaign.toml"
-        before = read_text(toml, CampaignError)
-        try:
-            for piece in taken:
-                made.append(self._add(folder, piece))
-        except BaseException:
-            write_text(toml, before, CampaignError)
-            remove(made)
-            raise
+        add_runs(folder, [self._run(piece) for piece in self._taken(folder)])
 
     def gaps(self) -> list[str]:
         """What has to be filled in before there is a campaign, run by run, then of the vehicle."""
@@ -223,14 +213,13 @@ class Draft:
             raise CampaignError(f"still needed: {'; '.join(gaps)}")
         return taken
 
-    def _add(self, folder: Path, piece: Piece) -> Path:
+    def _run(self, piece: Piece) -> tuple[Recording, NewRun]:
         assert piece.speed_kmph is not None  # there is no gap
         recording = cut(self.recordings[piece.file], piece.from_s, piece.to_s)
         numbers = {key: value for key, value in piece.track.items() if value is not None}
         track: dict[str, str | float] = {"kind": piece.kind, **numbers}
         source = f"from {piece.file.name}"
-        new = NewRun(piece.id, piece.role, piece.speed_kmph, track, source)
-        return add_run(folder, recording, new)
+        return recording, NewRun(piece.id, piece.role, piece.speed_kmph, track, source)
 
     def _vehicle_text(self, name: str) -> str:
         for question in QUESTIONS:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from wheelhop.files import Source
 from wheelhop.workbench.session import Choice
 
 
@@ -16,11 +17,12 @@ from wheelhop.workbench.session import Choice
 class Order:
     """What to work out: the models that lead to a choice, a diagnosis too (`diagnose`), the force
     that is missing beside the effects chosen (`law`), or what lies between axle and body (`axles`);
-    and what to write into the folder, a name of `takeaway`."""
+    and what to write into the folder, a name of `takeaway`. `effects_file` is the text of the
+    user's own effects."""
 
     folder: Path
     choice: Choice
-    effects_file: Path | None = None
+    effects_file: Source | None = None
     diagnose: bool = False
     law: bool = False
     axles: bool = False
