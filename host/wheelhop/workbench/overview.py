@@ -64,8 +64,8 @@ class Overview:
         run = runs[int(data["run"])] if "run" in data else None
         match data["act"]:
             case "look":
-                self._looking.run = int(data["run"]) if "run" in data else self._looking.run
-                self._looking.channel = int(data["channel"]) if "channel" in data else None
+                places = {key: int(data[key]) for key in ("run", "channel") if key in data}
+                self._looking.compared = self._looking.compared.at(**places)
                 self._looking.go("compare")
             case "leave run" if run is not None:
                 desk.toggle_run(run.id)
