@@ -48,13 +48,14 @@ class Overview:
         """Bring it up to date."""
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
-        seen = (rung, desk.choice, desk.findings, desk.criticism, self._first)
+        criticism = desk.diagnosis.findings if desk.diagnosis else ()
+        seen = (rung, desk.choice, desk.findings, criticism, self._first)
         if seen == self._seen:
             return
         self._seen = seen
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
         self._runs.set_content(self._table(rung) + heat_legend() + WORDS)
-        found = (*desk.findings, *desk.criticism)
+        found = (*desk.findings, *criticism)
         items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
         heading = "<h2>Before you believe it</h2>"
         self._findings.set_content(f"<section>{heading}<ul>{items}</ul></section>" if found else "")
