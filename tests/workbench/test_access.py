@@ -4,7 +4,8 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 
 from tests.workbench.conftest import CHROMIUM, PATIENCE_MS, settle
-from wheelhop.workbench.compare_view import WHOLE, moved
+from wheelhop.workbench.charts import WHOLE
+from wheelhop.workbench.compared import moved
 
 RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]}
 TABS = ("Overview", "Record", "Compare", "What is missing", "Vehicle", "Take away")

@@ -3,7 +3,7 @@
 import filecmp
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.campaign.course import Course
-from wheelhop.campaign.paths import file_inside
+from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
 from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
 from wheelhop.files import (
@@ -20,7 +20,6 @@ from wheelhop.files import (
     parse_toml,
     quoted,
     read_text,
-    read_toml,
     remove,
     replacing,
     write_text,
@@ -149,7 +148,7 @@ def new_campaign(
     if vehicle is not None:
         vehicle = Path(vehicle)
         given[target] = _text(vehicle)
-        for beside in _named_by(vehicle):
+        for beside in named_by(vehicle):
             given[folder / beside.relative_to(vehicle.parent)] = _text(beside)
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
@@ -221,18 +220,6 @@ def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> li
                 remove(made)
             raise
     return files
-
-
-def _named_by(vehicle: Path) -> Iterator[Path]:
-    """The files that vehicle.toml stands on: mount, frame, and what that is made from."""
-    top = read_toml(vehicle, CampaignError)
-    if "mount" in top:
-        yield file_inside(vehicle.parent, top, "mount")
-    if "frame" in top:
-        frame = file_inside(vehicle.parent, top.table("frame"), "file")
-        yield frame
-        inner = read_toml(frame, CampaignError)
-        yield from (file_inside(frame.parent, inner, key) for key in ("bdf", "f06") if key in inner)
 
 
 OWN_RUN = re.compile(r'id = "([\w.-]+)"\nfile = "([^"\\\n]+)"\nrole = "(fit|validate)"\n')

@@ -24,6 +24,7 @@ WORKING = (
     "Every effect of the library is tried; the ranking fills in below. You may look elsewhere"
     " meanwhile, or press Stop above."
 )
+STOPPED = "Stopped before the end: this is what was found until then."
 COLUMNS = {
     "screened": "error E expected with the effect, to first order",
     "confirmed": "E reached in full simulation, fitted with the vehicle",
@@ -71,24 +72,25 @@ class MissingView:
     def show(self) -> None:
         """Bring it up to date."""
         desk = self._desk
-        ranking = self._ranking()
+        ranking, diagnosis = desk.ranking, desk.diagnosis
         diagnosing = desk.job is not None and desk.job.diagnosing
         self._start.set_enabled(not diagnosing)
-        seen = (ranking, desk.session.verdict, desk.choice, diagnosing, desk.cards != {})
+        seen = (ranking, diagnosis, desk.choice, diagnosing, desk.cards != {})
         if seen != self._seen:
             self._seen = seen
             self._verdict.set_content("" if diagnosing else self._verdict_html())
             self._table.set_content(self._table_html(ranking) if ranking else "")
-            self._hint.set_text(WORKING if diagnosing else "" if ranking else BEFORE)
+            found = "" if diagnosis else STOPPED if ranking else BEFORE
+            self._hint.set_text(WORKING if diagnosing else found)
         self._law.set_content(_law_html(desk.law) if desk.law is not None else "")
         self._show_card(ranking)
 
-    def _ranking(self) -> Ranking | None:
-        """That of the baseline: it names what is missing first."""
-        return self._desk.rankings.get(())
+    @property
+    def _verdict_now(self) -> Verdict | None:
+        return self._desk.diagnosis.verdict if self._desk.diagnosis else None
 
     def _verdict_html(self) -> str:
-        verdict = self._desk.session.verdict
+        verdict = self._verdict_now
         if verdict is None:
             return ""
         missing = [e for e in verdict.effects if e not in ("none", "unknown")]
@@ -117,7 +119,7 @@ class MissingView:
     def _row(self, number: int, row: Row) -> str:
         name = escape(row.effect)
         button = f'<button data-act="card" data-effect="{name}">{name}</button>'
-        verdict = self._desk.session.verdict
+        verdict = self._verdict_now
         accepted = verdict is not None and row.effect in verdict.effects
         kind = " class=accepted" if accepted else ""
         numbers = (row.screened, row.confirmed, row.held_out)
@@ -129,7 +131,7 @@ class MissingView:
 
     def _show_card(self, ranking: Ranking | None) -> None:
         rows = {row.effect: row for row in ranking.rows} if ranking else {}
-        verdict = self._desk.session.verdict
+        verdict = self._verdict_now
         nothing = verdict is not None and verdict.effects == ("none",)
         chosen = self._looking.effect or ("" if nothing else next(iter(rows), ""))
         row, card = rows.get(chosen), self._desk.cards.get(chosen)
@@ -190,8 +192,8 @@ class MissingView:
                 self._looking.go("model")
             case "law":
                 desk.find_law()
-            case "add all" if desk.session.verdict is not None:
-                for effect in desk.session.verdict.effects:
+            case "add all" if self._verdict_now is not None:
+                for effect in self._verdict_now.effects:
                     if effect not in ("none", "unknown"):
                         desk.add(effect)
                 self._looking.go("model")

@@ -48,13 +48,14 @@ class Overview:
         """Bring it up to date."""
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
-        seen = (rung, desk.choice, desk.findings, desk.criticism, self._first)
+        criticism = desk.diagnosis.findings if desk.diagnosis else ()
+        seen = (rung, desk.choice, desk.findings, criticism, self._first)
         if seen == self._seen:
             return
         self._seen = seen
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
         self._runs.set_content(self._table(rung) + heat_legend() + WORDS)
-        found = (*desk.findings, *desk.criticism)
+        found = (*desk.findings, *criticism)
         items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
         heading = "<h2>Before you believe it</h2>"
         self._findings.set_content(f"<section>{heading}<ul>{items}</ul></section>" if found else "")
@@ -64,8 +65,8 @@ class Overview:
         run = runs[int(data["run"])] if "run" in data else None
         match data["act"]:
             case "look":
-                self._looking.run = int(data["run"]) if "run" in data else self._looking.run
-                self._looking.channel = int(data["channel"]) if "channel" in data else None
+                places = {key: int(data[key]) for key in ("run", "channel") if key in data}
+                self._looking.compared = self._looking.compared.at(**places)
                 self._looking.go("compare")
             case "leave run" if run is not None:
                 desk.toggle_run(run.id)

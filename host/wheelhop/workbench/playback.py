@@ -49,7 +49,7 @@ class Playback:
         scene = None if rung is None else scene_of(run, rung, side)
         self._parts.set_visibility(scene is not None)
         if scene is None:
-            self._words.set_text("Nothing to play back: no model of this run yet, or no position.")
+            self._words.set_text("Nothing to play back: it takes one run, its model and its place.")
             return
         times = scene["exaggeration"]
         size = "to scale" if times == 1 else f"drawn {times} times as large as they were"

@@ -10,6 +10,8 @@ from typing import Protocol
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
+from wheelhop.workbench.compared import Compared
+
 ACTED = """(event) => {
   const target = event.target.closest("[data-act]");
   if (target) emit({...target.dataset});
@@ -32,14 +34,12 @@ def verbatim(text: str) -> str:
 
 @dataclass
 class Looking:
-    """What one tab of the browser looks at: a run and a channel (indices), an effect; `go` turns
-    to another view."""
+    """What one tab of the browser looks at: what is compared, and an effect; `go` turns to another
+    view."""
 
     go: Callable[[str], None]
-    run: int | None = 0
-    channel: int | None = None
+    compared: Compared = field(default_factory=Compared)
     effect: str = ""
-    seen: dict[str, object] = field(default_factory=dict)
 
 
 class View(Protocol):

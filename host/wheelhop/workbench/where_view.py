@@ -37,7 +37,7 @@ class WhereView:
         """Bring it up to date."""
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
-        ranking = desk.rankings.get(())
+        ranking = desk.ranking
         if (rung, ranking) != self._seen:
             self._seen = (rung, ranking)
             self._chain.set_content(chain(desk.rungs[0], ranking) if desk.rungs else "")
