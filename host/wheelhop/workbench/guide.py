@@ -15,7 +15,7 @@ from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.files import InputError, make_folder
 from wheelhop.files.words import label_of, unit_of
 from wheelhop.vehicle.estimate import estimate
-from wheelhop.workbench.draft import PLACES, TRACKS, UNITS, Draft, Piece
+from wheelhop.workbench.draft import PLACES, TRACKS, Draft, Piece
 from wheelhop.workbench.kept import drop, keep
 from wheelhop.workbench.questions import (
     FIELD_WORDS,
@@ -171,7 +171,8 @@ class Guide:
             ui.html("What the columns are", sanitize=False, tag="h3")
             ui.label(
                 "As guessed from the names in your files: change what is wrong. A column that is no"
-                " vertical acceleration of axle or body is not used."
+                " vertical acceleration of axle or body is not used, and one in another unit cannot"
+                " be."
             ).classes("soft")
             with ui.element("div").classes("bench-columns"):
                 for column in draft.columns:
@@ -179,7 +180,8 @@ class Guide:
                         ui.label(column.name).classes("bench-name")
                         words = {place: PLACE_WORDS.get(place, place) for place in PLACES}
                         place = ui.select(words, label="sits at").bind_value(column, "place")
-                        unit = ui.select(list(UNITS), label="unit").bind_value(column, "unit")
+                        units = {unit: unit or "not said" for unit in draft.units(column)}
+                        unit = ui.select(units, label="unit").bind_value(column, "unit")
                     for element in (place, unit):
                         element.props(FIELD).on_value_change(self._read)
 
