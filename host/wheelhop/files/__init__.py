@@ -11,7 +11,7 @@ from wheelhop.files.keys import (
     shown,
     similar_file,
 )
-from wheelhop.files.toml import Document, to_toml
+from wheelhop.files.toml import Document, dotted, to_toml
 from wheelhop.files.write import (
     check_new,
     check_picture,
@@ -39,6 +39,7 @@ __all__ = [
     "check_target",
     "claimed",
     "did_you_mean",
+    "dotted",
     "is_draft",
     "locked",
     "made_folder",

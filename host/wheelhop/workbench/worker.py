@@ -8,6 +8,7 @@ all work the process is killed; the next one begins anew.
 from __future__ import annotations
 
 import tempfile
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -79,7 +80,8 @@ class Worker:
         self._work: Work | None = None
 
     def obey(self, order: Order) -> None:
-        """Do what the order says; a mistake in the input is said, not raised."""
+        """Do what the order says; a mistake in the input is said, not raised, and so is a fault of
+        the program or of the user's effects."""
         try:
             work = self._prepared(order)
             self._climb(work, order.choice.added)
@@ -94,6 +96,10 @@ class Worker:
             self._say(Refused(str(error)))
         except _NotWanted:
             self._say(Done(""))
+        except Exception as error:
+            traceback.print_exc()
+            self._work = None  # who knows what it was left like
+            self._say(Refused(_fault(error)))
         finally:
             self._fitting = self._following = None
 
@@ -220,6 +226,14 @@ class Worker:
             on_the_way = following.choice.added[: len(fitting)] == fitting
             if not on_the_way or _data_of(following) != self._data:
                 raise _NotWanted
+
+
+def _fault(error: Exception) -> str:
+    """What happened, and where, in a line."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    where = f"line {place.lineno} of {Path(place.filename).name}"
+    return f"not finished: {what} ({where}; the workbench's terminal shows the rest): try again"
 
 
 def _data_of(order: Order) -> tuple[object, ...]:
