@@ -7,9 +7,11 @@ pages if it says where it comes from, and bring the token: once in the address, 
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Awaitable, Callable, Iterator, MutableMapping
 from hmac import compare_digest
 from http.cookies import CookieError, SimpleCookie
+from ipaddress import ip_address
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -25,19 +27,44 @@ POLICY = (
 """Nothing is fetched from anywhere else. The page's framework compiles its templates, 'eval'."""
 
 
-class Guard:
-    """Passes requests on to an ASGI application if they may; `hosts` are the values of Host, with
-    the port, by which we are known."""
+LOCAL, EVERYWHERE = "127.0.0.1", "0.0.0.0"
 
-    def __init__(self, app: App, token: str, hosts: frozenset[str]) -> None:
+
+def known_as(host: str) -> Callable[[str], bool]:
+    """Whether a name is one of ours, if we listen on `host`.
+
+    On all interfaces, every IPv4 address is: no stranger can make a number point here, and which
+    numbers are ours the system knows. Of names, only this computer's own.
+    """
+    if host != EVERYWHERE:
+        names = {host, "localhost"} if host == LOCAL else {host}
+        return names.__contains__
+    own = {"localhost", socket.gethostname().lower(), socket.getfqdn().lower()}
+    return lambda name: name.lower() in own or _is_number(name)
+
+
+def _is_number(name: str) -> bool:
+    try:
+        ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+class Guard:
+    """Passes requests on to an ASGI application if they may: `ours` tells whether we are known by a
+    name, and `port` is the one we listen on."""
+
+    def __init__(self, app: App, token: str, ours: Callable[[str], bool], port: int) -> None:
         self._app = app
         self._token = token
-        self._hosts = hosts
+        self._ours = ours
+        self._port = port
+        self._cookie = f"wheelhop-{port}"  # its name must tell ports apart, as cookies do not
 
-    @property
-    def _cookie(self) -> str:
-        """A cookie's name does not know of ports: two workbenches must not share one."""
-        return f"wheelhop-{min(self._hosts).rpartition(':')[2]}"
+    def _is_us(self, host: str) -> bool:
+        name, _, port = host.rpartition(":")
+        return port == str(self._port) and self._ours(name)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
@@ -55,10 +82,10 @@ class Guard:
 
     def _refusal(self, scope: Scope) -> str:
         hosts = list(_header(scope, b"host"))
-        if len(hosts) != 1 or hosts[0] not in self._hosts:
+        if len(hosts) != 1 or not self._is_us(hosts[0]):
             return "this is not the name the workbench is known by"
         for origin in _header(scope, b"origin"):
-            if origin.partition("://")[2] not in self._hosts:
+            if origin.partition("://")[2] != hosts[0]:
                 return "requests of other pages are not answered"
         return ""
 

@@ -62,9 +62,9 @@ class OutView:
         self._open.set_visibility((desk.campaign.folder / REPORT).is_file())
         for button in self._buttons:
             button.set_enabled(desk.job is None)
-        if desk.choice != self._seen:
-            self._seen = desk.choice
-            lines = commands(desk.campaign, desk.choice)
+        if (seen := (desk.choice, desk.effects_file)) != self._seen:
+            self._seen = seen
+            lines = commands(desk.campaign, desk.choice, desk.effects_file)
             body = verbatim("\n".join(lines))
             self._commands.set_content(
                 f"<h2>The same from the command line</h2>{body}{_left(desk.choice)}"
@@ -73,7 +73,8 @@ class OutView:
     def _script(self) -> None:
         desk = self._desk
         try:
-            write_text(desk.campaign.folder / SCRIPT, script(desk.campaign, desk.choice))
+            text = script(desk.campaign, desk.choice, desk.effects_file)
+            write_text(desk.campaign.folder / SCRIPT, text)
             desk.say(f"script: {desk.campaign.folder / SCRIPT}")
         except InputError as error:
             desk.say(str(error))

@@ -7,7 +7,6 @@ all work the process is killed; the next one begins anew.
 
 from __future__ import annotations
 
-import tempfile
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,7 +22,6 @@ from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import Linearity, linearity
 from wheelhop.law import find_law
-from wheelhop.report.pdf import write_pdf
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
@@ -39,7 +37,7 @@ from wheelhop.workbench.shown import (
     Refused,
     Said,
 )
-from wheelhop.workbench.takeaway import FIGURES, MODEL, PDF, REPORT, TABLES
+from wheelhop.workbench.takeaway import FIGURES, MODEL, TABLES
 
 Say = Callable[[Message], None]
 
@@ -186,11 +184,6 @@ class Worker:
             write_tables(target, result)
         elif order.write == MODEL:
             result.write_model(target)
-        elif order.write == PDF:
-            with tempfile.TemporaryDirectory() as other:
-                page = Path(other) / REPORT
-                self._report(work, order, page, result)
-                write_pdf(page, target)
         else:
             self._report(work, order, target, result)
         return f"written: {target}"
