@@ -25,7 +25,7 @@ from wheelhop.workbench.charts import (
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.playback import SIDES, Playback
 from wheelhop.workbench.shown import Rung
-from wheelhop.workbench.view import Looking
+from wheelhop.workbench.view import Looking, html
 
 Array = NDArray[np.float64]
 
@@ -69,11 +69,10 @@ class CompareView:
         self._time.props("tabindex=0").on("keydown", self._pressed, args=["key"])
         self._window = WHOLE
         self._spectrum = ui.echart({}).classes("bench-spectrum").props('aria-label="spectrum"')
-        ui.html(
+        html(
             "<p class='soft'>In band. Scroll to zoom, drag to move, or + − and the arrow keys, 0"
             " for all; both panels go together. Grey band: ±2 standard deviations of the noise."
             " Dashed in grey: the noise floor.</p>",
-            sanitize=False,
         )
         self._run.on_value_change(self._chosen)
         self._channel.on_value_change(self._chosen)

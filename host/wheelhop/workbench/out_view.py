@@ -21,7 +21,7 @@ from wheelhop.workbench.takeaway import (
     commands,
     script,
 )
-from wheelhop.workbench.view import Looking, verbatim
+from wheelhop.workbench.view import Looking, html, verbatim
 
 REPORT_ADDRESS = "/report"
 WRITTEN = {
@@ -40,10 +40,9 @@ class OutView:
         self._desk = desk
         self._seen: object = None
         folder = desk.campaign.folder.resolve()
-        ui.html(
+        html(
             f"<p>Files are written into <code>{escape(str(folder))}</code>. The session itself is"
             f" kept there too, in <code>{FILE}</code>: the workbench opens where you left it.</p>",
-            sanitize=False,
         )
         with ui.row().classes("bench-controls"):
             self._buttons = [
@@ -54,7 +53,7 @@ class OutView:
             for button in self._buttons:
                 button.props("no-caps outline")
             self._open = ui.link("Look at the report", REPORT_ADDRESS, new_tab=True)
-        self._commands = ui.html("", sanitize=False)
+        self._commands = html()
 
     def show(self) -> None:
         """Bring it up to date."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from html import escape
 from pathlib import Path
 
 from nicegui import ui
@@ -10,7 +9,7 @@ from nicegui import ui
 from wheelhop.campaign import CampaignError
 from wheelhop.files import InputError, read_text
 from wheelhop.workbench.desk import Desk
-from wheelhop.workbench.view import verbatim
+from wheelhop.workbench.view import Words, html, verbatim
 
 SHOWN = 20_000  # characters
 ASKED = (
@@ -40,9 +39,9 @@ class OwnEffects:
             return
         more = "\n…" if len(text) > SHOWN else ""
         with ui.dialog() as dialog, ui.card().classes("bench-dialog"):
-            ui.html(escape(str(file)), sanitize=False, tag="h3")
+            Words(str(file), "h3")
             ui.label(ASKED)
-            ui.html(verbatim(text[:SHOWN] + more), sanitize=False)
+            html(verbatim(text[:SHOWN] + more))
 
             def load() -> None:
                 dialog.close()

@@ -17,7 +17,7 @@ from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.shown import Number
 from wheelhop.workbench.vehicle_drawing import SYMBOLS, drawing
-from wheelhop.workbench.view import Looking
+from wheelhop.workbench.view import Looking, Words, html
 
 SLIDERS = {
     "spring": ("suspension.front.stiffness_N_m", "suspension.rear.stiffness_N_m"),
@@ -53,17 +53,17 @@ class VehicleView:
             return
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
-                ui.html(drawing(), sanitize=False)
-                self._table = ui.html("<p class='soft'>Reading it.</p>", sanitize=False)
+                html(drawing())
+                self._table = html("<p class='soft'>Reading it.</p>")
             with ui.element("div"):
-                ui.html("<h2>What if</h2>", sanitize=False)
+                Words("What if", "h2")
                 for name in SLIDERS:
                     self._sliders[name] = self._slider(name, -2, 2, 0, 0.05, _times)
                 low, high, first = SPEED_KMPH
                 self._speed = self._slider("speed", low, high, first, 0.5, _kmph)
                 ui.button("Back to × 1", on_click=self._reset).props("flat dense no-caps")
                 self._chart = ui.echart({}).classes("bench-ride")
-                ui.html(WORDS, sanitize=False)
+                html(WORDS)
 
     def show(self) -> None:
         """Bring it up to date."""
