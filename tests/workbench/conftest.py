@@ -18,6 +18,7 @@ from tests.truth.presets import PRESETS, planned_runs
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 PATIENCE_MS = 1000 * PATIENCE_S
+POLICY = "Content Security Policy"  # in what a browser says of what it does not run
 VEHICLE = {"front wheels": 130, "rear wheels": 160, "wheelbase": 1.42, "track width": 1.18}
 
 
@@ -93,6 +94,7 @@ def open_page(browser) -> Iterator[Callable[[str], object]]:
         page = context.new_page()
         page.set_default_timeout(PATIENCE_MS)
         page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("console", lambda line: complaints.append(line.text) if POLICY in line.text else 0)
         page.goto(address)
         page.wait_for_selector(".bench-head h1")
         return page

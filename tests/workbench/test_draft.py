@@ -265,3 +265,80 @@ def test_a_campaign_that_is_there_stays(draft, tmp_path):
     with pytest.raises(CampaignError, match="there is a campaign already"):
         draft.make(tmp_path / "made", "Another")
     assert (tmp_path / "made/campaign.toml").read_bytes() == before
+
+
+def with_unit(tmp_path, unit: str, name: str = "A1", behind: str = "{} [{}]") -> Draft:
+    """A draft of one recording whose first column is in another unit than the rest."""
+    file = write_foreign(tmp_path, 1)[0]
+    label = behind.format(name, unit) if unit else name
+    file.write_text(file.read_text().replace("Acc axle FL [g]", label, 1))
+    draft = Draft(tmp_path / "draft")
+    draft.add(file)
+    return draft
+
+
+@pytest.mark.parametrize("unit", ["mm", "deg/s", "km/h", "%", "V", "furlong", ""])
+def test_a_column_in_no_unit_of_acceleration_is_never_taken_for_one(tmp_path, unit):
+    """A damper's potentiometer called A1 has no place; nor has a unit that is not known."""
+    draft = with_unit(tmp_path, unit)
+    assert draft.columns[0].unit == unit
+    with pytest.raises(CampaignError, match=r"drive 1\.csv: column A1.* unit") as caught:
+        draft.read()
+    assert (unit or "does not say") in str(caught.value)
+    with pytest.raises(CampaignError):
+        draft.make(tmp_path / "made", "My car")
+    draft.columns[0].place = NOT_USED  # what the line says to do
+    draft.read()
+    assert len(draft.recordings[draft.files[0]].channels) == 7
+    draft.columns[0].place, draft.columns[0].unit = "A1", "m/s²"  # or the user knows better
+    draft.read()
+    assert draft.recordings[draft.files[0]].channels[0].unit == "m/s²"
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("m/s^2", 1.0), ("ft/s²", 0.3048), ("Gal", 0.01), ("G", G), ("m/s/s", 1.0)]
+)
+def test_an_acceleration_in_any_known_unit_becomes_si(tmp_path, unit, factor):
+    draft = with_unit(tmp_path, unit)
+    draft.read()
+    found = draft.recordings[draft.files[0]]
+    file = draft.files[0].read_text().splitlines()[1:]
+    written = [float(line.split(";")[1].replace(",", ".")) for line in file]
+    assert found.values[:, 0] == pytest.approx(factor * np.array(written))
+
+
+def test_a_name_that_tells_a_corner_is_no_place_for_a_damper_s_travel(tmp_path):
+    draft = with_unit(tmp_path, "mm", "damper axle FL")
+    assert draft.columns[0].place == NOT_USED
+    draft.read()
+
+
+def test_every_recording_keeps_the_unit_it_says(tmp_path):
+    """The second was set to mg: its numbers are a thousand times larger, not its motion."""
+    rows = "\n".join(f"{i / 100};{{}};{{}}" for i in range(2000))
+    head = "Time;A1;A2\ns;{};{}\n"
+    for name, unit, amplitude in (("one", "g", 1.0), ("two", "mg", 1000.0)):
+        numbers = [amplitude * np.sin(0.3 * (i // 2)) for i in range(4000)]
+        text = (head.format(unit, unit) + rows).format(*numbers)
+        (tmp_path / f"{name}.csv").write_text(text)
+    draft = Draft(tmp_path / "draft")
+    for name in ("one", "two"):
+        draft.add(tmp_path / f"{name}.csv")
+    draft.read()
+    one, two = draft.recordings.values()
+    assert two.values == pytest.approx(one.values, rel=1e-9)
+
+
+def test_a_recording_without_time_is_not_given_a_rate(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("A1 [g];A2 [g]\n" + "".join(f"{i % 7};{i % 5}\n" for i in range(2000)))
+    with pytest.raises(InputError, match=r"run\.csv: .*no column is time"):
+        Draft(tmp_path / "draft").add(file)
+
+
+def test_a_unit_of_time_that_is_not_known_is_not_taken_for_seconds(tmp_path):
+    file = write_foreign(tmp_path, 1)[0]
+    file.write_text(file.read_text().replace("Time [s]", "Time [ticks]"))
+    with pytest.raises(InputError, match=r"drive 1\.csv: .*time_unit.*ticks") as caught:
+        Draft(tmp_path / "draft").add(file)
+    assert "map.toml" not in str(caught.value)

@@ -135,3 +135,20 @@ def test_no_campaign_and_a_port_that_is_taken_get_a_line(tmp_path, address):
         )
         assert done.returncode == 2
         assert done.stderr.count("\n") == 1, done.stderr
+
+
+def test_a_workbench_for_all_answers_by_any_address_and_no_stranger_s_name():
+    """0.0.0.0 is what it listens on, and nobody's address."""
+    with workbench("--host", "0.0.0.0") as (told, _):
+        here = urlsplit(told)
+        assert here.hostname != "0.0.0.0"
+        local = urlsplit(f"http://127.0.0.1:{here.port}/?{here.query}")
+        _, headers, _ = ask(local, f"/?{here.query}")
+        token = headers["set-cookie"].split(";")[0]
+        for name in (here.netloc, local.netloc, f"localhost:{here.port}"):
+            status, _, _ = ask(local, Host=name, Origin=f"http://{name}", Cookie=token)
+            assert status == 200, name
+        for name in (f"evil.example:{here.port}", f"127.0.0.1:{here.port + 1}", "127.0.0.1"):
+            assert ask(local, Host=name, Cookie=token)[0] == 403, name
+        other = "http://192.0.2.7:80"
+        assert ask(local, Host=local.netloc, Origin=other, Cookie=token)[0] == 403

@@ -26,7 +26,7 @@ from wheelhop.files import (
 )
 from wheelhop.files.keys import LONGEST_TEXT
 from wheelhop.formats.places import likely_points
-from wheelhop.logger.recording import ACCELERATION, Recording
+from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
 TOP_OF_BAND = 0.4  # of the sample rate, where 30 Hz is too much
@@ -285,9 +285,12 @@ def cut(recording: Recording, from_s: float | None, to_s: float | None) -> Recor
 def _check_samples(recording: Recording, name: str) -> None:
     for channel in recording.channels:
         if channel.unit != ACCELERATION:
+            remedy = "say its unit in a mapping (wheelhop import --draft), or leave it out"
+            if channel.unit == CODE:
+                remedy = "give its constants with --calibration, or --nominal to do without"
+            unit = f"is in {channel.unit}" if channel.unit else "does not say its unit"
             raise CampaignError(
-                f"{name}: channel {channel.name} is in '{channel.unit}', a campaign takes m/s²: "
-                "give its constants with --calibration, or --nominal to do without"
+                f"{name}: channel {channel.name} {unit}, a campaign takes m/s²: {remedy}"
             )
     missing = np.flatnonzero(recording.missing)
     if len(missing):

@@ -139,7 +139,9 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     )
     law.add_argument("--save", metavar="FILE.py", type=Path, help="keep the formula as an effect")
     law.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
-    law.add_argument("--report", metavar="FILE.html", type=Path, help="write a page to read")
+    law.add_argument(
+        "--report", metavar="FILE", type=Path, help="write a page to read: .html, or .pdf"
+    )
     law.add_argument("--figure", metavar="FILE.png", type=Path, help="draw the law")
     _library(law)
 
@@ -346,7 +348,9 @@ def _library(command: argparse.ArgumentParser, name: str = "effects") -> None:
 
 def _outputs(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
-    command.add_argument("--report", metavar="FILE.html", type=Path, help="write a report")
+    command.add_argument(
+        "--report", metavar="FILE", type=Path, help="write a report: .html, or .pdf by a browser"
+    )
 
 
 def _count(text: str) -> int:

@@ -124,6 +124,10 @@ def _made(cls: type[Effect], where: str) -> Effect:
     for name in ("id", "place", "title", "equation", "source"):
         if not isinstance(getattr(cls, name, None), str):
             raise CampaignError(f'{where}: {cls.__name__} has no {name}; add {name} = "…" to it')
+    if not cls.id.strip() or not cls.id.isprintable() or "." in cls.id:
+        raise CampaignError(
+            f'{where}: {cls.__name__} has id = "{cls.id}"; it is a word that prints, without a dot'
+        )
     if cls.place not in get_args(Place):
         places = ", ".join(get_args(Place))
         raise CampaignError(

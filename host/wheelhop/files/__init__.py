@@ -15,7 +15,7 @@ from wheelhop.files.keys import (
 from wheelhop.files.lock import claimed, locked
 from wheelhop.files.process import away_from_here
 from wheelhop.files.source import Source
-from wheelhop.files.toml import Document, to_toml
+from wheelhop.files.toml import Document, dotted, to_toml
 from wheelhop.files.write import (
     check_new,
     check_picture,
@@ -44,6 +44,7 @@ __all__ = [
     "check_target",
     "claimed",
     "did_you_mean",
+    "dotted",
     "is_draft",
     "locked",
     "made_folder",

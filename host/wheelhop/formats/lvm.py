@@ -142,7 +142,7 @@ def _segment(
     return Table(
         file=path,
         kind="LabVIEW measurement",
-        channels=tuple(plain_channel(names[k], tag("Y_Unit_Label", k) or None) for k in wanted),
+        channels=tuple(plain_channel(names[k], tag("Y_Unit_Label", k)) for k in wanted),
         values=np.column_stack([samples[k] for k in wanted]),
         # X is often printed with six decimals; Delta_X is exact.
         time_s=None if exact else stamps,

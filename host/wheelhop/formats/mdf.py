@@ -114,7 +114,7 @@ def _group(mdf: Any, number: int, path: Path) -> Table | None:
         column = samples.astype(np.float64)
         if signal.invalidation_bits is not None:
             column[np.asarray(signal.invalidation_bits, dtype=bool)] = np.nan
-        channels.append(plain_channel(signal.name, signal.unit or None))
+        channels.append(plain_channel(signal.name, signal.unit or ""))
         columns.append(column)
         time_s = np.asarray(signal.timestamps, dtype=np.float64)
     if not columns:

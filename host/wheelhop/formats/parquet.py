@@ -11,7 +11,7 @@ from pyarrow import parquet
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import from_text, to_text
 from wheelhop.formats.mapping import Map
-from wheelhop.formats.table import Table, plain_channel
+from wheelhop.formats.table import Table, campaign_channel, plain_channel
 from wheelhop.logger.recording import Recording
 
 KEY = b"wheelhop"
@@ -36,11 +36,11 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
             time_s = column
             continue
         unit = (schema.field(number - 1).metadata or {}).get(UNIT)
-        units.append(None if unit is None else unit.decode("utf-8"))
+        units.append((unit or b"").decode("utf-8"))
         names.append(name)
         columns.append(column)
         numbers.append(number)
-    channels = tuple(map(plain_channel, names, units))
+    channels = tuple(map(campaign_channel if clock == TIME else plain_channel, names, units))
     if header is not None:
         channels = header.bare.channels
         if [channel.name for channel in channels] != names:

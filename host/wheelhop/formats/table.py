@@ -156,14 +156,15 @@ def _placed(channels: tuple[Channel, ...]) -> tuple[tuple[Channel, ...], list[st
     return placed, [f"{name}: taken for {point}, by its name" for name, point in guessed.items()]
 
 
-def plain_channel(name: str, unit: str | None = None) -> Channel:
-    """A channel of which a file tells no more than the name, and perhaps the unit.
+def plain_channel(name: str, unit: str = "") -> Channel:
+    """A channel of which a file tells no more than the name, and perhaps the unit; if the name is a
+    place of the campaign format, then it is the place."""
+    return Channel(name, unit, name if name in POINTS else "")
 
-    If the name is a place of the campaign format, then it is the place, and without a unit the
-    campaign format's holds.
-    """
-    point = name if name in POINTS else ""
-    return Channel(name, unit if unit is not None else ACCELERATION if point else "", point)
+
+def campaign_channel(name: str, unit: str = "") -> Channel:
+    """A channel of a table in the campaign format, where what sits at a place is in m/s²."""
+    return plain_channel(name, unit or (ACCELERATION if name in POINTS else ""))
 
 
 def _restored(table: Table, header: Header) -> Recording:
@@ -204,6 +205,8 @@ def _conversion(pick: Pick, old: Channel, new: Channel, factor: float) -> list[s
     terms = []
     if pick.scale != 1.0 or pick.offset != 0.0:
         terms.append(f"× {pick.scale:g} + {pick.offset:g} = {pick.unit or old.unit}")
+    elif pick.unit and old.unit and to_si(pick.unit) != to_si(old.unit):
+        terms.append(f"the file says {old.unit}, the mapping {pick.unit}")
     if factor != 1.0:
         terms.append(f"{pick.unit or old.unit} × {factor:g} = {new.unit}")
     return [f"{new.name}: {', '.join(terms)}"] if terms else []

@@ -85,9 +85,9 @@ def _timing(channel: Any, path: Path) -> tuple[float, float]:
     return step, start
 
 
-def _unit(channel: Any) -> str | None:
+def _unit(channel: Any) -> str:
     found = (channel.properties.get(key) for key in UNIT_KEYS)
-    return next((unit for unit in found if isinstance(unit, str) and unit), None)
+    return next((unit for unit in found if isinstance(unit, str) and unit), "")
 
 
 def _start(channel: Any) -> float | None:

@@ -92,7 +92,7 @@ class Nominal:
         self.values = values
         self.grid_hz = np.arange(STEP_HZ, 2 * campaign.band_hz[1], STEP_HZ)
         unknown = {
-            f"channel.{c.name}.{axis}": 0.0
+            f"{c.key}.{axis}": 0.0
             for c in campaign.channels
             if c.point == "body"
             for axis in ("x_m", "y_m")

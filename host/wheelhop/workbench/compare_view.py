@@ -23,7 +23,7 @@ from wheelhop.workbench.compared import (
 )
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.playback import SIDES, Playback
-from wheelhop.workbench.view import Looking
+from wheelhop.workbench.view import Looking, html
 
 RESTED = """(event) => {{
   const {{start, end}} = (event.batch || [event])[0];
@@ -63,11 +63,10 @@ class CompareView:
         self._time.on("chart:datazoom", self._zoomed, js_handler=rested)
         self._time.props("tabindex=0").on("keydown", self._pressed, args=["key"])
         self._spectrum = ui.echart({}).classes("bench-spectrum").props('aria-label="spectrum"')
-        ui.html(
+        html(
             "<p class='soft'>In band. Scroll to zoom, drag to move, or + − and the arrow keys, 0"
             " for all; both panels go together. Grey band: ±2 standard deviations of the noise."
             " Dashed in grey: the noise floor.</p>",
-            sanitize=False,
         )
         self._run.on_value_change(lambda event: self._take(self._state.at(run=event.value)))
         self._channel.on_value_change(lambda event: self._take(self._state.at(channel=event.value)))

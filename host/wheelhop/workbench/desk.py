@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files import InputError, Source, away_from_here
-from wheelhop.workbench.order import GiveWay, Order, obey_orders
+from wheelhop.workbench.order import GiveWay, Order, how_it_ended, obey_orders
 from wheelhop.workbench.results import Made, Results
 from wheelhop.workbench.session import (
     Choice,
@@ -303,9 +303,11 @@ class Desk:
 
     def _lost(self, orders: Connection) -> None:
         """The worker is gone without having been told to go."""
-        if orders is self._orders:
+        if orders is self._orders and (process := self._process) is not None:
+            process.join(5.0)
+            line = how_it_ended(process.exitcode)
             self._stop()
-            self._changed("the process that computes has ended, out of memory perhaps: try again")
+            self._changed(line)
 
     def _stop(self) -> None:
         process, self._process, self._orders, self.job = self._process, None, None, None

@@ -14,9 +14,9 @@ from wheelhop.campaign.recorded import read_recording
 from wheelhop.campaign.tracks import KINDS
 from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
 from wheelhop.files import InputError, remove
-from wheelhop.formats import Map, Pick, draft_mapping, read, read_mapping
-from wheelhop.formats.places import likely_point
-from wheelhop.logger.recording import Recording
+from wheelhop.files.units import to_si
+from wheelhop.formats import Map, Pick, draft_mapping, parse_mapping, read
+from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
 from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, RECORDER_WORDS, known
@@ -101,11 +101,23 @@ class Draft:
         self.files = sorted({*self.files, file})
 
     def _look_at(self, file: Path) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            written = Path(folder) / "map.toml"
-            written.write_text(draft_mapping(file), encoding="utf-8")
-            self._map = read_mapping(written)
-        self.columns = [_column(pick) for pick in self._map.picks]
+        found = parse_mapping(draft_mapping(file), file)
+        if found.rate_hz is not None:  # a draft's rate is made up
+            raise CampaignError(
+                f"{file}: no column is time: add one, in seconds, or import the file with a mapping"
+                " that says its rate_hz (wheelhop import --draft proposes one)"
+            )
+        self._map = found
+        self.columns = [_column(pick) for pick in found.picks]
+
+    def units(self, column: Column) -> list[str]:
+        """What may be chosen as the unit of a column: what its file says, and accelerations."""
+        return list(dict.fromkeys((self._said(column), column.unit, *UNITS)))
+
+    def _said(self, column: Column) -> str:
+        """The unit in the file that said what the columns are, empty if it said none."""
+        picks = self._map.picks if self._map is not None else ()
+        return next((pick.unit for pick in picks if pick.column == column.key), "")
 
     def read(self) -> None:
         """Read every recording and find the stretches that were driven; what was said of those
@@ -144,11 +156,22 @@ class Draft:
         if not used:
             raise CampaignError(f"{file.name}: no column has a place: say where each sensor sits")
         picks = tuple(
-            Pick(c.key, name=c.place if c.place in POINTS else c.name, unit=c.unit, point=c.place)
-            for c in used
+            Pick(
+                column.key,
+                name=column.place if column.place in POINTS else column.name,
+                # Unless the user has chosen another one, every file is in the unit it says.
+                unit="" if column.unit == self._said(column) else column.unit,
+                point=column.place,
+            )
+            for column in used
         )
         assert self._map is not None
-        return read(file, replace(self._map, picks=picks))
+        recording = read(file, replace(self._map, picks=picks))
+        for column, channel in zip(used, recording.channels, strict=True):
+            if channel.unit != ACCELERATION:
+                unit = column.unit if to_si(column.unit)[0] == channel.unit else channel.unit
+                raise CampaignError(f"{file.name}: column {column.name} {_no_unit(unit)}")
+        return recording
 
     def new_piece(self, file: Path) -> Piece:
         """One more stretch of a recording: its middle fifth."""
@@ -264,5 +287,11 @@ def _name(file: Path) -> str:
 
 def _column(pick: Pick) -> Column:
     name = pick.name or str(pick.column)
-    unit = pick.unit if pick.unit in UNITS else UNITS[0]
-    return Column(pick.column, name, unit, pick.point or likely_point(name) or NOT_USED)
+    return Column(pick.column, name, pick.unit, pick.point or NOT_USED)
+
+
+def _no_unit(unit: str) -> str:
+    """What is wrong with a unit of a channel that shall be an acceleration, and what to do."""
+    if not unit:
+        return f"does not say its unit: choose it, or '{NOT_USED}'"
+    return f"is in {unit}, no unit of acceleration: choose its unit, or '{NOT_USED}'"

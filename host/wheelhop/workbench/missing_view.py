@@ -14,7 +14,7 @@ from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
 from wheelhop.workbench.own_effects import OwnEffects
 from wheelhop.workbench.shown import Card, Law, Ranking, Row, Trace, Verdict
-from wheelhop.workbench.view import Looking, acting, verbatim
+from wheelhop.workbench.view import Looking, acting, drawn, html, verbatim
 
 SHOWN_S = 2.5
 """So much of a run is drawn on a card, around the largest signature."""
@@ -58,15 +58,15 @@ class MissingView:
             self._start = ui.button("Find out what is missing", on_click=desk.diagnose)
             self._start.props("no-caps unelevated")
             self._hint = ui.label().classes("soft")
-        self._verdict = acting("", self._act)
-        self._law = ui.html("", sanitize=False)
+        self._verdict = acting(html(), self._act)
+        self._law = drawn()
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
-                self._table = acting("", self._act)
+                self._table = acting(html(), self._act)
                 OwnEffects(desk)
             self._aside = ui.element("aside").classes("card")
             with self._aside:
-                self._card = acting("", self._act)
+                self._card = acting(drawn(), self._act)
                 self._chart = ui.echart({}).classes("bench-trace")
 
     def show(self) -> None:

@@ -53,6 +53,18 @@ def obey_orders(orders: Connection) -> None:
             worker.obey(order)
 
 
+def how_it_ended(status: int | None) -> str:
+    """In a line, how that process ended by itself, from its exit status."""
+    if status is not None and -status == getattr(signal, "SIGKILL", None):
+        how = "was killed by the system, for lack of memory most likely: leave runs out, or close"
+        return f"the process that computes {how} other programs, and try again"
+    if status is not None and status < 0:
+        how = f"was ended by signal {-status} ({signal.strsignal(-status)})"
+    else:
+        how = f"ended with status {status}"
+    return f"the process that computes {how}: the terminal of the workbench may say why; try again"
+
+
 def _give_way() -> None:
     """Page and browser come first: whoever clicks shall not wait for what takes a minute anyway."""
     if sys.platform != "win32":

@@ -14,7 +14,7 @@ from wheelhop.report.heat import heat_class, heat_legend, heat_words
 from wheelhop.track import make_track
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.shown import Rung
-from wheelhop.workbench.view import Looking, acting
+from wheelhop.workbench.view import Looking, acting, html
 
 PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
 PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
@@ -39,10 +39,10 @@ class Overview:
         self._seen: object = None
         self._on_rig = isinstance(desk.campaign, ComponentCampaign)
         with ui.element("div").classes("" if self._on_rig else "bench-split"):
-            self._plan = acting("", self._act)
+            self._plan = acting(html(), self._act)
             with ui.element("div"):
-                self._runs = acting("", self._act)
-        self._findings = ui.html("", sanitize=False)
+                self._runs = acting(html(), self._act)
+        self._findings = html()
 
     def show(self) -> None:
         """Bring it up to date."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from html import escape
 from pathlib import Path
 
 from nicegui import ui
@@ -10,7 +9,7 @@ from nicegui import ui
 from wheelhop.campaign import CampaignError
 from wheelhop.files import InputError, Source
 from wheelhop.workbench.desk import Desk
-from wheelhop.workbench.view import verbatim
+from wheelhop.workbench.view import Words, html, verbatim
 
 ASKED = (
     "An effect is a program: it may do on this computer whatever you may. Load it if you wrote it,"
@@ -35,9 +34,9 @@ class OwnEffects:
         if shown is None:
             return
         with ui.dialog() as dialog, ui.card().classes("bench-dialog"):
-            ui.html(escape(str(shown)), sanitize=False, tag="h3")
+            Words(str(shown), "h3")
             ui.label(ASKED.format(lines=shown.text.rstrip().count("\n") + 1))
-            ui.html(verbatim(visible(shown.text)), sanitize=False)
+            html(verbatim(visible(shown.text)))
 
             def load() -> None:
                 dialog.close()

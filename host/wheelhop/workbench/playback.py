@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Run
 from wheelhop.track import make_track
 from wheelhop.workbench.shown import Rung, Samples, Shape, Signals
+from wheelhop.workbench.view import html
 
 SIDES = {"left": ("1", "3"), "right": ("2", "4")}
 """The points of either side, front and rear."""
@@ -42,7 +43,7 @@ class Playback:
     def __init__(self) -> None:
         with ui.element("section").classes("playback-section") as self.section:
             self._words = ui.label().classes("soft")
-            self._parts = ui.html(PARTS, sanitize=False)
+            self._parts = html(PARTS)
 
     def show(self, run: Run, rung: Rung | None, side: str) -> None:
         """Have a run ready to be played, as a rung models it."""
