@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 from html import escape
+from pathlib import Path
 
 from nicegui import ui
 
@@ -63,16 +64,21 @@ class OutView:
             button.set_enabled(desk.job is None)
         if (seen := (desk.choice, desk.effects_file)) != self._seen:
             self._seen = seen
-            lines = commands(desk.campaign, desk.choice, desk.effects_file)
+            lines = commands(desk.campaign, desk.choice, self._effects)
             body = verbatim("\n".join(lines))
             self._commands.set_content(
                 f"<h2>The same from the command line</h2>{body}{_left(desk.choice)}"
             )
 
+    @property
+    def _effects(self) -> Path | None:
+        """The file of the user's own effects, which commands and scripts name."""
+        return self._desk.effects_file and self._desk.effects_file.path
+
     def _script(self) -> None:
         desk = self._desk
         try:
-            text = script(desk.campaign, desk.choice, desk.effects_file)
+            text = script(desk.campaign, desk.choice, self._effects)
             write_text(desk.campaign.folder / SCRIPT, text)
             desk.say(f"script: {desk.campaign.folder / SCRIPT}")
         except InputError as error:
