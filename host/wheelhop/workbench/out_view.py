@@ -73,7 +73,8 @@ class OutView:
     @property
     def _effects(self) -> Path | None:
         """The file of the user's own effects, which commands and scripts name."""
-        return self._desk.effects_file and self._desk.effects_file.path
+        source = self._desk.effects_file
+        return None if source is None else source.path
 
     def _script(self) -> None:
         desk = self._desk
