@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.campaign import read_campaign
-from wheelhop.workbench.charts import MOST, WHOLE, power_density
+from wheelhop.workbench.charts import MOST, WHOLE, Line, Panel, chart, power_density
 from wheelhop.workbench.compared import (
     ALL_RUNS,
     NOTHING,
@@ -126,6 +126,13 @@ def test_what_is_looked_at_is_drawn_with_its_detail(window):
     (small,) = time_chart(found, (50.0, 51.0))["series"]
     inside = [x for x, _ in small["data"] if 0.5 * n <= x * RATE_HZ < 0.51 * n]
     assert len(inside) == pytest.approx(0.01 * n, abs=2)
+
+
+def test_a_chart_without_a_window_keeps_what_the_browser_shows():
+    """As when a slider moves the curves that somebody has zoomed into."""
+    panel = Panel("frequency, Hz", "", [Line("ride", np.arange(9), np.arange(9), "#000")])
+    (zoom,) = chart([panel], (100,), (0,))["dataZoom"]
+    assert not {"start", "end"} & set(zoom)
 
 
 def test_what_is_left_out_is_not_drawn_and_nothing_of_before_stays():

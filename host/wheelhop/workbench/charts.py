@@ -67,10 +67,10 @@ def chart(
     panels: Sequence[Panel],
     heights: Sequence[float],
     zoom: Sequence[int],
-    window: Window = WHOLE,
+    window: Window | None = None,
 ) -> Options:
     """Panels below each other, `heights` in per cent; those in `zoom` pan and zoom together, and
-    show the `window`."""
+    show the `window`: without one, what they showed before."""
     total, gap = sum(heights), 9.0
     room = 100.0 - 6.0 - gap * len(panels)
     lines = {line.name: line for panel in panels for line in panel.lines}
@@ -91,7 +91,7 @@ def chart(
         "dataZoom": [
             {
                 **{"type": "inside", "xAxisIndex": list(zoom), "filterMode": "filter"},
-                **{"start": window[0], "end": window[1]},
+                **({} if window is None else {"start": window[0], "end": window[1]}),
             },
         ],
         "aria": {"enabled": True},
@@ -104,7 +104,7 @@ def chart(
         )
         top += share + gap
         _add_axes(options, panel, i)
-        series = [_series(line, i, window) for line in panel.lines]
+        series = [_series(line, i, window or WHOLE) for line in panel.lines]
         if series:
             series[-1] |= _marks(panel)
         options["series"] += series

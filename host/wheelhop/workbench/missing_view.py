@@ -9,7 +9,7 @@ from nicegui import ui
 
 from wheelhop.files.words import chance, percent, signed
 from wheelhop.report.page import bullets
-from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
+from wheelhop.workbench.charts import AFTER, MEASURED, WHOLE, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
 from wheelhop.workbench.own_effects import OwnEffects
@@ -245,4 +245,4 @@ def _trace_chart(trace: Trace) -> dict[str, object]:
         Line("residual", time, trace.residual[part], MEASURED, 2.0),
         Line("its signature", time, trace.signature[part], AFTER),
     ]
-    return chart([Panel("time, s", trace.unit, lines)], (100,), (0,))
+    return chart([Panel("time, s", trace.unit, lines)], (100,), (0,), WHOLE)
