@@ -247,3 +247,14 @@ def test_what_is_lost_is_counted_in_rows():
         "rows with a value in some channels only: 5; they become gaps",
         "rows with an infinite value: 2; they become gaps",
     )
+
+
+@pytest.mark.parametrize(
+    ("unit", "seconds"), [("ms", 1e-3), ("s", 1.0), ("SEC", 1.0), ("NONE", 1.0)]
+)
+def test_the_abscissa_s_unit_counts(unit, seconds, tmp_path):
+    item = function(start=0.0, step=8.0, abscissa_axis_units_lab=unit)
+    found = read(saved(tmp_path, item))
+    assert found.rate_hz == pytest.approx(1 / (8.0 * seconds))
+    with pytest.raises(ExchangeError, match="dataset 1: its abscissa is in rev, no unit of time"):
+        read(saved(tmp_path, function(abscissa_axis_units_lab="rev")))

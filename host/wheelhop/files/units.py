@@ -109,6 +109,13 @@ SPELT = {
 SECONDS = {name: unit.in_si for unit in TABLE if unit.dimension == "time" for name in unit.spelt}
 """By a recorder's spelling of a unit of time, how long it is."""
 
+
+def seconds_in(unit: str) -> float | None:
+    """How long a unit of an axis of time is, None for one that is not known. Capitals are the
+    writer's taste: no recording counts megaseconds."""
+    return SECONDS.get(unit.strip(), SECONDS.get(unit.strip().lower()))
+
+
 ENDINGS = {
     f"_{key}": unit.spelt[0]
     for key, unit in sorted(UNITS.items(), key=lambda item: -len(item[0]))

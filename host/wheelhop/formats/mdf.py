@@ -29,7 +29,8 @@ VERSION = "4.10"  # read by every tool of the last ten years
 BEST_COMPRESSION = 1032  # that deflate can reach
 VIRTUAL = (3, 6)  # channel types that are counted, not stored
 INVALIDATION_BIT = 2  # flag of a channel that has one
-MASTERS = (2, 3)  # channel types of a master and a virtual master: time itself
+MASTERS = (2, 3)  # channel types of a master and a virtual master: time itself, or
+OTHER_MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # by its synchronisation type
 
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
@@ -106,6 +107,8 @@ def _group(mdf: Any, number: int, path: Path) -> Table | None:
     time_s = np.empty(0)
     for index, item in enumerate(mdf.groups[number].channels):
         if item.channel_type in MASTERS:
+            if axis := OTHER_MASTERS.get(item.sync_type):
+                raise ExchangeError(f"{path}: group {number} is sampled over {axis}, not over time")
             continue
         signal = mdf.get(group=number, index=index, ignore_invalidation_bits=True)
         samples = signal.samples

@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow
 from pyarrow import parquet
 
+from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import from_text, to_text
 from wheelhop.formats.mapping import Map
@@ -33,7 +34,7 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
             continue
         column = table.column(number - 1).to_numpy().astype(np.float64)
         if name == clock:
-            time_s = column
+            time_s = column * _seconds(mapping, path)
             continue
         unit = (schema.field(number - 1).metadata or {}).get(UNIT)
         units.append((unit or b"").decode("utf-8"))
@@ -49,6 +50,14 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
         return []
     values = np.column_stack(columns)
     return [Table(path, "Parquet", channels, values, time_s, header=header, numbers=tuple(numbers))]
+
+
+def _seconds(mapping: Map | None, path: Path) -> float:
+    """How long the unit of the time stamps is."""
+    unit = mapping.time_unit if mapping is not None and mapping.time else "s"
+    if unit not in SECONDS:
+        raise ExchangeError(f"{path}: its times are numbers, not dates: give their time_unit")
+    return SECONDS[unit]
 
 
 def save(recording: Recording, path: Path) -> None:

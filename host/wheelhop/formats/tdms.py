@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files.units import SECONDS
+from wheelhop.files.units import SECONDS, seconds_in
 from wheelhop.formats.error import LONGEST_REASON, ExchangeError, need
 from wheelhop.formats.mapping import CLOCK, Map
 from wheelhop.formats.table import Table, plain_channel
@@ -75,9 +75,15 @@ def _tables(group: Any, mapping: Map | None, path: Path) -> list[Table]:
 
 
 def _timing(channel: Any, path: Path) -> tuple[float, float]:
-    """Step and start of a waveform, 0 where the file does not say."""
-    step = float(channel.properties.get("wf_increment", 0.0))
-    start = float(channel.properties.get("wf_start_offset", 0.0))
+    """Step and start of a waveform, s, 0 where the file does not say."""
+    unit = str(channel.properties.get("wf_xunit_string", "")).strip() or "s"
+    if (seconds := seconds_in(unit)) is None:
+        raise ExchangeError(
+            f"{path}: {channel.name}: its x axis is in {unit}, no unit of time that is known: it is"
+            " no recording"
+        )
+    step = seconds * float(channel.properties.get("wf_increment", 0.0))
+    start = seconds * float(channel.properties.get("wf_start_offset", 0.0))
     if not ((step == 0.0 or 1e-15 < step < 1e15) and abs(start) < 1e15):
         raise ExchangeError(
             f"{path}: {channel.name}: from {start} s in steps of {step} s (wf_increment) is no time"

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.units import seconds_in
 from wheelhop.formats.error import ExchangeError, need
 from wheelhop.formats.grid import fit_grid, too_few
 from wheelhop.formats.header import Header, read_sidecar, sidecar
@@ -85,14 +86,24 @@ def _piece(item: dict[str, Any], number: int, metric: bool, path: Path) -> _Piec
     found = PLACE.fullmatch(item["id2"])
     channel = _channel(item, metric, named=found is not None)
     key = (channel.name, item["rsp_node"], item["rsp_dir"], item["func_id"] if found else None)
+    seconds = _seconds(item.get("abscissa_axis_units_lab", ""), place)
     if item["abscissa_spacing"] != EVEN:
-        grid = fit_grid(item["x"], lambda row: f"{place}: sample {row + 1}")
+        grid = fit_grid(seconds * np.asarray(item["x"]), lambda row: f"{place}: sample {row + 1}")
         spread = grid.spread(values[:, np.newaxis])[:, 0]
         return _Piece(key, channel, grid.start_s, grid.rate_hz, spread)
-    start, step = item["abscissa_min"], item["abscissa_inc"]
+    start, step = seconds * item["abscissa_min"], seconds * item["abscissa_inc"]
     if not (abs(start) < 1e15 and 0.0 < step < 1e15):
         raise ExchangeError(f"{place}: time from {start:g} s in steps of {step:g} s is no time")
     return _Piece(key, channel, start, _rate(step), values, int(found[1]) if found else None)
+
+
+def _seconds(unit: str, place: str) -> float:
+    """How long a unit of the abscissa is; without one it is in seconds, which are SI."""
+    if unit in ("", "NONE"):
+        return 1.0
+    if (seconds := seconds_in(unit)) is None:
+        raise ExchangeError(f"{place}: its abscissa is in {unit}, no unit of time that is known")
+    return seconds
 
 
 def _rate(step_s: float) -> float:
