@@ -47,7 +47,8 @@ class Locking:
     ``road`` repeats with the track's wavelength (periodic tracks) or is coherent with the
     modelled response to the road (others); ``time`` is in ``lines``. What a subspace of as
     many dimensions would hold of the remainder by chance is already subtracted from both.
-    ``neither`` is the rest and includes the noise, whose expected share is ``noise``.
+    ``neither`` is the rest and includes the noise, whose expected share is ``noise``, and what
+    motion folded into measured axles adds.
     """
 
     road: float

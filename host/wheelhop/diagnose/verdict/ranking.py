@@ -195,6 +195,15 @@ def _of_the_law(steps: Sequence[Step]) -> str:
     )
 
 
+def _of_what_is_expected(last: Step) -> str:
+    """What is left is no more than a right model may leave, though more than noise."""
+    return (
+        f"{percent(last.rung.error_judging)} is left, {last.over_floor:.2f} times the floor. With"
+        f" {last.comparison.floor.beside_noise} a right model may leave up to"
+        f" {percent(last.expected)}."
+    )
+
+
 def _law_command(step: Step) -> str:
     known = [e.id for e in step.rung.model.effects if not e.is_belief]
     return f"wheelhop law --with {' '.join(known)}" if known else "wheelhop law"
@@ -248,6 +257,8 @@ def explanation(
         )
     elif steps[-1].unexplained > 0.0:
         lines.append(_of_the_law(steps))
+    elif steps[-1].comparison.floor.beside_noise:
+        lines.append(_of_what_is_expected(steps[-1]))
     for effect in steps[-1].rung.model.effects:
         if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
             lines.append(f"What to correct in campaign.toml: {remedy}.")
@@ -266,7 +277,7 @@ def _none(baseline: Step, last: Look, grounds: Grounds, limits: Sequence[Limit])
             " something faint is missing that these runs do not name.",
             *_nearest(last),
         ]
-    lines = ["The baseline explains the records down to the noise."]
+    lines = [f"The baseline explains the records down to {baseline.left_to}."]
     hardly = [limit.effect for limit in limits if limit.unseen > 0.5]
     if hardly:
         lines.append(
@@ -280,9 +291,9 @@ def caveats(step: Step) -> list[str]:
     if step.rung.update is None or step.above_floor:
         return []
     floor = step.comparison.floor
-    foreseen = step.rung.error_validate / floor.error_validate
-    if foreseen <= 1.0 + 2.0 * floor.tolerance:
+    if step.rung.error_validate <= floor.expected_validate * (1.0 + 2.0 * floor.tolerance):
         return []
+    foreseen = step.rung.error_validate / floor.error_validate
     return [
         f"Held-out runs are foreseen to {foreseen:.2f} times the floor, because the fitted ones do"
         " not tell the vehicle's numbers better: within their uncertainty the same model comes to"
@@ -305,7 +316,7 @@ def _fall(before: Step, after: Step) -> str:
 def _held_out_only(step: Step) -> list[str]:
     """Where only held-out runs show the rest, what would let it be found."""
     floor, rung = step.comparison.floor, step.rung
-    if rung.validation is None or rung.error_fit > floor.error_fit * (1.0 + floor.tolerance):
+    if rung.validation is None or rung.error_fit > floor.expected_fit * (1.0 + floor.tolerance):
         return []
     loudest = max(rung.validation.runs, key=lambda run: run.rss)
     return [
