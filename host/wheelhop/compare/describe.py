@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.compare.breakdown import Breakdown, Grid, Slice
+from wheelhop.compare.locking import Line
 from wheelhop.compare.thirds import third_octaves
 from wheelhop.files.words import percent
 
@@ -160,7 +161,9 @@ def _locked(where: Breakdown) -> str:
             return f"locked to {name}"
         if share >= 0.5 * MOST * excess:
             return f"partly locked to {name}"
-    return f"locked neither to {road} nor to time"
+    # The road is where the model drives: on a wrong way it is missed. A faint line may be left.
+    passed = "" if where.on_rig else ", as the model drives over it,"
+    return f"mainly locked neither to {road}{passed} nor to time"
 
 
 def _growing(where: Breakdown) -> str:
@@ -177,11 +180,17 @@ def _growing(where: Breakdown) -> str:
 
 def _lines(where: Breakdown) -> list[str]:
     return [
-        f"A line at {line.frequency_hz:.2f} Hz that does not move with speed holds"
+        f"A line {_at(line)} not move with speed holds"
         f" {percent(line.share, 2)} of the residual and stands out in {len(line.runs)} of"
         f" {len(where.run)} runs."
         for line in where.locking.lines
     ]
+
+
+def _at(line: Line) -> str:
+    if line.wanders:
+        return f"that wanders from {line.lowest_hz:.2f} to {line.highest_hz:.2f} Hz but does"
+    return f"at {line.frequency_hz:.2f} Hz that does"
 
 
 def _runs(where: Breakdown) -> list[str]:
