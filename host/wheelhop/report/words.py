@@ -29,7 +29,7 @@ def headline(diagnosis: Diagnosis) -> str:
     effects = {effect.id: effect for effect in diagnosis.ladder[-1].rung.model.effects}
     accepted = [effects[name] for name in verdict if name != "unknown"]
     if not accepted:
-        return "Something is missing, and no effect of the library explains it."
+        return "Something is missing, and no effect of the library is confirmed as its cause."
     sentences = [missing(accepted)]
     if diagnosis.grounds.cramped:
         sentences.append(
@@ -37,7 +37,9 @@ def headline(diagnosis: Diagnosis) -> str:
             " likely."
         )
     elif verdict[-1] == "unknown":
-        sentences.append("Something more is missing that no effect of the library explains.")
+        sentences.append(
+            "Something more is missing, and no effect of the library is confirmed as its cause."
+        )
     return " ".join(sentences)
 
 

@@ -219,6 +219,7 @@ LEAST_LIKENESS = 0.03
 def explanation(
     verdict: Sequence[str],
     steps: Sequence[Step],
+    first: Look,
     last: Look,
     grounds: Grounds,
     limits: Sequence[Limit],
@@ -228,7 +229,7 @@ def explanation(
     effects that sit on their bounds."""
     lines = []
     if tuple(verdict) == ("none",):
-        lines += _none(steps[0], last, grounds, limits)
+        lines += _none(steps[0], first, last, grounds, limits)
     for before, after in pairwise(steps):
         lines.append(_fall(before, after))
     if on_bounds:
@@ -241,10 +242,10 @@ def explanation(
     if left_over:
         lines.append(
             f"The residual stays at {steps[-1].over_floor:.2f} times the floor and no effect of the"
-            " library explains it:"
+            " library is confirmed as the cause:"
         )
         lines.extend(describe(steps[-1].comparison.breakdown))
-        lines.extend(_nearest(last))
+        lines.extend(_nearest(first, last))
         lines.extend(_held_out_only(steps[-1]))
         lines.append(
             f"{_law_command(steps[-1])} looks for the missing force: where it acts, how it looks,"
@@ -269,13 +270,15 @@ def explanation(
     return tuple(lines)
 
 
-def _none(baseline: Step, last: Look, grounds: Grounds, limits: Sequence[Limit]) -> list[str]:
+def _none(
+    baseline: Step, first: Look, last: Look, grounds: Grounds, limits: Sequence[Limit]
+) -> list[str]:
     if grounds.more_than_noise:
         return [
             f"The baseline comes to {baseline.over_floor:.3f} times the floor. Noise hardly leaves"
             f" that (p = {grounds.by_chance:.1g}): there is a little more of it than stated, or"
             " something faint is missing that these runs do not name.",
-            *_nearest(last),
+            *_nearest(first, last),
         ]
     lines = [f"The baseline explains the records down to {baseline.left_to}."]
     hardly = [limit.effect for limit in limits if limit.unseen > 0.5]
@@ -325,8 +328,9 @@ def _held_out_only(step: Step) -> list[str]:
     ]
 
 
-def _nearest(last: Look) -> list[str]:
-    """The ideas whose first-order signature takes most out of the residual, none of them enough."""
+def _nearest(first: Look, last: Look) -> list[str]:
+    """The ideas whose first-order signature takes most out of the residual, and what came of them:
+    none is in the verdict."""
     left = last.rung.fit.error
     shares = [
         (1.0 - (s.error / left) ** 2, s.variant.effect)
@@ -334,12 +338,25 @@ def _nearest(last: Look) -> list[str]:
         if s.score > 0 and left > 0
     ]
     ideas = [
-        f"{effect.id} ({effect.title}; {100 * share:.0f} %)"
+        f"{effect.id} ({effect.title}; {100 * share:.0f} %, {_came_of(effect.id, first, last)})"
         for share, effect in sorted(shares, key=lambda item: -item[0])[:IDEAS]
         if share > LEAST_LIKENESS
     ]
     if not ideas:
         return ["No effect's signature resembles it."]
     return [
-        f"To first order it resembles most, with the share of it explained: {'; '.join(ideas)}."
+        "To first order it resembles most, with the share of it that each would take:"
+        f" {'; '.join(ideas)}."
     ]
+
+
+def _came_of(effect: str, first: Look, last: Look) -> str:
+    """What became of an idea in full simulation, in a few words."""
+    tried = next((c for c in last.candidates if c.id == effect), None)
+    if tried is not None:
+        why = "it holds" if tried.holds else _why_not_believed(tried)
+        return f"in full {percent(tried.rung.error_judging)} is left: {why}"
+    alone = next((c for c in first.candidates if c.id == effect), None)
+    if alone is not None:
+        return f"alone it leaves {percent(alone.rung.error_judging)}"
+    return "not simulated in full"
