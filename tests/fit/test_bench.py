@@ -90,6 +90,10 @@ def test_only_measured_axles_are_doubted(workshop):
     assert workshop_of(noise_rms=None).astray == {}
     responses = workshop.responses(MODEL)
     assert responses[1].doubt is axles.doubt and responses[0].doubt is not road.doubt
+    assert responses[1].noise_ratio is axles.noise_ratio and responses[0].noise_ratio is None
+    heard = axles.predicted
+    assert (axles.noise_ratio[:, heard] <= axles.doubt[:, heard]).all()
+    assert axles.noise_ratio[:, heard].min() > 1.0
 
 
 @pytest.mark.parametrize("name", ["run", "held out"])

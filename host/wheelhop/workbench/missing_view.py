@@ -38,7 +38,8 @@ NONE = (
     " not have shown it.</p>"
 )
 UNKNOWN = (
-    "<h3>unknown</h3><p>Something is at work that no effect of the library explains.</p>"
+    "<h3>unknown</h3><p>Something is at work, and no effect of the library is confirmed as its"
+    " cause.</p>"
     "<p>Look where it fails: the band and the motion say where to search. Or let the force that is"
     " missing be found in free form, as a curve and as a formula: that takes a minute or more.</p>"
     '<p><button class="primary" data-act="law">Find the missing force</button></p>'
