@@ -15,13 +15,10 @@ LONGEST_WORD = 200  # that may be a misspelt one
 LONGEST_TEXT = 4000  # that somebody means to read
 
 
-def read_text(path: Path, kind: type[InputError] = InputError) -> str:
-    """Read a UTF-8 text file, any line ends and a byte order mark allowed.
-
-    Raises an error of this `kind` for a file that is missing, unreadable or in another encoding.
-    """
+def read_bytes(path: Path, kind: type[InputError] = InputError) -> bytes:
+    """All of a file; an error of this `kind` says why it cannot be read."""
     try:
-        data = path.read_bytes()
+        return path.read_bytes()
     except FileNotFoundError:
         raise kind(f"{path}: no such file{similar_file(path)}") from None
     except IsADirectoryError:
@@ -29,6 +26,14 @@ def read_text(path: Path, kind: type[InputError] = InputError) -> str:
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         reason = getattr(error, "strerror", None) or error
         raise kind(f"{str(path)!r}: cannot be read: {reason}") from None
+
+
+def read_text(path: Path, kind: type[InputError] = InputError) -> str:
+    """Read a UTF-8 text file, any line ends and a byte order mark allowed.
+
+    Raises an error of this `kind` for a file that is missing, unreadable or in another encoding.
+    """
+    data = read_bytes(path, kind)
     try:
         return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
