@@ -11,6 +11,7 @@ import pytest
 
 from tests.workbench.conftest import workbench
 from wheelhop.campaign import read_campaign
+from wheelhop.files import Source
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.results import Results
 from wheelhop.workbench.session import Choice, made_of, read_session
@@ -147,8 +148,7 @@ def test_other_files_have_another_key(campaign):
         file.write_text((file.read_text() if file.is_file() else "") + "\n")
         keys.add(made_of(campaign, Choice()))
     for text in ("one", "other"):
-        effects.write_text(text)
-        keys.add(made_of(campaign, Choice(), effects))
+        keys.add(made_of(campaign, Choice(), Source(effects, text)))
     assert len(keys) == 6
 
 
@@ -264,9 +264,7 @@ def test_effects_of_one_s_own_make_another_diagnosis(desk, tmp_path):
     async def session():
         desk.diagnose()
         say(desk, WHOLE, Concluded(VERDICT, ()), Done())
-        file = tmp_path / "my_effects.py"
-        file.write_text("not an effect")
-        desk.use_effects(file)
+        desk.use_effects(Source(tmp_path / "my_effects.py", "not an effect"))
         assert desk.diagnosis is None
         say(desk, Refused("my_effects.py: holds no effect"))
         assert desk.diagnosis.verdict == VERDICT
