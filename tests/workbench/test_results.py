@@ -3,6 +3,7 @@
 import asyncio
 import re
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -167,6 +168,12 @@ def desk(campaign, monkeypatch):
     return Desk(campaign, None)
 
 
+def in_a_loop(session):
+    """The desk's orders need a running loop; a browser's test has one of its own in this thread."""
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(lambda: asyncio.run(session())).result()
+
+
 def say(desk, *messages):
     for message in messages:
         desk._hear(desk._orders, message)
@@ -210,7 +217,7 @@ def test_undo_brings_the_diagnosis_back(desk):
         assert opened_again.diagnosis.findings == FINDINGS
         assert opened_again.ranking.rows == WHOLE.rows
 
-    asyncio.run(session())
+    in_a_loop(session)
 
 
 def test_stop_takes_nothing_away(desk):
@@ -241,7 +248,7 @@ def test_stop_takes_nothing_away(desk):
         desk.undo()
         assert desk.law == law
 
-    asyncio.run(session())
+    in_a_loop(session)
 
 
 def test_what_the_worker_says_late_is_of_the_model_it_was_found_beside(desk):
@@ -257,7 +264,7 @@ def test_what_the_worker_says_late_is_of_the_model_it_was_found_beside(desk):
         desk.undo()
         assert desk.between == between
 
-    asyncio.run(session())
+    in_a_loop(session)
 
 
 def test_effects_of_one_s_own_make_another_diagnosis(desk, tmp_path):
@@ -269,7 +276,7 @@ def test_effects_of_one_s_own_make_another_diagnosis(desk, tmp_path):
         say(desk, Refused("my_effects.py: holds no effect"))
         assert desk.diagnosis.verdict == VERDICT
 
-    asyncio.run(session())
+    in_a_loop(session)
 
 
 # In a browser.
