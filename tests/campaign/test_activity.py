@@ -112,10 +112,13 @@ def session(rng, rests, drives, idle=0.0):
     return Recording(values, RATE_HZ, tuple(Channel(p, "m/s²", p) for p in PLACES)), spans
 
 
-def assert_found(found, spans, tolerance=100):
+def assert_found(found, spans, rate_hz=RATE_HZ):
+    """Every drive and no other, of each all but 1.5 s at either end, and no more than 0.5 s of what
+    is beside it."""
     assert len(found) == len(spans), ([(p.first, p.last) for p in found], spans)
-    for piece, span in zip(found, spans, strict=True):
-        assert (piece.first, piece.last) == pytest.approx(span, abs=tolerance)
+    for piece, (first, last) in zip(found, spans, strict=True):
+        assert -0.5 <= (piece.first - first) / rate_hz <= 1.5
+        assert -0.5 <= (last - piece.last) / rate_hz <= 1.5
 
 
 @pytest.mark.parametrize("share", [0.01, 0.05, 0.2, 0.5, 0.8, 0.95])
@@ -173,7 +176,7 @@ def test_seconds_count_and_not_samples(rate_hz):
     level = np.repeat([NOISE, 1.0, NOISE], [n, 3 * n, 2 * n])
     values = rng.normal(size=(6 * n, 3)) * level[:, None]
     recording = Recording(values, rate_hz, tuple(Channel(p, "m/s²", p) for p in PLACES[:3]))
-    assert_found(stretches(recording), [(n, 4 * n)], tolerance=rate_hz)
+    assert_found(stretches(recording), [(n, 4 * n)], rate_hz)
 
 
 def test_a_log_in_coarse_codes_whose_rest_moves_no_code():
@@ -205,7 +208,7 @@ def test_the_steady_part_leaves_out_the_way_onto_the_track_and_off_it(
     assert_found([piece], [(first, last)])
     steady = (piece.steady_first, piece.steady_last)
     assert steady[0] >= first + on - 50 and steady[1] <= last - off + 50
-    assert steady == pytest.approx((first + on, last - off), abs=250)
+    assert steady == pytest.approx((first + on, last - off), abs=300)
 
 
 def test_a_drive_that_goes_on_alike_is_steady_all_along():

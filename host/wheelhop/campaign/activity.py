@@ -42,18 +42,17 @@ class Stretch:
 def stretches(recording: Recording) -> tuple[Stretch, ...]:
     """Find the drives of a recording, in the order of time, each with its steady part.
 
-    Windows of `WINDOW_S`, half overlapping, are cut into segments where the levels of their octaves
-    change. Rest are the segments in which the points move less than `CONTRAST` times as far as in
-    the quietest one; how much of the recording is rest does not matter. Where all are so alike
-    there was no rest, or nothing else: what lies between gaps is then given whole. A rest is no
-    shorter than `REST_S`, a drive no shorter than `SHORTEST_S`; a missing sample ends either, and
-    so do channels that all stand still. The steady part of a drive is its longest segment, or all
-    of it where none is as long as `SHORTEST_S`.
+    How far the points move in windows of `WINDOW_S`, half overlapping, is cut into pieces where it
+    changes. Rest are the pieces in which it is less than `CONTRAST` times as far as in the quietest
+    one; how much of the recording is rest does not matter. A rest is no shorter than `REST_S`, a
+    drive no shorter than `SHORTEST_S`; a missing sample ends either, and so do channels that all
+    stand still. Where no piece moves so much more than another there was no rest, or nothing else:
+    what lies between gaps is given whole. The steady part of a drive is the longest piece in which
+    the levels of its octaves do not change, or all of it where that is shorter than `SHORTEST_S`.
 
-    Two assumptions: the vehicle stood still for `REST_S` between drives, and no drive moves it less
-    than `CONTRAST` times as far as noise does when it is integrated twice. Of two tracks driven
-    without a rest anywhere in the recording the gentler one would be taken for rest if it moves the
-    vehicle so much less.
+    Two assumptions: the vehicle stood still for `REST_S` somewhere if it drove over several tracks
+    (else the gentlest may be taken for rest), and no drive moves it less than `CONTRAST` times as
+    far as noise does when it is integrated twice.
     """
     size = max(round(WINDOW_S * recording.rate_hz), 8)
     hop = size // 2
@@ -61,27 +60,31 @@ def stretches(recording: Recording) -> tuple[Stretch, ...]:
     scatter = polygamma(1, bins)  # variance of the log of a noise's power in so many bins
     shortest = max(round(REST_S * recording.rate_hz / hop), 4)  # windows of a rest
     fewest = SHORTEST_S * recording.rate_hz
-    known = np.concatenate([[False], np.isfinite(moved), [False]])
+    known = np.isfinite(moved)
     found = []
     for first, last in _driven(moved, shortest):
-        # Beside a rest or another level half a window is left out: it may be half of that.
-        begin = (first + int(known[first])) * hop
-        end = (last + 1 - int(known[last + 1])) * hop
+        before = bool(known[:first][-1:].any())
+        behind = bool(known[last:][:1].any())
+        first, last = _within(first, last, before, behind)
+        begin, end = first * hop, (last + 1) * hop
         if last == len(moved):
             end = len(recording.values)
         if end - begin < fewest:
             continue
         pieces = segments(octaves[first:last], scatter, shortest)
         a, b = max(pieces, key=lambda piece: piece[1] - piece[0])
-        rows = slice(
-            begin if a == 0 else (first + a + 1) * hop,
-            end if first + b == last else (first + b) * hop,
-        )
+        a, b = _within(first + a, first + b, a > 0, first + b < last)
+        rows = slice(a * hop, end if b == last else (b + 1) * hop)
         if rows.stop - rows.start < fewest:
             rows = slice(begin, end)
         rms = float(np.sqrt(recording.values[rows].var(axis=0).mean()))
         found.append(Stretch(begin, end, rows.start, rows.stop, rms))
     return tuple(found)
+
+
+def _within(first: int, last: int, before: bool, behind: bool) -> Span:
+    """Without the two windows at either end that may hold some of what is beside it."""
+    return first + 2 * before, last - 2 * behind
 
 
 def _driven(moved: Array, shortest: int) -> list[Span]:
@@ -94,8 +97,8 @@ def _driven(moved: Array, shortest: int) -> list[Span]:
         for a, b in segments(moved[first:last, None], scatter, shortest)
         if b - a >= shortest
     ]
-    means = np.array([moved[a + 1 : b - 1].mean() for a, b in pieces])
-    still = means < means.min(initial=np.inf) + np.log(CONTRAST)
+    level = np.array([np.median(moved[a + 1 : b - 1]) for a, b in pieces])
+    still = level < level.min(initial=np.inf) + np.log(CONTRAST)
     busy = known.copy()
     if not still.all():
         for (a, b), rests in zip(pieces, still, strict=True):
