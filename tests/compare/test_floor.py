@@ -164,7 +164,14 @@ def test_of_a_slow_wave_next_to_nothing_is_taken_for_noise():
         assert found == pytest.approx(np.sqrt(0.6 * passed / 70.0), rel=0.02)
 
 
-def test_noise_between_samples_is_that_of_the_quietest_tenth(bench):
+@pytest.mark.parametrize("share", [0.02, 0.06, 0.3, 0.7, 1.0])
+def test_how_long_it_was_quiet_does_not_matter_to_the_noise_between_samples(bench, share):
+    record = bench.noise(0.2, (20000, 4))
+    record[round(share * 20000) :] *= 50.0
+    assert estimate_noise_between_samples([record], share=1.0) == pytest.approx(0.2, rel=0.1)
+
+
+def test_noise_between_samples_is_that_of_the_quietest_pieces(bench):
     records = [bench.noise(0.2, (5000, 4)) for _ in range(2)]
     quiet = estimate_noise_between_samples(records, share=1.0)
     assert quiet == pytest.approx(0.2, rel=0.25)

@@ -64,6 +64,31 @@ def test_units_places_and_stretches_are_guessed(draft):
         assert piece.to_s == pytest.approx(REST_S + DRIVE_S, abs=1.1)
 
 
+def test_on_a_track_that_goes_on_alike_the_steady_part_is_the_run(tmp_path):
+    """Unless somebody has moved the ends; a bump, and ground without a name, are driven whole."""
+    rng = np.random.default_rng(8)
+    time = np.arange(3600) / RATE
+    level = np.select([(time < 4) | (time > 32), (time < 8) | (time > 28)], [0.02, 1.0], 0.0)
+    wave = 4.0 * np.sin(2 * np.pi * 5.2 * time) * (level == 0.0)
+    rows = rng.normal(size=(len(time), 8)) * (level + 0.02)[:, None] + wave[:, None]
+    file = tmp_path / "day.csv"
+    head = ",".join(["time_s", *(f"{point}_m_s2" for point in NAMES)])
+    np.savetxt(file, np.column_stack([time, rows]), delimiter=",", header=head, comments="")
+    draft = Draft(tmp_path / "draft")
+    draft.add(file)
+    draft.read()
+    [piece] = draft.pieces
+    assert (piece.from_s, piece.to_s) == pytest.approx((4.0, 32.0), abs=1.1)
+    piece.choose("washboard")
+    assert (piece.from_s, piece.to_s) == pytest.approx((8.0, 28.0), abs=1.6)
+    assert piece.from_s >= 8.0 and piece.to_s <= 28.0
+    piece.choose("half-sine-bump")
+    assert (piece.from_s, piece.to_s) == pytest.approx((4.0, 32.0), abs=1.1)
+    piece.from_s = 12.0
+    piece.choose("washboard")
+    assert piece.from_s == 12.0
+
+
 def test_the_campaign_holds_what_was_recorded(draft, tmp_path):
     for piece in draft.pieces:
         piece.choose("washboard")

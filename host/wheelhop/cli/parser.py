@@ -332,8 +332,13 @@ def _make_campaign(command: argparse.ArgumentParser) -> None:
     add.add_argument("--from", dest="from_s", metavar="S", type=float, help="begin, s")
     add.add_argument("--to", dest="to_s", metavar="S", type=float, help="end, s")
     add.add_argument(
-        "--stretch", metavar="N", type=_count, help="the N-th of wheelhop campaign stretches"
+        "--stretch",
+        metavar="N",
+        type=_count,
+        help="the N-th of wheelhop campaign stretches: its steady part on a track that goes on"
+        " alike, all of it on another",
     )
+    add.add_argument("--whole", action="store_true", help="all of the stretch in any case")
 
 
 def _campaign(command: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
+from scipy import fft, special
 
 from wheelhop.campaign import Campaign
 from wheelhop.compare.records import Record
@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 BLOCKS = 4  # equal parts of the band whose quietness is judged separately
 LOBE = 4  # lines: half the main lobe of a Blackman-Harris window
 PIECE = 50  # samples
+FOURTH = 1.0 + 2.0 * (56**2 + 28**2 + 8**2 + 1) / 70**2
+"""Fourth differences of white noise that tell as much as one that is independent."""
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
 
 
@@ -146,15 +148,21 @@ def estimate_noise_between_samples(records: Sequence[Array], share: float) -> fl
     ``records`` are (n, c) each; ``share`` is the part of white noise that lies in band. Motion is
     smooth on the scale of a few samples, noise is not: the fourth difference of white noise has
     70 times its variance (J. von Neumann et al., Ann. Math. Stat. 12 (1941) 153, for the first
-    one), that of a wave of a tenth of the sample rate a fiftieth of its own. The quietest tenth of
-    all pieces counts.
+    one), that of a wave of a tenth of the sample rate a fiftieth of its own. The quietest pieces
+    count, as far above the least as chance spreads so many of one noise, however few they are:
+    with m of them and a logarithm that scatters by s, 2 s sqrt(2 ln m).
     """
-    pieces = [
-        piece.mean(axis=0)
-        for record in records
-        for piece in np.array_split(np.diff(record, 4, axis=0) ** 2, len(record) // PIECE or 1)
-    ]
-    return float(np.sqrt(np.mean(np.quantile(pieces, QUIET_SHARE, axis=0)) / 70.0 * share))
+    pieces = np.array(
+        [
+            piece.mean(axis=0)
+            for record in records
+            for piece in np.array_split(np.diff(record, 4, axis=0) ** 2, len(record) // PIECE or 1)
+        ]
+    )
+    level = np.log(np.maximum(pieces, np.finfo(float).tiny)).mean(axis=1)
+    scatter = np.sqrt(special.polygamma(1, PIECE / FOURTH / 2) / pieces.shape[1])
+    spread = 2.0 * scatter * np.sqrt(2.0 * np.log(len(pieces)))
+    return float(np.sqrt(pieces[level <= level.min() + spread].mean() / 70.0 * share))
 
 
 def _quiet_level(signals: Sequence[tuple[Array, Record]]) -> Array:

@@ -8,10 +8,13 @@ import tempfile
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.recorded import read_recording
-from wheelhop.campaign.tracks import KINDS
+from wheelhop.campaign.tracks import KINDS, is_steady
 from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
 from wheelhop.files import InputError, remove
 from wheelhop.files.units import to_si
@@ -44,7 +47,8 @@ class Column:
 
 @dataclass
 class Piece:
-    """A stretch of a recording that may become a run."""
+    """A stretch of a recording that may become a run. `whole` and `steady` are from when to when
+    all of the drive that was found lasts, and its steady part, s; empty where none was found."""
 
     file: Path
     from_s: float
@@ -56,12 +60,17 @@ class Piece:
     speed_kmph: float | None = None
     kind: str = "unknown"
     track: dict[str, float | None] = field(default_factory=dict)
+    whole: list[float] = field(default_factory=list)
+    steady: list[float] = field(default_factory=list)
 
     def choose(self, kind: str) -> None:
-        """Another kind of track; what it shares with the last one stays."""
+        """Another kind of track; what it shares with the last one stays. Ends that nobody has moved
+        become those of the steady part on a track that goes on alike, else of all of the drive."""
         numbers = {key: value for key, value in KINDS[kind].items() if not isinstance(value, str)}
         self.kind = kind
         self.track = {key: self.track.get(key, value) for key, value in numbers.items()}
+        if [self.from_s, self.to_s] in (self.whole, self.steady):
+            self.from_s, self.to_s = self.steady if is_steady(kind) else self.whole
 
 
 class Draft:
@@ -136,14 +145,18 @@ class Draft:
             time_s = recording.time_s
             for i, piece in enumerate(found, start=1):
                 name = _name(file)
+                whole = _ends(time_s, piece.first, piece.last)
+                steady = _ends(time_s, piece.steady_first, piece.steady_last)
                 new = Piece(
                     file,
-                    float(time_s[piece.first]),
-                    float(time_s[piece.last - 1]),
+                    whole[0],
+                    whole[1],
                     piece.rms,
                     id=name if len(found) == 1 else f"{name}-{i}",
                     role="validate" if len(self.pieces) % 3 == 2 else "fit",
                     speed_kmph=_speed_in(file.stem),
+                    whole=whole,
+                    steady=steady,
                 )
                 new.choose(_track_in(file.stem))
                 self.pieces.append(new)
@@ -259,6 +272,11 @@ class Draft:
             if value is not None
         }
         return vehicle_toml(known(name, given), better)
+
+
+def _ends(time_s: NDArray[np.float64], first: int, last: int) -> list[float]:
+    """From when to when, to the centisecond that a page shows, so that showing moves nothing."""
+    return [round(float(time_s[first]), 2), round(float(time_s[last - 1]), 2)]
 
 
 def _short(words: str) -> str:

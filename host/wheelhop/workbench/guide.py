@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Awaitable, Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -189,8 +190,10 @@ class Guide:
         with self._runs:
             Words("Which stretches were driven, and over what", "h3")
             html(
-                "<p class='soft'>Drag the ends to where the speed was steady (arrow keys move them,"
-                " too). Runs that are held out judge the model that was fitted to the others.</p>",
+                "<p class='soft'>A bar below marks the steady part of each drive, between the ways"
+                " onto the track and off it: on a track that goes on alike it becomes the run. Drag"
+                " the ends to change that (arrow keys move them, too). Runs that are held out judge"
+                " the model that was fitted to the others.</p>",
             )
             for file in self._draft.recordings:
                 self._show_file(file)
@@ -239,6 +242,10 @@ class Guide:
                 bound.append(end.props(FIELD).classes("short"))
             for element in bound:
                 element.on_value_change(draw)
+            for words, ends in (("steady part", piece.steady), ("whole drive", piece.whole)):
+                if piece.steady != piece.whole:
+                    button = ui.button(words, on_click=partial(_take, piece, ends))
+                    button.props("flat dense no-caps")
             speed = ui.number("speed, km/h", min=0.1).bind_value(piece, "speed_kmph")
             speed.props(FIELD).classes("short")
             roles = {"fit": "fitted", "validate": "held out"}
@@ -323,6 +330,10 @@ class Guide:
             return
         await run.io_bound(drop, draft)
         await self._done(folder)
+
+
+def _take(piece: Piece, ends: list[float]) -> None:
+    piece.from_s, piece.to_s = ends
 
 
 TYPICAL = {q.name: None for q in QUESTIONS} | {
