@@ -121,6 +121,7 @@ def test_the_verdict_says_one_thing(data, step):
             assert f"{100 * share:.0f} %, " in said
             came = "in full" if look.candidates else "not simulated in full"
             assert f"{IDEA.title}; {100 * share:.0f} %, {came}" in said
+        assert "held-out" not in said  # there are none
     elif "down to the sensors’ noise." in headline(found):
         floor = step.comparison.floor
         assert not floor.beside_noise or step.over_floor <= 1.0 + 2.0 * floor.tolerance

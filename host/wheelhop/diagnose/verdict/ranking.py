@@ -173,6 +173,8 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
 
 def _why_not_believed(candidate: Candidate) -> str:
     if candidate.p >= SIGNIFICANT:
+        if candidate.rung.validation is None:
+            return "not confirmed by its runs, each left out of the fit in turn"
         return "not confirmed by held-out runs"
     if contradicted(candidate.rung, candidate.effect):
         return "its numbers, run by run, are against its nature"
