@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 from wheelhop.api.verbs import diagnose
@@ -18,10 +17,12 @@ from wheelhop.campaign import CampaignError
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.diagnose import Progress
 from wheelhop.effects.own_file import read_source
-from wheelhop.files import InputError, Source
+from wheelhop.files import Source
 from wheelhop.fit.bench import processors
+from wheelhop.predict.identity import digest, identity
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.sweep import Row
+from wheelhop.predict.trouble import lasting
 from wheelhop.predict.workers import workers
 
 TOGETHER = " + "
@@ -34,7 +35,7 @@ class Fleet:
     """Which campaigns are diagnosed and how, as plain data that any worker anywhere can begin with.
 
     `library` is the text of a file with effects of one's own, `threads` how many work on one
-    campaign.
+    campaign. However a folder is spelt, it is kept as the one that leads there from anywhere.
     """
 
     folders: tuple[Path, ...]
@@ -43,22 +44,23 @@ class Fleet:
     threads: int = 1
     things = "campaigns"
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "folders", tuple(folder.resolve() for folder in self.folders))
+
     def __len__(self) -> int:
         return len(self.folders)
 
     def rows(self, number: int) -> list[Row]:
         """The row of one campaign. Whatever is wrong with it stands there as `problem`: the others
-        go on."""
+        go on. Raises Trouble for what may pass."""
         folder, began_s = self.folders[number], time.monotonic()
         row: Row = {"campaign": str(folder), "verdict": "", "confidence": None}
         row |= dict.fromkeys(("error_baseline", "error", "floor", "seconds"))
         row |= {"title": "", "findings": "", "problem": ""}
         try:
             row |= self._diagnosed(folder)
-        except InputError as error:
-            row["problem"] = str(error)
         except Exception as error:
-            row["problem"] = f"{folder}: {type(error).__name__}: {error}"
+            row["problem"] = lasting(error, str(folder))
         return [row | {"seconds": time.monotonic() - began_s}]
 
     def _diagnosed(self, folder: Path) -> Row:
@@ -82,12 +84,21 @@ class Fleet:
     def fingerprint(self) -> str:
         """Differs where anything differs that the results depend on, files included."""
         known = {
-            "wheelhop": version("wheelhop"),
+            "wheelhop": identity(),
             "max_effects": self.max_effects,
-            "library": "" if self.library is None else self.library.digest,
-            "campaigns": [[str(folder), _digests(folder)] for folder in self.folders],
+            "campaigns": [[self.name(k), self.files(k)] for k in range(len(self))],
         }
         return hashlib.sha256(json.dumps(known).encode()).hexdigest()
+
+    def name(self, number: int) -> str:
+        """The folder."""
+        return str(self.folders[number])
+
+    def files(self, number: int) -> str:
+        """Differs where a file differs that the result for a campaign depends on."""
+        found = _digests(self.folders[number])
+        found += [] if self.library is None else [self.library.digest]
+        return hashlib.sha256("\n".join(found).encode()).hexdigest()
 
 
 def diagnose_fleet(
@@ -125,7 +136,7 @@ def diagnose_fleet(
     CampaignError
         The table is there already, and of other campaigns or of these as they were before.
     """
-    given = tuple(map(Path, folders))
+    given = tuple(Path(folder).resolve() for folder in folders)
     if len(set(given)) < len(given) or not given:
         raise CampaignError("name one campaign or more, each once")
     many = jobs or processors()
@@ -155,9 +166,4 @@ def _digests(folder: Path) -> list[str]:
             named = {p for name in re.split(r"[\"'/\\]", text) for p in called.get(name, ())}
             new += named - found
             found |= named
-    return [f"{path.relative_to(folder)} {_digest(path)}" for path in sorted(found)]
-
-
-def _digest(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return [f"{path.relative_to(folder)} {digest(path)}" for path in sorted(found)]

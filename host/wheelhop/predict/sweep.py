@@ -8,7 +8,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +17,10 @@ from wheelhop.campaign.course import Course
 from wheelhop.effects import Effect, load_effects
 from wheelhop.files import Source
 from wheelhop.predict.case import Case
-from wheelhop.predict.drives import Word, read_drives, read_effects
+from wheelhop.predict.drives import Word, absolute, read_drives, read_effects
+from wheelhop.predict.identity import digest, identity
 from wheelhop.predict.ride import Ride, ride
+from wheelhop.predict.trouble import lasting
 from wheelhop.vehicle import Vehicle, changed
 
 SPEED = "speed"
@@ -60,7 +61,8 @@ class Sweep:
     """What is swept, as plain data that any worker anywhere can begin with.
 
     `tracks` and `effects` are words as on the command line, `library` the text of a file with
-    effects of one's own. Points are numbered with the last axis changing fastest.
+    effects of one's own; however a survey's path is spelt, it is kept as the one that leads there
+    from anywhere. Points are numbered with the last axis changing fastest.
     """
 
     vehicle: Vehicle
@@ -72,6 +74,9 @@ class Sweep:
     seed: int
     library: Source | None = None
     things = "points"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tracks", tuple(map(absolute, self.tracks)))
 
     def __len__(self) -> int:
         return math.prod(len(axis.values) for axis in self.axes)
@@ -115,24 +120,40 @@ class Sweep:
         try:
             case = self.case(number)
         except CampaignError as error:
-            return [{"run": "", "speed_kmph": None, **point, **empty, "problem": str(error)}]
+            return [
+                {
+                    "run": "",
+                    "speed_kmph": None,
+                    **point,
+                    **empty,
+                    "problem": lasting(error, self.name(number)),
+                }
+            ]
         rows: list[Row] = []
         for place, drive in enumerate(case.drives):
             row: Row = {"run": drive.id, "speed_kmph": drive.speed_kmph, **point}
             try:
                 rows.append({**row, **vars(ride(case, place)), "problem": ""})
             except CampaignError as error:
-                rows.append({**row, **empty, "problem": str(error)})
+                rows.append({**row, **empty, "problem": lasting(error, self.name(number))})
         return rows
+
+    def name(self, number: int) -> str:
+        """What a user calls a point."""
+        return ", ".join(f"{name} = {value:g}" for name, value in self.point(number).items())
+
+    def files(self, number: int) -> str:
+        """Differs where a file differs that a point depends on: they are the same for all."""
+        words = [Word.parse(text, "--tracks").options for text in self.tracks]
+        files = [Path(str(options["file"])) for options in words if "file" in options]
+        own = [] if self.library is None else [self.library.digest]
+        return " ".join([*map(digest, files), *own])
 
     @property
     def fingerprint(self) -> str:
         """Differs where anything differs that the results depend on, files included."""
-        files = [drive.file for drive in self.case(0).drives if drive.file is not None]
         known = asdict(replace(self, library=None))
-        known["wheelhop"] = version("wheelhop")
-        known["library"] = None if self.library is None else self.library.digest
-        known["files"] = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
+        known |= {"wheelhop": identity(), "files": self.files(0)}
         return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()
 
 
