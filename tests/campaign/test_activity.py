@@ -187,6 +187,15 @@ def test_a_log_in_coarse_codes_whose_rest_moves_no_code():
     assert_found(stretches(Recording(codes, RATE_HZ, recording.channels)), spans)
 
 
+@pytest.mark.parametrize("residue", [0.0, 1e-14])
+def test_a_recorder_that_is_fed_nothing_is_no_measure_of_rest(residue):
+    """After the sensors were unplugged; a filter leaves what rounding leaves."""
+    rng = np.random.default_rng(9)
+    recording, spans = session(rng, [10.0, 10.0, 30.0], [("washboard", 20.0), ("washboard", 30.0)])
+    recording.values[-2000:] = 9.8 + residue * rng.normal(size=(2000, 8))
+    assert_found(stretches(recording), spans)
+
+
 @settings(max_examples=30, deadline=None)
 @given(
     st.sampled_from(["washboard", "fast washboard", "slow chassis twist"]),

@@ -20,6 +20,7 @@ WINDOW_S = 1.0
 OCTAVES = 5  # from 1 / WINDOW_S up
 REST_S = 2.0  # a rest is quiet for at least so long
 SHORTEST_S = 5.0  # a drive shorter than this is somebody getting in
+FINEST = 2.0**24  # of a channel's largest value: no converter resolves less
 CONTRAST = 3.0  # a drive moves at least so many times as far as the quietest rest
 
 Array = NDArray[np.float64]
@@ -110,7 +111,8 @@ def _levels(recording: Recording, size: int) -> tuple[Array, Array, Array]:
     """Of windows of so many rows, half overlapping: log power in octaves (n, octaves), log of how
     far the points move (n,), each the mean over the channels; and the bins of the octaves.
 
-    NaN with a gap in the window, or where no channel changes. What a channel's step hides counts
+    NaN with a gap in the window, or where no channel changes by more than rounding: what stands so
+    still is no sensor at rest, but a recorder without one. What a channel's step hides counts
     as noise of a step's width (variance step²/12), so that a channel that stands still has a level.
     """
     hop = size // 2
@@ -130,7 +132,7 @@ def _levels(recording: Recording, size: int) -> tuple[Array, Array, Array]:
         power = np.abs(spectra[:, bins]) ** 2 / np.sum(taper**2) + steps.min() ** 2 / 12
         octaves += np.log(np.add.reduceat(power, edges[:-1] - 1, axis=1))
         far += np.log(np.sqrt(np.sum(power / bins**4, axis=1)))
-        changed |= np.ptp(windows, axis=1) > 0.0
+        changed |= np.ptp(windows, axis=1) > np.nanmax(np.abs(column)) / FINEST
         heard += 1
     unknown = ~changed | ~np.isfinite(far)
     octaves[unknown], far[unknown] = np.nan, np.nan
