@@ -82,7 +82,7 @@ def test_a_csv_that_makes_no_sense_is_refused(tmp_path: Path, text: str, complai
 
 
 def test_a_file_that_is_not_there_or_not_text_is_named(tmp_path: Path) -> None:
-    with pytest.raises(CampaignError, match=r"missing\.csv: No such file"):
+    with pytest.raises(CampaignError, match=r"missing\.csv: no such file"):
         survey(tmp_path / "missing.csv")
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"\xff\xfe\x00x_m" * 20)

@@ -11,6 +11,14 @@ from wheelhop.files.keys import (
     shown,
     similar_file,
 )
+from wheelhop.files.read import (
+    NUMBERS,
+    TABLE,
+    check_plain,
+    check_room,
+    read_bytes,
+    read_text_bytes,
+)
 from wheelhop.files.toml import Document, to_toml
 from wheelhop.files.write import (
     check_new,
@@ -31,11 +39,15 @@ from wheelhop.files.write import (
 )
 
 __all__ = [
+    "NUMBERS",
+    "TABLE",
     "Document",
     "InputError",
     "Table",
     "check_new",
     "check_picture",
+    "check_plain",
+    "check_room",
     "check_target",
     "claimed",
     "did_you_mean",
@@ -46,7 +58,9 @@ __all__ = [
     "new_folder",
     "parse_toml",
     "quoted",
+    "read_bytes",
     "read_text",
+    "read_text_bytes",
     "read_toml",
     "remove",
     "replacing",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wheelhop.files.error import InputError
+from wheelhop.files.read import read_text_bytes
 from wheelhop.files.units import UNITS, beyond, split_unit
 
 LONGEST_WORD = 200  # that may be a misspelt one
@@ -18,14 +19,15 @@ LONGEST_TEXT = 4000  # that somebody means to read
 def read_text(path: Path, kind: type[InputError] = InputError) -> str:
     """Read a UTF-8 text file, any line ends and a byte order mark allowed.
 
-    Raises an error of this `kind` for a file that is missing, unreadable or in another encoding.
+    Raises an error of this `kind` for a file that is missing, unreadable or in another encoding,
+    and for what is no plain file, no text, or more than the memory holds.
     """
     try:
-        data = path.read_bytes()
+        data = read_text_bytes(path, kind)
     except FileNotFoundError:
         raise kind(f"{path}: no such file{similar_file(path)}") from None
-    except IsADirectoryError:
-        raise kind(f"{path}: is a folder, not a file") from None
+    except InputError:
+        raise
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         reason = getattr(error, "strerror", None) or error
         raise kind(f"{str(path)!r}: cannot be read: {reason}") from None

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.campaign import CampaignError
+from wheelhop.files import TABLE, read_bytes
 from wheelhop.track.track import Array
 
 _BINARY = {"KRBI": ">f4", "KDBI": ">f8"}
@@ -41,7 +42,7 @@ def read_opencrg(path: Path) -> Grid:
     Raises `CampaignError` if the file is not OpenCRG, is truncated, or asks for its grid to be
     modified on reading, and `OSError` if it cannot be opened.
     """
-    head, _, data = path.read_bytes().partition(b"$$$$")
+    head, _, data = read_bytes(path, CampaignError, TABLE).partition(b"$$$$")
     _, _, data = data.partition(b"\n")
     header = _Header.parse(head.decode("latin-1"))
     if header.code not in _BINARY and header.code not in _TEXT:

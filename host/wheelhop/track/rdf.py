@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import replacing
+from wheelhop.files import read_text, replacing
 from wheelhop.track.track import Array
 
 LENGTHS_M = {
@@ -121,7 +121,7 @@ def write_rdf(file: Path, x_m: Array, y_m: Array, height_m: Array) -> None:
 def _blocks(path: Path) -> dict[str, _Block]:
     blocks: dict[str, _Block] = {}
     block = _Block()
-    for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), start=1):
+    for number, line in enumerate(read_text(path, CampaignError).split("\n"), start=1):
         text = re.split(r"[$!]", line)[0].strip()
         heading = re.fullmatch(r"\[(\w+)\]|\((\w+)\)", text)
         if heading:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 from abc import abstractmethod
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
 from wheelhop.campaign import CampaignError
+from wheelhop.files import read_text
 from wheelhop.track.opencrg import read_opencrg
 from wheelhop.track.rdf import read_rdf
 from wheelhop.track.track import Array, Track
@@ -40,8 +42,8 @@ def read_survey(file: str) -> Track:
             reason = "heights must be in metres"
     except OSError as error:
         raise CampaignError(f"{path}: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise CampaignError(f"{path}: not a file of text in UTF-8") from error
+    except csv.Error as error:
+        raise CampaignError(f"{path}: not a table of text: {error}") from error
     _refuse_absurd(heights, path, reason)
     heights = _fill(heights, path)
     heights = heights - heights[0].mean()
@@ -142,33 +144,32 @@ def _refuse_absurd(height: Array, path: Path, reason: str) -> None:
 def _read_csv(path: Path) -> tuple[Array, Array, Array | None]:
     """Stations (n,), heights (n, k), and the places (k,) of a grid's columns; without places they
     are right and left. In a grid an empty cell is a height nobody measured, NaN."""
-    with path.open(newline="", encoding="utf-8-sig") as lines:
-        table = csv.reader(lines)
-        header = [name.strip() for name in next(table, [])]
-        places = _places(header, path)
-        names = _COLUMNS if places is None else header
-        missing = [name for name in names if name not in header]
-        if missing:
-            raise CampaignError(
-                f"{path}: no column {missing[0]}; needed are x_m, left_m, right_m, or, for a grid,"
-                " x_m and the y of each column in metres"
-            )
-        columns = [header.index(name) for name in names]
-        rows: list[list[float]] = []
-        for row in table:
-            try:
-                values = [
-                    np.nan if places is not None and column and not row[column].strip()
-                    else float(row[column]) for column in columns
-                ]  # fmt: skip
-            except (ValueError, IndexError):
-                values = [np.inf]
-            known = [value for value in values if places is None or not np.isnan(value)]
-            if not np.isfinite(known).all() or len(known) < 2:
-                raise CampaignError(f"{path}: line {table.line_num} needs a number in each column")
-            if rows and values[0] <= rows[-1][0]:
-                raise CampaignError(f"{path}: line {table.line_num}: x_m must increase")
-            rows.append(values)
+    table = csv.reader(StringIO(read_text(path, CampaignError)))
+    header = [name.strip() for name in next(table, [])]
+    places = _places(header, path)
+    names = _COLUMNS if places is None else header
+    missing = [name for name in names if name not in header]
+    if missing:
+        raise CampaignError(
+            f"{path}: no column {missing[0]}; needed are x_m, left_m, right_m, or, for a grid,"
+            " x_m and the y of each column in metres"
+        )
+    columns = [header.index(name) for name in names]
+    rows: list[list[float]] = []
+    for row in table:
+        try:
+            values = [
+                np.nan if places is not None and column and not row[column].strip()
+                else float(row[column]) for column in columns
+            ]  # fmt: skip
+        except (ValueError, IndexError):
+            values = [np.inf]
+        known = [value for value in values if places is None or not np.isnan(value)]
+        if not np.isfinite(known).all() or len(known) < 2:
+            raise CampaignError(f"{path}: line {table.line_num} needs a number in each column")
+        if rows and values[0] <= rows[-1][0]:
+            raise CampaignError(f"{path}: line {table.line_num}: x_m must increase")
+        rows.append(values)
     if len(rows) < 2:
         raise CampaignError(f"{path}: {len(rows)} stations; a profile needs at least two")
     data = np.array(rows)
