@@ -17,7 +17,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.diagnose import Progress
 from wheelhop.effects.own_file import read_source
-from wheelhop.files import Source
+from wheelhop.files import TABLE, Source, read_bytes
 from wheelhop.fit.bench import processors
 from wheelhop.predict.identity import digest, identity
 from wheelhop.predict.journal import run_sweep
@@ -162,7 +162,7 @@ def _digests(folder: Path) -> list[str]:
     while new:
         file = new.pop()
         if file.suffix == ".toml":
-            text = file.read_text(encoding="utf-8", errors="replace")
+            text = read_bytes(file, CampaignError, TABLE).decode("utf-8", errors="replace")
             named = {p for name in re.split(r"[\"'/\\]", text) for p in called.get(name, ())}
             new += named - found
             found |= named

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.types import CampaignError
-from wheelhop.files import read_text
+from wheelhop.files import check_plain, read_text
 from wheelhop.files.units import to_si
 from wheelhop.formats.header import read_sidecar
 from wheelhop.formats.labels import name_and_unit
@@ -200,12 +200,16 @@ def _is_number(text: str) -> bool:
 def _read_parquet(file: Path) -> tuple[list[str], NDArray[np.float64], dict[str, str]]:
     import pyarrow.parquet  # csv files do without it
 
+    from wheelhop.formats.parquet import read_table
+
+    check_plain(file, CampaignError)
     try:
-        table = pyarrow.parquet.read_table(file)
+        schema = pyarrow.parquet.read_schema(file)
+        table = read_table(file, CampaignError)
     except (pyarrow.ArrowException, OSError) as error:
         reason = " ".join(str(error).split())[:120]
         raise CampaignError(f"{file}: cannot be read as Parquet: {reason}") from None
-    for field in table.schema:
+    for field in schema:
         if not (pyarrow.types.is_floating(field.type) or pyarrow.types.is_integer(field.type)):
             raise CampaignError(f"{file}: column {field.name} holds {field.type}, not numbers")
     columns = [column.to_numpy().astype(np.float64) for column in table.columns]
@@ -232,11 +236,13 @@ def _read_recording(
 
 
 def _check_names(file: Path, names: list[str]) -> None:
+    seen: set[str] = set()
     for index, name in enumerate(names):
         if not name:
             raise CampaignError(f"{file}: column {index + 1} has no name")
-        if name in names[:index]:
+        if name in seen:
             raise CampaignError(f"{file}: column {name} appears twice: rename or delete one")
+        seen.add(name)
     if "time_s" not in names:
         raise CampaignError(
             f"{file}: column time_s is missing: it holds the time of each row in seconds"

@@ -7,14 +7,22 @@ from wheelhop.files.keys import (
     Table,
     did_you_mean,
     parse_toml,
-    read_bytes,
     read_text,
     read_toml,
+    readable,
     shown,
     similar_file,
 )
 from wheelhop.files.lock import claimed, locked
 from wheelhop.files.process import away_from_here
+from wheelhop.files.read import (
+    NUMBERS,
+    TABLE,
+    check_plain,
+    check_room,
+    read_bytes,
+    read_text_bytes,
+)
 from wheelhop.files.source import Source
 from wheelhop.files.toml import Document, dotted, to_toml
 from wheelhop.files.write import (
@@ -34,6 +42,8 @@ from wheelhop.files.write import (
 )
 
 __all__ = [
+    "NUMBERS",
+    "TABLE",
     "Document",
     "InputError",
     "Source",
@@ -42,6 +52,8 @@ __all__ = [
     "cache_folder",
     "check_new",
     "check_picture",
+    "check_plain",
+    "check_room",
     "check_target",
     "claimed",
     "did_you_mean",
@@ -56,7 +68,9 @@ __all__ = [
     "quoted",
     "read_bytes",
     "read_text",
+    "read_text_bytes",
     "read_toml",
+    "readable",
     "remove",
     "replacing",
     "shown",

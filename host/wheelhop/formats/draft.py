@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -55,6 +56,7 @@ def draft_mapping(path: Path) -> str:
     with guarded(path, "be understood"):
         layout = _layout(path)
     clock, unit = _time(layout)
+    keys = _keys(layout.labels)
     mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
     lines = [
         f"separator = {quoted(mark[layout.separator])}",
@@ -67,14 +69,13 @@ def draft_mapping(path: Path) -> str:
         lines.append("rate_hz = 100.0  # no column looks like time: say how many rows are a second")
     else:
         said = f"time_unit = {quoted(unit)}" if unit else 'time_unit = "s"  # not said: s, ms?'
-        lines += [f"time = {_key(layout.labels, clock)}", said]
+        lines += [f"time = {keys[clock]}", said]
     columns: list[tuple[str, str, str]] = []
     for k, label in enumerate(layout.labels):
         if k == clock or not cells.is_number(layout.rows[0][k], layout.decimal):
             continue
         name, inside = name_and_unit(label)
-        key = _key(layout.labels, k)
-        columns.append((key, name, layout.units[k] if layout.units else inside))
+        columns.append((keys[k], name, layout.units[k] if layout.units else inside))
     return _text(path, lines, columns)
 
 
@@ -168,17 +169,20 @@ def _of_tables(path: Path) -> str:
         lines.append(f"group = {quoted(table.group)}  # one of {names}")
     if table.time_s is None and table.rate_hz is None:
         lines.append("rate_hz = 100.0  # the file has no time: say how many samples are a second")
-    labels = [channel.name for channel in table.channels]
-    for k, channel in enumerate(table.channels):
-        key = quoted(channel.name) if labels.count(channel.name) == 1 else str(table.columns[k])
+    count = Counter(channel.name for channel in table.channels)
+    for number, channel in zip(table.columns, table.channels, strict=True):
+        key = quoted(channel.name) if count[channel.name] == 1 else str(number)
         columns.append((key, channel.name, channel.unit))
     return _text(path, lines, columns)
 
 
-def _key(labels: Sequence[str], k: int) -> str:
-    """How a mapping names a column: by its label, or by number where the label will not do."""
-    unnamed = labels[k] == f"column {k + 1}" or labels.count(labels[k]) > 1
-    return str(k + 1) if unnamed else quoted(labels[k])
+def _keys(labels: Sequence[str]) -> list[str]:
+    """How a mapping names each column: by its label, or by number where the label will not do."""
+    count = Counter(labels)
+    return [
+        str(k) if label == f"column {k}" or count[label] > 1 else quoted(label)
+        for k, label in enumerate(labels, start=1)
+    ]
 
 
 def _entries(columns: Sequence[tuple[str, str, str]]) -> Iterator[str]:

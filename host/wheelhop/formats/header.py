@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files import quoted
+from wheelhop.files import quoted, read_text_bytes
 from wheelhop.formats.error import ExchangeError
 from wheelhop.logger.recording import Channel, Recording
 
@@ -79,7 +79,7 @@ def read_sidecar(path: Path) -> Header | None:
     if not file.exists():
         return None
     try:
-        text = file.read_bytes().decode("utf-8")
+        text = read_text_bytes(file, ExchangeError).decode("utf-8")
     except UnicodeDecodeError as error:
         raise ExchangeError(f"{file}: byte {error.start} is not UTF-8") from None
     table = _table(text, file)

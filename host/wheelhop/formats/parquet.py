@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow
 from pyarrow import parquet
 
+from wheelhop.files import NUMBERS, InputError, check_plain, check_room
 from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import from_text, to_text
@@ -22,7 +24,7 @@ TIME = "time_s"
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read every column of numbers; units are taken from the fields' metadata."""
-    table = parquet.read_table(path)
+    table = read_table(path)
     schema = table.schema
     text = (schema.metadata or {}).get(KEY)
     header = from_text(text.decode("utf-8"), path) if text is not None else None
@@ -58,6 +60,29 @@ def _seconds(mapping: Map | None, path: Path) -> float:
     if unit not in SECONDS:
         raise ExchangeError(f"{path}: its times are numbers, not dates: give their time_unit")
     return SECONDS[unit]
+
+
+def read_table(path: Path, kind: type[InputError] = ExchangeError) -> Any:
+    """What is in a Parquet file, texts as dictionaries. Raises an error of this `kind` for what is
+    no plain file, and if the numbers that it says it holds take more memory than is free: a column
+    of one number is packed into a few bytes."""
+    check_plain(path, kind)
+    with parquet.ParquetFile(path) as file:
+        facts, schema = file.metadata, file.schema_arrow
+    columns = [
+        facts.row_group(group).column(k)
+        for group in range(facts.num_row_groups)
+        for k in range(facts.num_columns)
+    ]
+    unpacked = sum(column.total_uncompressed_size for column in columns)
+    check_room(path, unpacked + NUMBERS * sum(column.num_values for column in columns), kind)
+    texts = [
+        field.name
+        for field in schema
+        if pyarrow.types.is_string(field.type) or pyarrow.types.is_binary(field.type)
+    ]
+    with parquet.ParquetFile(path, read_dictionary=texts) as file:
+        return file.read()
 
 
 def save(recording: Recording, path: Path) -> None:

@@ -16,7 +16,7 @@ from types import ModuleType
 
 import numpy as np
 
-from wheelhop.files import replacing, write_text
+from wheelhop.files import check_plain, replacing, write_text
 from wheelhop.formats.error import ExchangeError, guarded
 from wheelhop.formats.header import read_sidecar, sidecar, to_text
 from wheelhop.formats.mapping import Map
@@ -68,6 +68,7 @@ def load(path: Path, mapping: Map | None = None) -> list[Table]:
     known = _format(path)
     if not path.exists():
         raise ExchangeError(f"{path}: there is no such file")
+    check_plain(path, ExchangeError)
     with guarded(path, f"be read as {known.title}"):
         tables: list[Table] = known.load_module().load(path, mapping)
     return tables

@@ -122,8 +122,7 @@ def _converted(
 ) -> tuple[tuple[Channel, ...], NDArray[np.float64], list[str]]:
     """The channels that were picked, their samples (n, c) in SI, and what was done to them."""
     channels, steps, values = [], [], np.empty((len(table.values), len(picks)))
-    for k, pick in enumerate(picks):
-        column = _column(table, pick)
+    for k, (pick, column) in enumerate(zip(picks, _chosen(table, picks), strict=True)):
         old = table.channels[column]
         unit, factor = to_si(pick.unit or old.unit)
         values[:, k] = (table.values[:, column] * pick.scale + pick.offset) * factor
@@ -184,21 +183,24 @@ def _restored(table: Table, header: Header) -> Recording:
     )
 
 
-def _column(table: Table, pick: Pick) -> int:
-    if isinstance(pick.column, int):
-        if pick.column in table.columns:
-            return table.columns.index(pick.column)
-        raise ExchangeError(f"{table.file}: there is no column {pick.column} of numbers")
-    names = [channel.name for channel in table.channels]
-    if names.count(pick.column) == 1:
-        return names.index(pick.column)
-    if pick.column in names:
-        raise ExchangeError(
-            f'{table.file}: several columns are called "{pick.column}": give their numbers'
-        )
-    raise ExchangeError(
-        f'{table.file}: there is no column "{pick.column}"; it has {", ".join(names)}'
-    )
+def _chosen(table: Table, picks: Sequence[Pick]) -> list[int]:
+    """Which column of the values each pick means."""
+    places: dict[str | int, list[int]] = {}
+    for k, (number, channel) in enumerate(zip(table.columns, table.channels, strict=True)):
+        for key in (number, channel.name):
+            places.setdefault(key, []).append(k)
+    for pick in picks:
+        count = len(places.get(pick.column, ()))
+        if count > 1:
+            raise ExchangeError(
+                f'{table.file}: several columns are called "{pick.column}": give their numbers'
+            )
+        if not count and isinstance(pick.column, int):
+            raise ExchangeError(f"{table.file}: there is no column {pick.column} of numbers")
+        if not count:
+            names = ", ".join(channel.name for channel in table.channels)
+            raise ExchangeError(f'{table.file}: there is no column "{pick.column}"; it has {names}')
+    return [places[pick.column][0] for pick in picks]
 
 
 def _conversion(pick: Pick, old: Channel, new: Channel, factor: float) -> list[str]:

@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import NUMBERS, check_room
 from wheelhop.files.units import SECONDS, seconds_in
 from wheelhop.formats.error import LONGEST_REASON, ExchangeError, need
 from wheelhop.formats.mapping import CLOCK, Map
@@ -22,6 +23,9 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read the channels of every group, those of one length and waveform timing together."""
     nptdms = need("nptdms", "tdms", path)
     need("nptdms.log", "tdms", path).log_manager.console_handler.setLevel(logging.CRITICAL)
+    facts = nptdms.TdmsFile.read_metadata(str(path))
+    count = sum(len(channel) for group in facts.groups() for channel in group.channels())
+    check_room(path, NUMBERS * count, ExchangeError)
     with _Listener() as listener:
         file = nptdms.TdmsFile.read(str(path))
     tables = [table for group in file.groups() for table in _tables(group, mapping, path)]

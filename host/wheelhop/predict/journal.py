@@ -20,7 +20,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import check_target, claimed, replacing, sync_folder
+from wheelhop.files import TABLE, check_target, claimed, read_bytes, replacing, sync_folder
+from wheelhop.formats.parquet import read_table
 from wheelhop.predict.sweep import Row
 from wheelhop.predict.trouble import Trouble
 from wheelhop.predict.workers import Workers
@@ -144,7 +145,7 @@ def _read_journal(journal: Path, mark: str) -> dict[int, list[Row]]:
     """Finished points; a line that was being written when the program ended is cut off."""
     if not journal.exists():
         return {}
-    data = journal.read_bytes()
+    data = read_bytes(journal, CampaignError, TABLE)
     whole = data[: data.rfind(b"\n") + 1]
     try:
         lines = [json.loads(line) for line in whole.splitlines()]
@@ -178,7 +179,7 @@ def _column(values: list[str | float | None]) -> pa.Array:
 
 def _read_table(table: Path, mark: str) -> list[Row]:
     try:
-        found = pq.read_table(table)
+        found = read_table(table, CampaignError)
     except (pa.ArrowException, OSError):
         found = None
     if found is None or (found.schema.metadata or {}).get(SWEEP) != mark.encode():

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import read_bytes
+from wheelhop.files import TABLE, read_bytes, readable
 from wheelhop.track.track import Array
 
 _BINARY = {"KRBI": ">f4", "KDBI": ">f8"}
@@ -48,7 +48,8 @@ def read_opencrg(path: Path) -> Grid:
     Raises `CampaignError` if the file cannot be opened, is not OpenCRG, is truncated, contains what
     is no number, or asks for its grid to be modified on reading.
     """
-    content = read_bytes(path, CampaignError)
+    with readable(path, CampaignError):
+        content = read_bytes(path, CampaignError, TABLE)
     mark = _HEADER_ENDS.search(content)
     header = _Header.parse(content[: mark.start()] if mark else content, path)
     if mark is None:
