@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from wheelhop.campaign.activity import stretches
@@ -131,6 +131,7 @@ def test_the_share_of_time_that_was_driven_does_not_matter(share):
 
 
 @settings(max_examples=60, deadline=None)
+@example([("washboard", 22.0), *[("fast washboard", 10.0)] * 4], 0.01, 0.3, 1_024_133_519)
 @given(
     st.lists(
         st.tuples(st.sampled_from(sorted(TRACKS)), st.floats(10.0, 40.0)), min_size=1, max_size=8

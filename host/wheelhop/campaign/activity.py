@@ -99,12 +99,16 @@ def _driven(moved: Array, shortest: int) -> list[Span]:
         if b - a >= shortest
     ]
     level = np.array([np.median(moved[a + 1 : b - 1]) for a, b in pieces])
-    still = level < level.min(initial=np.inf) + np.log(CONTRAST)
+    limit = level.min(initial=np.inf) + np.log(CONTRAST)
+    still = level < limit
+    if still.all():
+        return _spans(known)
     busy = known.copy()
-    if not still.all():
-        for (a, b), rests in zip(pieces, still, strict=True):
-            busy[a:b] = not rests
-    return _spans(busy)
+    for (a, b), rests in zip(pieces, still, strict=True):
+        busy[a:b] = not rests
+    # A piece between a rest and a drive may hold some of both: what is still at its end is rest.
+    moving = [(a, np.flatnonzero(moved[a:b] >= limit)) for a, b in _spans(busy)]
+    return [(a + int(at[0]), a + int(at[-1]) + 1) for a, at in moving if len(at)]
 
 
 def _levels(recording: Recording, size: int) -> tuple[Array, Array, Array]:
