@@ -137,11 +137,11 @@ def test_the_share_of_time_that_was_driven_does_not_matter(share):
         st.tuples(st.sampled_from(sorted(TRACKS)), st.floats(10.0, 40.0)), min_size=1, max_size=8
     ),
     st.sampled_from([0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.95]),
-    st.sampled_from([0.0, 0.3, 1.0]),
+    st.sampled_from([0.0, 0.1, 0.3]),
     st.integers(0, 2**32),
 )
 def test_drives_of_any_kind_are_found_among_rests_of_any_length(drives, share, idle, seed):
-    """With an engine that is off, or shakes the body more at rest than a twist does."""
+    """With an engine that is off, or shakes the body fifteen times as much as a twist does."""
     rng = np.random.default_rng(seed)
     driven = sum(seconds for _, seconds in drives)
     rest = min(driven * (1 - share) / share, 4000.0)
