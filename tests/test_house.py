@@ -44,6 +44,7 @@ READ_OWN_WAY = {
     "hil_sim": "the files of a logger that is none",
     "campaign/proving_ground.py": "of the package",
     "campaign/recordings.py": "weighed and refused just before",
+    "formats/header.py": "in pieces, and refused just before",
     "formats/mdf.py": "the registry refuses, and it is weighed when open",
     "formats/parquet.py": "weighs by what the file says",
     "formats/registry.py": "the header that it has just written",
@@ -53,9 +54,9 @@ READ_OWN_WAY = {
     "logger/live.py": "of the package",
     "logger/recovery.py": "in pieces, after the survey refused",
     "logger/survey.py": "in pieces",
-    "predict/identity.py": "in pieces, or of the package",
+    "predict/identity.py": "of the package",
     "report": "of the package, or what was just printed",
-    "workbench/page.py": "of the package",
+    "workbench/app.py": "of the package",
     "workbench/sessions.py": "a picture that it has drawn",
 }
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}

@@ -17,9 +17,9 @@ from wheelhop.campaign import CampaignError
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.diagnose import Progress
 from wheelhop.effects.own_file import read_source
-from wheelhop.files import TABLE, Source, read_bytes
+from wheelhop.files import TABLE, Source, digest, read_bytes
 from wheelhop.fit.bench import processors
-from wheelhop.predict.identity import digest, identity
+from wheelhop.predict.identity import identity
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.sweep import Row
 from wheelhop.predict.trouble import lasting

@@ -20,6 +20,7 @@ from wheelhop.files.read import (
     TABLE,
     check_plain,
     check_room,
+    digest,
     read_bytes,
     read_text_bytes,
 )
@@ -57,6 +58,7 @@ __all__ = [
     "check_target",
     "claimed",
     "did_you_mean",
+    "digest",
     "dotted",
     "is_draft",
     "locked",

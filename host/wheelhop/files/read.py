@@ -5,9 +5,11 @@ rows and columns that it says it holds.
 """
 
 import codecs
+import hashlib
 import os
 import stat
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 
 from wheelhop.files.error import InputError
@@ -73,6 +75,20 @@ def read_text_bytes(path: Path, kind: type[InputError] = InputError) -> bytes:
                     " while it was written: save it anew"
                 )
     return bytes(data)
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal; it is read again only after it was changed. Raises OSError,
+    and InputError for what is no plain file."""
+    check_plain(path)
+    found = path.stat()
+    return _digest(path, found.st_mtime_ns, found.st_size, found.st_ino)
+
+
+@lru_cache(maxsize=4096)
+def _digest(path: Path, *as_it_is: int) -> str:
+    with path.open("rb") as data:
+        return hashlib.file_digest(data, "sha256").hexdigest()
 
 
 def free_bytes() -> float:

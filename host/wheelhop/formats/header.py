@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files import quoted, read_text_bytes
+from wheelhop.files import check_plain, quoted, read_text_bytes
 from wheelhop.formats.error import ExchangeError
 from wheelhop.logger.recording import Channel, Recording
 
@@ -83,7 +83,7 @@ def read_sidecar(path: Path) -> Header | None:
     except UnicodeDecodeError as error:
         raise ExchangeError(f"{file}: byte {error.start} is not UTF-8") from None
     table = _table(text, file)
-    if table.get(SAMPLES, known := _digest(path)) != known:
+    if SAMPLES in table and table[SAMPLES] != _digest(path):
         raise ExchangeError(
             f"{file}: is the header of other samples than {path.name} holds now: write both again;"
             f" if you have edited {path.name} yourself, delete the line {SAMPLES} from the header"
@@ -94,6 +94,7 @@ def read_sidecar(path: Path) -> Header | None:
 def _digest(samples: Path) -> str:
     """SHA-256 of a file, with line ends as we write them: what copies text may change those."""
     found = hashlib.sha256()
+    check_plain(samples, ExchangeError)
     with samples.open("rb") as file:
         while chunk := file.read(CHUNK_BYTES):
             if chunk.endswith(b"\r"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from functools import cache, lru_cache
+from functools import cache
 from importlib.metadata import entry_points, version
 from pathlib import Path
 
@@ -34,15 +34,3 @@ def identity() -> str:
     for point in sorted(entry_points(group=ENTRY_POINT)):
         found.update(f"{point.value} {point.dist.version if point.dist else ''}\n".encode())
     return f"{version('wheelhop')} ({found.hexdigest()[:12]})"
-
-
-def digest(file: Path) -> str:
-    """SHA-256 of a file; it is read again only after it was changed. Raises OSError."""
-    found = file.stat()
-    return _digest(file, found.st_mtime_ns, found.st_size, found.st_ino)
-
-
-@lru_cache(maxsize=4096)
-def _digest(file: Path, *as_it_is: int) -> str:
-    with file.open("rb") as data:
-        return hashlib.file_digest(data, "sha256").hexdigest()

@@ -15,10 +15,10 @@ import numpy as np
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.course import Course
 from wheelhop.effects import Effect, load_effects
-from wheelhop.files import Source
+from wheelhop.files import Source, digest
 from wheelhop.predict.case import Case
 from wheelhop.predict.drives import Word, absolute, read_drives, read_effects
-from wheelhop.predict.identity import digest, identity
+from wheelhop.predict.identity import identity
 from wheelhop.predict.ride import Ride, ride
 from wheelhop.predict.trouble import lasting
 from wheelhop.vehicle import Vehicle, changed

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, Run
 from wheelhop.campaign.common import Entry
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE
-from wheelhop.files import InputError, Source, Table, read_toml, to_toml, write_text
+from wheelhop.files import InputError, Source, Table, digest, read_toml, to_toml, write_text
 from wheelhop.workbench.shown import Diagnosed, Row, Verdict
 
 FILE = "session.toml"
@@ -97,16 +96,9 @@ def _beside(vehicle: Path) -> list[Path]:
 
 def _digest(file: Path) -> str:
     try:
-        status = file.stat()
-        return _digest_of(file, status.st_size, status.st_mtime_ns)
-    except OSError:
+        return digest(file)
+    except (OSError, InputError):
         return "not there"
-
-
-@cache
-def _digest_of(file: Path, size: int, modified_ns: int) -> str:
-    with file.open("rb") as opened:
-        return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
 @dataclass(frozen=True)
