@@ -7,7 +7,8 @@ bin := .venv/bin
 # Tests start hundreds of Pythons. Where these may not keep what they compile, each takes 3 s more.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo check test test-waiting test-computing test-all docs lint wheels firmware firmware-budget clean
+.PHONY: demo check test test-waiting test-computing test-beside-work test-all docs lint wheels firmware \
+	firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
@@ -20,15 +21,20 @@ check: lint
 
 # Some tests wait for a browser or a board: they run beside those that compute.
 waiting := tests/workbench tests/firmware tests/chain
+slowest := --durations=15 --durations-min=3
 
 test: .venv/installed-test
 	$(MAKE) --no-print-directory --jobs=3 lint test-waiting test-computing
 
 test-waiting: .venv/installed-test
-	$(bin)/pytest $(waiting)
+	$(bin)/pytest $(slowest) $(waiting)
 
 test-computing: .venv/installed-test
-	$(bin)/pytest -n auto --dist worksteal $(addprefix --ignore=,$(waiting))
+	$(bin)/pytest $(slowest) -n auto --dist worksteal $(addprefix --ignore=,$(waiting))
+
+# Three times beside four busy loops: no test may hang on how fast a machine is.
+test-beside-work: .venv/installed-test
+	tools/beside_work.sh
 
 test-all: lint
 	$(bin)/pytest -n auto --dist worksteal -m "slow or not slow"

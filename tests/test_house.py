@@ -37,6 +37,28 @@ OWN_WAY = {
     "workbench/export.py": "in memory, then a draft",
     "workbench/recorder.py": "to where nothing is kept",
 }
+READS = {"read_bytes", "read_text", "read_table", "read_schema", "ParquetFile", "loadtxt"}
+# What does not read by `files.read_text` and the like, and why it is plain and fits all the same.
+READ_OWN_WAY = {
+    "files": "here it is done",
+    "hil_sim": "the files of a logger that is none",
+    "campaign/proving_ground.py": "of the package",
+    "campaign/recordings.py": "weighed and refused just before",
+    "formats/header.py": "in pieces, and refused just before",
+    "formats/mdf.py": "the registry refuses, and it is weighed when open",
+    "formats/parquet.py": "weighs by what the file says",
+    "formats/registry.py": "the header that it has just written",
+    "formats/uff.py": "in a temporary folder",
+    "logger/download.py": "what it has just written",
+    "logger/emulated.py": "of the user's own cache",
+    "logger/live.py": "of the package",
+    "logger/recovery.py": "in pieces, after the survey refused",
+    "logger/survey.py": "in pieces",
+    "predict/identity.py": "of the package",
+    "report": "of the package, or what was just printed",
+    "workbench/app.py": "of the package",
+    "workbench/sessions.py": "a picture that it has drawn",
+}
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}
 FOLDERS = ("host", "calibration", "hil_sim", "firmware", "tests", "benchmarks", "docs", "tools")
 
@@ -116,6 +138,29 @@ def test_files_are_written_whole_or_not_at_all():
         & set(OWN_WAY)
     }
     assert [line for lines in found.values() for line in lines] == []
+
+
+def reads(path: Path) -> Iterator[str]:
+    """Every call of a method in a module that opens a file to read it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)):
+            continue
+        modes = {arg.value for arg in node.args if isinstance(arg, ast.Constant)}
+        if node.func.attr in READS or (node.func.attr == "open" and "rb" in modes):
+            yield f"{path}:{node.lineno}: {ast.unparse(node)[:60]}"
+
+
+def test_files_of_people_are_read_at_one_place():
+    """Which refuses what is no plain file and takes too much memory; or for a reason given."""
+    known: dict[str, list[str]] = {}
+    for portion in PORTIONS:
+        for path in portion.rglob("*.py"):
+            place = path.relative_to(portion)
+            own = {place.parts[0], place.as_posix()} & set(READ_OWN_WAY)
+            known.setdefault(own.pop() if own else "", []).extend(reads(path))
+    assert known[""] == []
+    assert sorted(place for place, lines in known.items() if place and not lines) == []
+    assert set(READ_OWN_WAY) <= set(known)
 
 
 def test_no_file_is_longer_than_a_few_screens():

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE_S
+
 FOLDER = Path(__file__).parents[2] / "examples/python"
 SAYS = {
     "add_an_effect": "dry-friction.front_N",
@@ -38,7 +40,7 @@ def test_an_example_runs(name, tmp_path):
         text=True,
         cwd=tmp_path,
         env=environment,
-        timeout=300,
+        timeout=PATIENCE_S,
     )
     assert done.returncode == 0, done.stderr
     assert SAYS[name] in done.stdout

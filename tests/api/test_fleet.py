@@ -110,6 +110,42 @@ def test_whatever_a_campaign_is_made_of_counts_under_any_name(changed, tmp_path)
     assert Fleet((tmp_path,)).fingerprint != before
 
 
+def test_a_campaign_is_one_however_its_folder_is_spelt(folders, tmp_path, monkeypatch):
+    (tmp_path / "link").symlink_to(folders[0])
+    monkeypatch.chdir(tmp_path)
+    spelt = ["c0", "./c0/", str(folders[0]), f"{folders[0]}/", "c1/../c0", "link"]
+    assert len({Fleet((Path(one),)).fingerprint for one in spelt}) == 1
+    with pytest.raises(CampaignError, match="each once"):
+        diagnose_fleet(["c0", "link"], tmp_path / "t.parquet")
+    with ThreadPoolExecutor(1) as pool:
+        first, *others = [diagnose_fleet([one], "t.parquet", executor=pool) for one in spelt]
+    assert all(rows == first for rows in others)
+
+
+def test_a_computer_that_does_not_see_the_campaign_says_so_and_finishes_nothing(folders, tmp_path):
+    class Elsewhere(ThreadPoolExecutor):
+        """Where the second folder has not been mounted."""
+
+        def submit(self, function, number):
+            def work():
+                hidden = folders[2].rename(tmp_path / "hidden") if number == 1 else None
+                try:
+                    return function(number)
+                finally:
+                    if hidden:
+                        hidden.rename(folders[2])
+
+            return super().submit(work)
+
+    chosen, table = [folders[0], folders[2]], tmp_path / "t.parquet"
+    with pytest.raises(CampaignError, match=r"1 of 2 campaigns.*c2.*goes on"), Elsewhere(1) as pool:
+        diagnose_fleet(chosen, table, executor=pool)
+    assert not table.exists()
+    with ThreadPoolExecutor(1) as pool:
+        rows = diagnose_fleet(chosen, table, executor=pool)
+    assert [row["problem"] for row in rows] == ["", ""]
+
+
 def test_a_crash_of_one_does_not_stop_the_others(folders, tmp_path, monkeypatch):
     def crashes(folder, **options):
         if folder == folders[0]:

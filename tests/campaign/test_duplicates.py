@@ -1,13 +1,12 @@
 """A drive is the same drive under any name, and two drives over one track are two."""
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.campaign.build import acceleration, csv_text, edit, write_campaign
+from tests.work import calls
 from wheelhop.campaign import (
     Campaign,
     CampaignError,
@@ -119,12 +118,10 @@ def test_signals_that_say_nothing_are_no_trouble():
 
 
 def test_the_work_grows_with_the_runs_not_with_their_pairs():
-    def seconds(count: int) -> float:
-        rng = np.random.default_rng(1)
-        many = campaign_of(*rng.normal(size=(count, 300, 4)))
-        begin = time.process_time()
+    def work(count: int) -> int:
+        many = campaign_of(*np.random.default_rng(1).normal(size=(count, 300, 4)))
         assert find_duplicates(many) == []
-        return time.process_time() - begin
+        return calls(find_duplicates, many)
 
-    seconds(10)
-    assert seconds(1600) < 8 * max(seconds(400), 0.05)  # pairs: 16 times
+    work(10)
+    assert work(400) < 5 * work(100)  # pairs: 16 times

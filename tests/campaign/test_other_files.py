@@ -67,3 +67,37 @@ def test_another_recorder_s_mf4_is_taken_as_it_is(folder, constants):
     if constants:
         write_constants(nominal_constants(POINTS), folder / "calibration.toml")
     assert np.array_equal(read_campaign(folder).runs[0].record, values)
+
+
+@pytest.mark.parametrize("unit", ["mm", "V", "deg/s", "code"])
+def test_a_recording_that_says_another_unit_is_not_taken_for_accelerations(folder, unit):
+    values = np.random.default_rng(0).normal(size=(500, 8))
+    channels = tuple(Channel(name, unit if name == "A1" else "m/s²") for name in POINTS)
+    write(Recording(values, 100.0, channels), replace_slow(folder, ".mf4"))
+    with pytest.raises(CampaignError, match=r"slow\.mf4: ") as caught:
+        read_campaign(folder)
+    assert unit == "code" or "A1 is in" in str(caught.value)
+
+
+@pytest.mark.parametrize("suffix", [".parquet", ".csv"])
+def test_what_is_said_beside_the_samples_counts(folder, suffix):
+    """Codes that convert has written as CSV or Parquet say so in their header."""
+    values = np.random.default_rng(0).normal(512.0, 9.0, size=(500, 8))
+    channels = tuple(Channel(name, "code") for name in POINTS)
+    write(Recording(values, 100.0, channels), replace_slow(folder, suffix))
+    with pytest.raises(CampaignError, match=r"slow\.\w+: .* is in code"):
+        read_campaign(folder)
+
+
+@pytest.mark.parametrize("name", ["acc [g]", "acc (mg)", "acc_g", "pot [mm]", "pot [%]"])
+def test_a_column_whose_name_says_another_unit_is_no_acceleration(folder, name):
+    for file in folder.glob("runs/*.csv"):
+        file.write_text(file.read_text().replace("A1", name, 1))
+    points = {name if point == "A1" else point: point for point in POINTS}
+    table = "".join(f'"{column}" = "{point}"\n' for column, point in points.items())
+    text = (folder / "campaign.toml").read_text()
+    (folder / "campaign.toml").write_text(
+        text.replace("[[run]]", f"[channels]\n{table}\n[[run]]", 1)
+    )
+    with pytest.raises(CampaignError, match=r"slow\.csv: column .* campaign takes m/s²"):
+        read_campaign(folder)

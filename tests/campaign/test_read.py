@@ -4,7 +4,6 @@ import json
 import math
 import pickle
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.campaign.build import POINTS, ROWS, acceleration, csv_text, edit, write_campaign
+from tests.work import calls
 from wheelhop.campaign import Channel, TrackSpec, read_campaign
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -194,12 +194,9 @@ def test_the_examples_are_valid(name):
 
 
 def test_reading_is_not_what_a_user_waits_for():
-    best = math.inf
-    for _ in range(5):
-        start = time.process_time()
-        read_campaign(EXAMPLES / "clean")
-        best = min(best, time.process_time() - start)
-    assert best < 0.5  # 0.09 s on a laptop core
+    """18 runs of 1024 samples: what is done for each sample is done by arrays."""
+    read_campaign(EXAMPLES / "clean")
+    assert calls(read_campaign, EXAMPLES / "clean") < 18 * 8 * 1024
 
 
 def test_recordings_of_runs_left_out_are_not_read(folder):

@@ -214,3 +214,16 @@ def test_a_run_is_added_once_whoever_wrote_the_others(folder, by_hand):
     (folder / "runs/two.csv").rename(folder / "runs/three.csv")
     with pytest.raises(CampaignError, match="there is a run 'three'"):
         add_run(folder, recording_of(), run_of("three"))
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [("code", "--nominal"), ("%", "is in %"), ("m", "is in m,"), ("", "does not say its unit")],
+)
+def test_advice_for_a_unit_is_one_that_helps(folder, unit, said):
+    """Constants make accelerations of codes, and of nothing else: with --nominal it was the same
+    advice again."""
+    with pytest.raises(CampaignError, match="channel B1") as caught:
+        add_run(folder, recording_of(unit=unit), run_of("more"))
+    assert said in str(caught.value)
+    assert ("--nominal" in str(caught.value)) == (unit == "code")

@@ -5,12 +5,12 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE_S, wait_until
 from wheelhop.cli.main import main
 from wheelhop.hil_sim.day import read_day
 from wheelhop.hil_sim.rehearsal import rehearsal
@@ -23,7 +23,6 @@ LINES = re.findall(r"^ {4}wheelhop (.*)$", FIELD, re.M)
 LAST = LINES.index("check my-campaign") + 1
 FACTOR, DRIVEN_S = 10.0, 60.0
 SECONDS = [len(signals.codes) / signals.rate_hz for _, signals in rehearsal(read_day())]
-PATIENCE_S = 120.0
 
 
 @contextmanager
@@ -35,13 +34,6 @@ def running(*words):
             yield process
         finally:
             process.kill()
-
-
-def wait_for(what):
-    end_s = time.monotonic() + PATIENCE_S
-    while not what():
-        assert time.monotonic() < end_s
-        time.sleep(0.1)
 
 
 def scans_in(file):
@@ -66,9 +58,9 @@ class Day:
         self.press()
         due = 100 * SECONDS[self.sessions]
         with connect() as link:
-            wait_for(lambda: int(link.status().get("due", 0)) > due)
+            wait_until(lambda: int(link.status().get("due", 0)) > due)
             self.press()
-            wait_for(lambda: link.status()["state"] != "recording")
+            wait_until(lambda: link.status()["state"] != "recording")
         self.sessions += 1
 
     def drive(self, words, file):
@@ -76,9 +68,9 @@ class Day:
         with running(*words) as recorder:
             assert any("button" in line for line in recorder.stdout)
             self.press()
-            wait_for(lambda: file.exists() and scans_in(file) > 100 * DRIVEN_S)
+            wait_until(lambda: file.exists() and scans_in(file) > 100 * DRIVEN_S)
             self.press()
-            wait_for(lambda: read_log(file).summary)
+            wait_until(lambda: read_log(file).summary)
             recorder.send_signal(signal.SIGINT)
             assert recorder.wait(PATIENCE_S) == 0
 
@@ -89,7 +81,7 @@ def test_the_day_in_the_field_goes_as_it_is_written(lines, tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     recorded = tmp_path / "HOP00003.HOP"
     with running("emulate", "--factor", str(FACTOR)) as emulator:
-        wait_for(emulated_ports)
+        wait_until(emulated_ports)
         day = Day(emulator)
         for line in lines:
             words = shlex.split(line, comments=True)

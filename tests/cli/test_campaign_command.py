@@ -50,6 +50,36 @@ def test_from_a_recording_to_a_campaign(recording, tmp_path, capsys):
     assert main(["check", str(folder)]) == 0
 
 
+def test_the_steady_part_of_a_stretch_is_the_run_on_a_track_that_goes_on_alike(tmp_path, capsys):
+    """Rough ground for 6 s, the washboard for 20 s, rough ground for 6 s, between two rests."""
+    rng = np.random.default_rng(3)
+    rough, time_s = rng.normal(size=(4200, 8)), np.arange(4200) / 100.0
+    level = np.repeat([0.02, 1.0, 0.02, 1.0, 0.02], [500, 600, 2000, 600, 500])
+    driven = (time_s >= 11.0) & (time_s < 31.0)
+    wave = 5.0 * np.sin(2 * np.pi * 5.2 * time_s) * driven
+    file, folder = tmp_path / "day.csv", tmp_path / "car"
+    channels = tuple(Channel(n, "m/s²", n) for n in POINTS)
+    write(Recording(rough * level[:, None] + wave[:, None], 100.0, channels), file)
+    assert main(["campaign", "stretches", str(file)]) == 0
+    assert "steady" in capsys.readouterr().out
+    assert main(["campaign", "new", str(folder), str(file)]) == 0
+    add = ["campaign", "add", str(folder), str(file), "--stretch", "1", "--speed-kmph", "7.5"]
+    board, bump = ["washboard/low"], ["half-sine-bump", "amplitude_mm=50", "length_mm=500"]
+    asked = {
+        "steady": ["--track", *board],
+        "whole": ["--whole", "--track", *board],
+        "bump": ["--track", *bump],
+        "no-name": [],
+    }
+    for name, words in asked.items():
+        assert main([*add, "--id", name, *words]) == 0
+    out = capsys.readouterr().out
+    assert "the steady part of stretch 1" in out and "all of stretch 1" in out
+    lengths = {run.id: len(run.time_s) / 100 for run in read_campaign(folder).runs}
+    assert lengths.pop("steady") == pytest.approx(19.0, abs=1.0)
+    assert list(lengths.values()) == pytest.approx([32.0] * 3, abs=1.0)
+
+
 @pytest.mark.parametrize("named", [True, False])
 def test_a_campaign_begins_around_a_vehicle_that_is_there(
     recording, tmp_path, capsys, monkeypatch, named
@@ -96,6 +126,7 @@ def test_check_says_which_numbers_are_still_the_sample_s(recording, tmp_path, ca
 MISTAKES = {
     "no such stretch": (["--stretch", "3"], "there are 2 stretches, none is number 3"),
     "two spans": (["--stretch", "1", "--from", "2"], "leave out --from and --to"),
+    "whole of nothing": (["--whole"], "--whole is about --stretch"),
     "outside": (["--from", "100"], "outside the recording"),
     "no pair": (["--track", "washboard", "15"], "KEY=VALUE"),
     "unknown track": (["--track", "washbord"], "washboard"),

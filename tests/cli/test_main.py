@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import time
 from importlib import import_module
 from pathlib import Path
 
@@ -151,15 +150,11 @@ def test_help_answers_at_once_because_it_loads_no_room():
     heavy = "numpy", "scipy", "numba", "matplotlib", "rich", "wheelhop.campaign"
     code = (
         "import sys; from wheelhop.cli.parser import make_parser; make_parser().format_help(); "
-        f"print([name for name in {heavy!r} if name in sys.modules])"
+        f"print(len(sys.modules), [name for name in {heavy!r} if name in sys.modules])"
     )
-    best = 9.0
-    for _ in range(3):
-        start = time.perf_counter()
-        loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout
-        best = min(best, time.perf_counter() - start)
-    assert loaded.strip() == "[]"
-    assert best < 1.0  # 0.1 s on a laptop core
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout
+    modules, loaded = told.split(maxsplit=1)
+    assert loaded.strip() == "[]" and int(modules) < 200  # 109 take 0.1 s on a laptop core
 
 
 def test_the_demo_deletes_nothing(tmp_path, monkeypatch):

@@ -61,7 +61,7 @@ def test_white_noise_is_locked_to_nothing_and_leaves_no_excess(bench):
             freedom = where.count * part.noise / where.total.noise
             assert part.ratio**2 == pytest.approx(1.0, abs=5 * np.sqrt(2 / freedom)), part.name
     (sentence,) = describe(where)
-    assert sentence.startswith("In every band and run the residual is at the floor")
+    assert sentence.startswith("In every band and run the residual is no more than expected")
 
 
 def test_many_harmonics_in_band_do_not_make_noise_locked_to_the_road(bench):

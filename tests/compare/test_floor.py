@@ -27,8 +27,9 @@ def test_the_floor_is_the_error_of_a_model_that_leaves_only_noise(bench):
     assert comparison.error_validate == pytest.approx(floor.error_validate, rel=0.03)
 
 
-def test_the_floor_is_noise_and_scales_over_what_was_measured(bench):
-    """√(noise² + (u m)²) / m, m being the rms of the records in band."""
+def test_the_floor_is_noise_over_what_was_measured_and_scales_may_add_to_it(bench):
+    """noise / m, and √(noise² + (u m)²) / m, m being the rms of the records in band: a gain that
+    is known to 3 % may be right, so that no part of it is in the floor."""
     noise, doubt = 0.4, 0.03
     campaign, responses = bench.campaign([2.0, 3.0], lambda t, v: bench.noise(0.3), noise=noise)
     channels = tuple(replace(c, scale_uncertainty=doubt) for c in campaign.channels)
@@ -40,12 +41,13 @@ def test_the_floor_is_noise_and_scales_over_what_was_measured(bench):
         lines[(frequency < 0.5) | (frequency > 30.0)] = 0.0
         squares.append(np.mean(np.fft.irfft(lines, len(run.record), axis=0) ** 2))
     floor = noise_floor(campaign, in_band(campaign, responses))
-    for found, square in (
-        (floor.error, np.mean(squares)),
-        (floor.error_fit, squares[0]),
-        (floor.error_validate, squares[1]),
+    for found, expected, square in (
+        (floor.error, floor.expected, np.mean(squares)),
+        (floor.error_fit, floor.expected_fit, squares[0]),
+        (floor.error_validate, floor.expected_validate, squares[1]),
     ):
-        assert found == pytest.approx(np.hypot(noise / np.sqrt(square), doubt), rel=1e-6)
+        assert found == pytest.approx(noise / np.sqrt(square), rel=1e-6)
+        assert expected == pytest.approx(np.hypot(found, doubt), rel=1e-6)
     assert floor.scales == pytest.approx(doubt, rel=1e-9)
     assert floor.is_stated and floor.tolerance == 0.05
     assert floor.pooled_rms == pytest.approx(noise)
@@ -162,7 +164,14 @@ def test_of_a_slow_wave_next_to_nothing_is_taken_for_noise():
         assert found == pytest.approx(np.sqrt(0.6 * passed / 70.0), rel=0.02)
 
 
-def test_noise_between_samples_is_that_of_the_quietest_tenth(bench):
+@pytest.mark.parametrize("share", [0.02, 0.06, 0.3, 0.7, 1.0])
+def test_how_long_it_was_quiet_does_not_matter_to_the_noise_between_samples(bench, share):
+    record = bench.noise(0.2, (20000, 4))
+    record[round(share * 20000) :] *= 50.0
+    assert estimate_noise_between_samples([record], share=1.0) == pytest.approx(0.2, rel=0.1)
+
+
+def test_noise_between_samples_is_that_of_the_quietest_pieces(bench):
     records = [bench.noise(0.2, (5000, 4)) for _ in range(2)]
     quiet = estimate_noise_between_samples(records, share=1.0)
     assert quiet == pytest.approx(0.2, rel=0.25)

@@ -1,4 +1,4 @@
-"""What is known of a channel's scale is part of the floor, and nothing else changes."""
+"""What scales and measured axles that drive a model may add to the floor."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def test_a_calibration_beside_the_campaign_says_how_well_scales_are_known(tmp_pa
     assert known["A2"] == 0.0
 
 
-def test_the_floor_grows_by_the_share_of_the_measured_power(tmp_path):
+def test_scales_may_add_their_share_of_the_measured_power(tmp_path):
     folder = write_campaign(tmp_path / "c")
     campaign = read_campaign(folder)
 
@@ -33,15 +33,23 @@ def test_the_floor_grows_by_the_share_of_the_measured_power(tmp_path):
     unsure = replace(
         campaign, channels=tuple(replace(c, scale_uncertainty=0.03) for c in campaign.channels)
     )
-    assert noise_floor(unsure, records).error == pytest.approx(np.hypot(sure.error, 0.03), rel=1e-9)
-    assert np.array_equal(noise_floor(unsure, records).noise_rms, sure.noise_rms)
+    floor = noise_floor(unsure, records)
+    assert floor.expected == pytest.approx(np.hypot(sure.error, 0.03), rel=1e-9)
+    assert floor.error == sure.error == sure.expected
+    assert np.array_equal(floor.noise_rms, sure.noise_rms)
+    assert "scales" in floor.beside_noise and not sure.beside_noise
 
 
-def test_uncertain_axle_motion_is_in_the_floor_of_every_cut_alike(tmp_path):
+def test_uncertain_axle_motion_is_in_every_cut_alike(tmp_path):
+    """The noise of the axles' sensors in the floor, what is folded into their records beside it."""
     campaign = read_campaign(write_campaign(tmp_path / "c"))
     rng = np.random.default_rng(1)
     records = [
-        replace(record, doubt=rng.uniform(1.0, 9.0, record.measured.shape))
+        replace(
+            record,
+            doubt=rng.uniform(5.0, 9.0, record.measured.shape),
+            noise_ratio=rng.uniform(1.0, 5.0, record.measured.shape),
+        )
         for record in in_band(
             campaign, [Response(r.id, 0.5 * r.record, None) for r in campaign.runs]
         )
@@ -49,12 +57,19 @@ def test_uncertain_axle_motion_is_in_the_floor_of_every_cut_alike(tmp_path):
     unheard = np.array([channel.is_axle for channel in campaign.channels])
     for record in records:  # the axles drive the model: it does not predict them
         record.predicted[unheard], record.doubt[:, unheard] = False, np.nan
+        record.noise_ratio[:, unheard] = np.nan
         record.measured[:, unheard] = record.residual[:, unheard] = 0.0
     floor = noise_floor(campaign, records)
-    sure = noise_floor(campaign, [replace(record, doubt=None) for record in records])
-    assert floor.error > 3.0 * sure.error
+    sure = noise_floor(
+        campaign, [replace(record, doubt=None, noise_ratio=None) for record in records]
+    )
+    assert floor.error > 2.5 * sure.error and floor.expected > 2.0 * floor.error
+    assert "folded" in floor.beside_noise
     where = breakdown(campaign, records, floor)
     assert where.total.floor == pytest.approx(floor.error, rel=1e-9)
+    expected = where.total.expected(0.0) / where.total.measured
+    assert expected == pytest.approx(floor.expected**2, rel=1e-9)
     for cut in (where.run, where.channel, where.band, where.motion, where.time, where.amplitude):
         assert sum(part.noise for part in cut) == pytest.approx(where.total.noise, rel=1e-9)
+        assert sum(part.folded for part in cut) == pytest.approx(where.total.folded, rel=1e-9)
     assert where.locking.noise == pytest.approx(where.total.noise / where.total.residual, rel=1e-9)

@@ -113,7 +113,12 @@ def test_a_rival_that_is_worse_than_nothing_is_no_measure():
     final, base, spoilt = (replace(r, fit=r.validation) for r in (final, base, spoilt))
     floor = SimpleNamespace(is_stated=True, tolerance=0.05)
     last = SimpleNamespace(
-        rung=final, over_floor=1.5, allowed=0.0, comparison=SimpleNamespace(floor=floor)
+        rung=final,
+        over_floor=1.5,
+        floor=0.05,
+        expected=0.05,
+        allowed=0.0,
+        comparison=SimpleNamespace(floor=floor),
     )
     tried = [SimpleNamespace(id=name, rung=r, p=1e-9) for name, r in (("a", final), ("b", spoilt))]
     look = SimpleNamespace(rung=base, candidates=tried, screened=())
@@ -128,7 +133,7 @@ def test_a_law_of_the_right_name_may_leave_what_machines_differ_by():
 
     def left(share, lacked=0.25, floor=0.05, noise=0.05):
         comparison = SimpleNamespace(
-            floor=SimpleNamespace(error_fit=noise, tolerance=0.05, scales=0.0)
+            floor=SimpleNamespace(expected_fit=noise, tolerance=0.05, scales=0.0)
         )
         error = (floor**2 + share**2 * lacked) ** 0.5
         fitted = SimpleNamespace(validation=None, error_judging=error)
@@ -138,3 +143,17 @@ def test_a_law_of_the_right_name_may_leave_what_machines_differ_by():
     assert [left(share).above_floor for share in (0.15, 0.31, 1.0)] == [True] * 3
     bare = [left(share, 1.0, 0.0, 1e-6) for share in (0.002, 0.005)]
     assert [step.unexplained > 0.0 for step in bare] == [False, True]
+
+
+@given(grounds=grounds, times=st.floats(1.0, 10.0))
+def test_what_a_right_model_may_leave_speaks_against_none(grounds, times):
+    """Where measured axles let a right model leave so many times the floor, the same error over
+    the floor is worth as much less."""
+    more = replace(
+        grounds,
+        over_floor=times * grounds.over_floor,
+        baseline_over_floor=times * grounds.baseline_over_floor,
+        expected_over_floor=times,
+    )
+    for verdict in VERDICTS:
+        assert confidence(verdict, more) == pytest.approx(confidence(verdict, grounds), abs=1e-9)

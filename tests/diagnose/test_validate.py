@@ -75,7 +75,7 @@ def test_a_rung_is_held_against_others_on_equal_terms(explained):
 
 
 def test_a_user_reads_why_held_out_runs_stay_above_the_floor():
-    floor = SimpleNamespace(error_validate=0.24, tolerance=0.05)
+    floor = SimpleNamespace(error_validate=0.24, expected_validate=0.24, tolerance=0.05)
     step = SimpleNamespace(
         rung=SimpleNamespace(update=object(), error_validate=0.36),
         comparison=SimpleNamespace(floor=floor),

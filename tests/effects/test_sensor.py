@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
+from wheelhop.campaign import Channel
 
 NAMES = [c.name for c in CHANNELS]
 RECORD = np.random.default_rng(2).normal(size=(40, 8))
@@ -42,6 +43,29 @@ def test_sensor_polarity_swaps_two_channels(pair):
     expected = RECORD.copy()
     expected[:, [i, j]] = RECORD[:, [j, i]]
     np.testing.assert_allclose(found, expected, atol=1e-14)
+
+
+@given(
+    st.lists(st.text("aé/. ", min_size=1, max_size=3), min_size=8, max_size=8, unique=True)
+    | st.permutations(["a", "b", "a/b", "a//b", "/", "//", "b/a", "a/"])
+)
+def test_sensor_polarity_takes_no_name_apart(names):
+    """Each choice is one channel inverted, or one pair swapped, and no two are the same."""
+    channels = [Channel(name, "A1") for name in names]
+    effect = EFFECTS["sensor-polarity"]
+    choices = effect.choices(channels)
+    made = [
+        effect.with_choice(choice).sense({"wrong": 1.0}, RECORD, channels, 100.0)
+        for choice in choices
+    ]
+    assert choices[:8] == names and len(set(choices)) == 8 + 28
+    for i, found in enumerate(made[:8]):
+        np.testing.assert_array_equal(np.delete(found, i, 1), np.delete(RECORD, i, 1))
+        np.testing.assert_allclose(found[:, i], -RECORD[:, i])
+    for (i, j), found in zip(combinations(range(8), 2), made[8:], strict=True):
+        expected = RECORD.copy()
+        expected[:, [i, j]] = RECORD[:, [j, i]]
+        np.testing.assert_allclose(found, expected, atol=1e-14)
 
 
 def test_sensor_polarity_tries_every_channel_and_every_pair():

@@ -141,7 +141,7 @@ def test_of_many_who_add_runs_at_the_same_time_none_loses_one(tmp_path):
 
 
 def test_who_holds_the_lock_for_long_is_told_of(tmp_path, monkeypatch):
-    monkeypatch.setattr("wheelhop.files.write.PATIENCE_S", 0.1)
+    monkeypatch.setattr("wheelhop.files.lock.PATIENCE_S", 0.1)
     with (
         locked(tmp_path),
         pytest.raises(InputError, match="another wheelhop"),

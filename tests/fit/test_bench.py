@@ -13,6 +13,7 @@ import pytest
 
 from tests import truth
 from tests.fit import test_component
+from tests.patience import PATIENCE_S
 from tests.simulate.setup import ATV, campaign_of, model_of
 from wheelhop.campaign import TrackSpec
 from wheelhop.fit import Workshop
@@ -37,7 +38,7 @@ def test_work_that_asks_for_work_does_not_wait_for_itself():
     """Both threads at once need a third: none is free until they are done."""
     skipped = sorted(path.stem for path in (CLEAN / "runs").glob("*.csv"))[2:]
     command = [sys.executable, "-c", NESTED, str(CLEAN), *skipped]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
     assert done.stdout == "[6, 12, 18]\n", done.stderr
 
 
@@ -89,6 +90,10 @@ def test_only_measured_axles_are_doubted(workshop):
     assert workshop_of(noise_rms=None).astray == {}
     responses = workshop.responses(MODEL)
     assert responses[1].doubt is axles.doubt and responses[0].doubt is not road.doubt
+    assert responses[1].noise_ratio is axles.noise_ratio and responses[0].noise_ratio is None
+    heard = axles.predicted
+    assert (axles.noise_ratio[:, heard] <= axles.doubt[:, heard]).all()
+    assert axles.noise_ratio[:, heard].min() > 1.0
 
 
 @pytest.mark.parametrize("name", ["run", "held out"])
@@ -137,10 +142,10 @@ def test_what_hangs_on_a_rig_has_nothing_to_forget():
 
 def test_as_many_threads_work_as_are_asked_for():
     """Three at once meet; one thing alone is done where it was asked for."""
-    together = Barrier(3, timeout=10.0)
+    together = Barrier(3, timeout=PATIENCE_S)
     at_once = workshop_of(jobs=3)
     assert sorted(at_once.each(lambda i: together.wait(), range(3))) == [0, 1, 2]
-    pair = Barrier(2, timeout=10.0)
+    pair = Barrier(2, timeout=PATIENCE_S)
     assert sorted(at_once.each(lambda i: pair.wait(), range(2))) == [0, 1]
     assert at_once.each(lambda i: current_thread(), [1]) == [current_thread()]
 
@@ -174,7 +179,7 @@ def test_while_one_batch_is_looked_at_the_threads_are_at_the_next(workshop):
     for i, found in enumerate(workshop.in_turn(squared, batches())):
         assert found == [i * i, i * i]
         assert asked == [*range(min(i + 2, 4))]
-        assert all(begun[k].wait(10.0) for k in asked)
+        assert all(begun[k].wait(PATIENCE_S) for k in asked)
 
 
 def test_a_run_is_not_worked_on_by_two_threads_at_once(workshop):
@@ -196,15 +201,17 @@ def test_a_run_is_not_worked_on_by_two_threads_at_once(workshop):
 
 def test_a_batch_that_fails_stops_those_behind_it(workshop):
     """As does a caller who has seen enough."""
-    done = []
+    done, told = [], Event()
 
     def inverse(i):
-        sleep(0.005)
         done.append(i)
+        if i == 9:
+            told.wait(PATIENCE_S)
         return 1.0 / i
 
     with pytest.raises(ZeroDivisionError):
-        list(workshop.in_turn(inverse, [[0] * 40, [1] * 40, [2] * 40]))
+        list(workshop.in_turn(inverse, [[0, *[9] * 39], [1] * 40, [2] * 40]))
+    told.set()
     workshop.each(str, [3, 3])  # the threads have come to what was asked for last
     assert 2 not in done and len(done) < 40  # and left out the rest of the batch itself, too
     first = next(workshop.in_turn(inverse, [[4], [5], [6]]))

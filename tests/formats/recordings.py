@@ -5,6 +5,7 @@ import struct
 import numpy as np
 from hypothesis import strategies as st
 
+from wheelhop.formats.header import SAMPLES, sidecar
 from wheelhop.logger.recording import Channel, Recording
 
 SUFFIXES = (".csv", ".parquet", ".mf4", ".uff")
@@ -32,6 +33,14 @@ def recording(rows=400, channels=3, rate_hz=100.0, gaps=((50, 60), (200, 201)), 
         ),
         **(facts | changes),
     )
+
+
+def believed(path):
+    """The header beside `path` no longer says which samples it is of."""
+    lines = sidecar(path).read_text(encoding="utf-8").splitlines(keepends=True)
+    kept = [line for line in lines if not line.startswith(SAMPLES)]
+    assert len(kept) == len(lines) - 1
+    sidecar(path).write_text("".join(kept), encoding="utf-8")
 
 
 def same_bits(one, other):

@@ -136,8 +136,25 @@ def test_or_it_is_the_first_column_that_rises_evenly(tmp_path):
     assert columns == ['"same"', '"falls"', '"uneven"', '"too"']
     said, _ = layout(tmp_path, f"same;falls;uneven;even;too\ng;g;g;ms;g\n{rows}")
     assert said["time_unit"] == '"ms"'
-    said, _ = layout(tmp_path, f"same;falls;uneven;even;too\ng;g;g;V;g\n{rows}")
-    assert said["time_unit"] == '"s"'
+    said, _ = layout(tmp_path, f"same;falls;uneven;even [ms];too\n{rows}")
+    assert said["time_unit"] == '"ms"'
+    said, columns = layout(tmp_path, f"same;falls;uneven;even;too\ng;g;g;V;g\n{rows}")
+    assert "time" not in said and '"even"' in columns  # volts are no time
+
+
+def test_a_unit_of_time_that_is_not_known_is_left_for_the_user_to_correct(tmp_path):
+    said, _ = layout(tmp_path, "x;time [ticks]\n1;0\n")
+    assert said["time_unit"] == '"ticks"'
+    mapping = save(tmp_path, "map.toml", draft_mapping(tmp_path / "run.txt"))
+    with pytest.raises(ExchangeError, match=r'map\.toml: time_unit = "ticks" is not known: s, ms'):
+        read_mapping(mapping)
+
+
+def test_a_unit_that_is_not_known_is_said_to_stay(tmp_path):
+    found = draft(tmp_path, "t;pot FL [turns];yaw [deg/s]\n0;1;3\n1;2;3\n2;5;3\n")
+    assert 'unit = "turns"  # not known here: it stays as it is' in found
+    assert 'unit = "deg/s"  # not known here: it stays as it is' in found
+    assert found.count('point = ""') == 2
 
 
 def test_two_rows_do_not_show_what_rises_evenly(tmp_path):

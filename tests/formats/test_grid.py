@@ -144,6 +144,13 @@ def test_stamps_on_no_grid_are_named(time_s, rate, line):
         ("mV", "V", 1e-3),
         ("km/h", "m/s", 1 / 3.6),
         ("kN", "N", 1e3),
+        ("G", "m/s²", 9.80665),  # AiM, MoTeC, RaceCapture
+        ("m/s/s", "m/s²", 1.0),
+        ("lbs", "N", 4.4482216152605),
+        ("in/s", "m/s", 0.0254),
+        ("MPH", "m/s", 0.44704),
+        ("Km/h", "m/s", 1 / 3.6),
+        ("Inch", "m", 0.0254),
         ("furlong", "furlong", 1.0),
         ("code", "code", 1.0),
         ("", "", 1.0),

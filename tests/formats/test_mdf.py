@@ -121,3 +121,17 @@ def test_a_header_that_describes_other_channels_is_noticed(tmp_path):
             mdf.save(path, overwrite=True)
         with pytest.raises(ExchangeError, match=r"its wheelhop\.toml does not describe its chan"):
             read(path)
+
+
+@pytest.mark.parametrize(("kind", "axis"), [(2, "an angle"), (3, "a distance"), (4, "an index")])
+def test_a_master_that_is_no_time_is_refused(tmp_path, kind, axis):
+    """Radians, metres and numbers were taken for seconds."""
+    path = tmp_path / "run.mf4"
+    samples, at = np.arange(4.0), np.arange(4) / 100
+    master = ("position", kind)
+    signal = asammdf.Signal(samples, at, name="A1", unit="g", master_metadata=master)
+    with asammdf.MDF(version="4.10") as mdf:
+        mdf.append([signal])
+        mdf.save(path)
+    with pytest.raises(ExchangeError, match=f"group 0 is sampled over {axis}, not over time"):
+        read(path)

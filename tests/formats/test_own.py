@@ -96,6 +96,8 @@ def test_parquet_of_others(tmp_path):
     assert [(c.name, c.unit) for c in found.channels] == [("x", "m/s²"), ("y", "")]
     assert found.values == pytest.approx(np.array([[G, 3.0], [2 * G, 4.0]]))
     assert (found.rate_hz, found.start_s) == (100.0, 0.5)
+    slow = read(tmp_path / "run.parquet", Map(time="when", time_unit="min", picks=(Pick(3),)))
+    assert (slow.rate_hz, slow.start_s) == pytest.approx((100.0 / 60, 30.0), rel=1e-5)
     with pytest.raises(ExchangeError, match="there is no column 1 of numbers"):
         read(tmp_path / "run.parquet", Map(time="when", picks=(Pick(1),)))
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from tests.formats.recordings import SUFFIXES, any_recording, assert_same, recording
+from tests.formats.recordings import SUFFIXES, any_recording, assert_same, believed, recording
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.formats import ExchangeError, losses, read, write
 from wheelhop.formats.header import from_text, header_of, sidecar, to_text
@@ -164,6 +164,9 @@ def test_rows_that_were_cut_off_leave_the_rest_in_its_place(tmp_path):
     write(original, path)
     lines = path.read_text().splitlines(keepends=True)
     path.write_text("".join([lines[0], *lines[101:301]]))
+    with pytest.raises(ExchangeError, match="delete the line samples_sha256"):
+        read(path)  # they might be another recording's
+    believed(path)
     found = read(path)
     assert np.array_equal(found.values, original.values[100:300], equal_nan=True)
     assert found.start_s == pytest.approx(original.time_s[100], abs=1e-12)
@@ -179,6 +182,9 @@ def test_a_sidecar_of_another_file_is_noticed(tmp_path):
     write(recording(), tmp_path / "run.csv")
     write(recording(channels=2), tmp_path / "other.csv")
     sidecar(tmp_path / "other.csv").rename(sidecar(tmp_path / "run.csv"))
+    with pytest.raises(ExchangeError, match=r"run\.csv\.toml: is the header of other samples"):
+        read(tmp_path / "run.csv")
+    believed(tmp_path / "run.csv")
     with pytest.raises(ExchangeError, match=r"run\.csv\.toml: does not describe the columns"):
         read(tmp_path / "run.csv")
 

@@ -16,8 +16,9 @@ def table(*channels, group=""):
 
 
 @pytest.mark.parametrize("name", ["A1", "A2", "A3", "A4", "B1", "B2", "B3", "B4", "body"])
-def test_a_channel_that_is_called_as_a_place_is_there_and_measures_in_si(name):
-    assert plain_channel(name) == Channel(name, "m/s²", name)
+def test_a_channel_that_is_called_as_a_place_is_there_in_the_unit_that_is_said(name):
+    """Of a file that says no unit none is known: an axle's pot may be called A1, too."""
+    assert plain_channel(name) == Channel(name, "", name)
     assert plain_channel(name, "V").unit == "V"
 
 
@@ -37,7 +38,8 @@ def test_what_is_in_si_already_is_not_told_to_be_converted():
         (Pick("x", scale=2.0), "x: × 2 + 0 = mm, mm × 0.001 = m", 0.002),
         (Pick("x", offset=0.5), "x: × 1 + 0.5 = mm, mm × 0.001 = m", 0.0015),
         (Pick("x", unit="m", scale=1e-3), "x: × 0.001 + 0 = m", 0.001),
-        (Pick("x", unit="furlong"), None, 1.0),
+        (Pick("x", unit="m"), "x: the file says mm, the mapping m", 1.0),
+        (Pick("x", unit="furlong"), "x: the file says mm, the mapping furlong", 1.0),
     ],
 )
 def test_what_a_mapping_does_to_numbers_is_told(pick, told, second):

@@ -139,3 +139,11 @@ def test_a_file_whose_end_is_missing_says_so_in_its_history_and_nowhere_else(tmp
     assert any("less data than expected" in step for step in found.history)
     assert printed.getvalue() == ""
     assert logging.getLogger("nptdms").handlers == listeners
+
+
+def test_what_does_not_count_time_is_no_recording(tmp_path):
+    """LabVIEW and DIAdem write spectra as waveforms."""
+    found = read(saved(tmp_path, [wave("A1", [1.0, 2.0], 5.0, 250.0, wf_xunit_string="ms")]))
+    assert (found.rate_hz, found.start_s) == (200.0, 0.25)
+    with pytest.raises(ExchangeError, match="A1: its x axis is in Hz, no unit of time"):
+        read(saved(tmp_path, [wave("A1", [1.0, 2.0], wf_xunit_string="Hz")]))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.formats.foreign import G
-from tests.formats.recordings import assert_same, recording
+from tests.formats.recordings import assert_same, believed, recording
 from wheelhop.formats import ExchangeError, Map, losses, read, write
 from wheelhop.formats.header import sidecar
 from wheelhop.logger.recording import Channel
@@ -206,6 +206,9 @@ def test_two_recordings_in_one_file_are_groups(tmp_path):
     write(recording(rows=8, gaps=((5, 6),)), path)
     write(recording(rows=9, gaps=((2, 4),)), other)
     path.write_bytes(path.read_bytes() + other.read_bytes())
+    with pytest.raises(ExchangeError, match=r"run\.uff\.toml: is the header of other samples"):
+        read(path)
+    believed(path)
     with pytest.raises(ExchangeError, match=r"run\.uff\.toml: does not describe the functions"):
         read(path)
     sidecar(path).unlink()
@@ -217,6 +220,7 @@ def test_a_sidecar_of_another_file_is_noticed(tmp_path):
     write(recording(rows=6, gaps=()), tmp_path / "run.uff")
     write(recording(rows=6, gaps=(), channels=2), tmp_path / "other.uff")
     sidecar(tmp_path / "other.uff").rename(sidecar(tmp_path / "run.uff"))
+    believed(tmp_path / "run.uff")
     with pytest.raises(ExchangeError, match=r"run\.uff\.toml: does not describe the functions"):
         read(tmp_path / "run.uff")
 
@@ -228,6 +232,7 @@ def test_a_file_of_ours_that_another_program_wrote_again_starts_where_it_did(tmp
     write(original, path)
     sets = [item | {"id2": "NONE", "rsp_node": 0, "binary": 0} for item in functions(path)]
     pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+    believed(path)
     found = read(path)
     assert found.values == pytest.approx(original.values, rel=1e-5, nan_ok=True)
     assert (found.rate_hz, found.start_s) == (original.rate_hz, original.start_s)
@@ -242,3 +247,14 @@ def test_what_is_lost_is_counted_in_rows():
         "rows with a value in some channels only: 5; they become gaps",
         "rows with an infinite value: 2; they become gaps",
     )
+
+
+@pytest.mark.parametrize(
+    ("unit", "seconds"), [("ms", 1e-3), ("s", 1.0), ("SEC", 1.0), ("NONE", 1.0)]
+)
+def test_the_abscissa_s_unit_counts(unit, seconds, tmp_path):
+    item = function(start=0.0, step=8.0, abscissa_axis_units_lab=unit)
+    found = read(saved(tmp_path, item))
+    assert found.rate_hz == pytest.approx(1 / (8.0 * seconds))
+    with pytest.raises(ExchangeError, match="dataset 1: its abscissa is in rev, no unit of time"):
+        read(saved(tmp_path, function(abscissa_axis_units_lab="rev")))

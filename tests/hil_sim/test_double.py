@@ -2,12 +2,15 @@
 
 import subprocess
 import sys
+import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.firmware.promises.reader import read_log
+from tests.patience import wait_until
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.hil_sim import constant, from_array, ramp
 from wheelhop.hil_sim.double import DoubleFaults, SerialDouble, from_campaign, scan_sums
@@ -160,18 +163,37 @@ def test_the_line_goes_and_comes_back_under_its_name(port):
                 with pytest.raises(LoggerError):
                     connect(one.url)
             back_s = one.time_s + 3.5
-            while one.time_s < back_s:
-                time.sleep(0.01)
+            wait_until(lambda back_s=back_s: one.time_s > back_s)
 
 
 def test_disconnects_happen_when_they_are_due():
-    with SerialDouble(faults=DoubleFaults(disconnects=((0.0, 5.0),)), factor=10) as one:
-        time.sleep(0.05)
+    with SerialDouble(faults=DoubleFaults(disconnects=((0.0, 1e9),)), factor=10) as gone:
+        wait_until(lambda: gone.time_s > 0.1)
         with pytest.raises(LoggerError, match="there is no such port"):
-            connect(one.url)
-        while one.time_s < 5.5:
-            time.sleep(0.01)
-        connect(one.url).close()
+            connect(gone.url)
+    with SerialDouble(faults=DoubleFaults(disconnects=((0.0, 1.0),)), factor=10) as back:
+        wait_until(lambda: back.time_s > 1.1)
+        connect(back.url).close()
+
+
+def test_faster_than_real_time_it_waits_for_a_computer_that_is_busy(monkeypatch):
+    """In real time it makes up for it."""
+    stands_still = threading.Event()
+
+    def clock():
+        """Ten seconds have passed since the first look, and none afterwards."""
+        if stands_still.is_set():
+            return 10.0
+        stands_still.set()
+        return 0.0
+
+    for factor, passes in ((10.0, False), (1.0, True)):
+        stands_still.clear()
+        busy = SimpleNamespace(monotonic=clock, sleep=time.sleep)
+        monkeypatch.setattr("wheelhop.hil_sim.double.serial_double.time", busy)
+        with SerialDouble(factor=factor) as one:
+            wait_until(lambda: one.time_s > 0.0)
+            assert one.time_s == pytest.approx(10.0 if passes else 0.1)
 
 
 def test_it_runs_as_a_program(tmp_path):

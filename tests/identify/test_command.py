@@ -18,6 +18,7 @@ from wheelhop.cli.main import main
 from wheelhop.identify import (
     Sections,
     Structure,
+    TransferMatrix,
     identify,
     measure,
     poles_and_residues,
@@ -132,6 +133,16 @@ def test_more_poles_than_the_runs_need_are_said_to_be(tmp_path, capsys):
     assert "8 poles were asked for; the runs do not need more than 6" in printed
     (row,) = json.loads(file.read_text())["orders"]
     assert (row["order"], row["kept"]) == (8, 6) and row["bic"] > row["aicc"]
+
+
+@pytest.mark.parametrize(("zeta", "remark"), [(0.4, ""), (0.99, ""), (1.4, "overdamped")])
+def test_a_pair_of_real_poles_is_said_to_be_overdamped(zeta, remark, capsys, monkeypatch):
+    """From a damping ratio of 1 on nothing oscillates."""
+    table = [(5.0, 0.1, zeta, 0.01)]
+    monkeypatch.setattr(TransferMatrix, "poles_table", lambda self: table)
+    assert main(["identify", str(CLEAN), "--order", "4"]) == 0
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "5.000" in line]
+    assert row.split() == ["1", "5.000", "0.100", f"{zeta:.4f}", "0.0100", *remark.split()]
 
 
 def test_frequency_responses_without_a_model(tmp_path, capsys):

@@ -1,12 +1,12 @@
 """Two loggers to ask the same of: the double, and the firmware on a simulated board."""
 
-import time
 from threading import Lock
 
 import numpy as np
 
 from tests.firmware.promises.conftest import SMALL
 from tests.firmware.promises.logger import configure
+from tests.patience import wait_until
 from wheelhop.hil_sim import Board, CardImage, constant
 from wheelhop.hil_sim.double import SerialDouble
 from wheelhop.logger.link import Link
@@ -25,12 +25,8 @@ class DoubleBench:
         self.link = Link(SerialPort(self._double.url))
 
     def run(self, seconds):
-        # Of its own time, which may stand still while others compute; and what it sends at the end
-        # is on the line when that has gone on once more.
-        for more in (seconds, 1e-6):
-            end = self._double.time_s + more
-            while self._double.time_s < end:
-                time.sleep(1e-3)
+        end = self._double.time_s + seconds
+        wait_until(lambda: self._double.time_s >= end)
 
     def press_button(self):
         self._double.press_button()
@@ -67,8 +63,7 @@ class BoardBench:
 
     def run(self, seconds):
         end = self._board.time + seconds
-        while self._board.time < end:
-            time.sleep(5e-3)
+        wait_until(lambda: self._board.time >= end)
 
     def press_button(self):
         with self._lock:

@@ -2,11 +2,11 @@
 
 import subprocess
 import sys
-import time
 
 import pytest
 
 from tests.firmware.promises.reader import read_log
+from tests.patience import wait_until
 from wheelhop.cli.download import choose
 from wheelhop.hil_sim.double import DoubleFaults, SerialDouble
 from wheelhop.logger import LoggerError
@@ -69,7 +69,7 @@ def test_a_session_recorded_by_the_logger_arrives(card, out):
     with SerialDouble(card=card, factor=FACTOR) as double:
         with connect(double.url) as link:
             link.start()
-            time.sleep(0.5)
+            wait_until(lambda: double.totals["due"] > 150)
             link.stop()
         one = fetch(double, out)
     log = read_log(one.path.read_bytes())

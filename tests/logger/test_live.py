@@ -6,6 +6,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from tests.patience import PATIENCE_S
 from wheelhop.logger import live
 from wheelhop.logger.live import Live, LivePlot
 
@@ -18,7 +19,7 @@ def plot():
 
 def get(plot, path=None, **headers):
     url = urlsplit(plot.url)
-    connection = HTTPConnection(url.hostname, url.port, timeout=5)
+    connection = HTTPConnection(url.hostname, url.port, timeout=PATIENCE_S)
     connection.request("GET", url.path if path is None else path, headers=headers)
     return connection.getresponse()
 

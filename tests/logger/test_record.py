@@ -6,10 +6,12 @@ import sys
 import threading
 import time
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 
 from tests.firmware.promises.reader import read_log
+from tests.patience import PATIENCE_S, wait_until
 from wheelhop.hil_sim import constant
 from wheelhop.hil_sim.double import DoubleFaults, SerialDouble
 from wheelhop.logger import LoggerError
@@ -28,8 +30,10 @@ from pathlib import Path
 from wheelhop.logger import LoggerError
 from wheelhop.logger.record import RecordOptions, free_path, record
 {before}
+def tell(live):
+    print(live.written, flush=True)
 try:
-    record(RecordOptions(out=Path(sys.argv[2]), port=sys.argv[1], start=True))
+    record(RecordOptions(out=Path(sys.argv[2]), port=sys.argv[1], start=True), on_tick=tell)
 except LoggerError as error:
     print(error)
     sys.exit(2)
@@ -60,11 +64,15 @@ def when(double, due, action):
     """Do something as soon as so many scans of a session are due."""
 
     def wait():
-        while double.totals.get("due", 0) < due:
-            time.sleep(2e-3)
+        until_due(double, due)
         action()
 
     threading.Thread(target=wait, daemon=True).start()
+
+
+def until_due(double, due):
+    """Wait until so many scans of a session are due."""
+    wait_until(lambda: double.totals.get("due", 0) >= due)
 
 
 @pytest.fixture
@@ -103,7 +111,6 @@ def test_what_the_line_loses_is_missing_and_never_made_up(card, out):
         (one,) = go(double, out, start=True, seconds=20).files
         totals = double.totals
     log, told = log_of(one), card_log(card, one)
-    # A command that the line loses is asked again half a minute later: scans go on meanwhile.
     assert 0 < one.lost < 0.06 * one.card[0] and one.card == (totals["due"], totals["written"], 0)
     assert log.scans.items() <= told.scans.items()
     assert int(log.summary["due"]) == len(told.scans)
@@ -127,7 +134,8 @@ def test_a_line_that_comes_back_goes_on_in_the_same_file(card, out):
         (one,) = go(double, out, live, start=True, seconds=30).files
         totals = double.totals
     log, told = log_of(one), card_log(card, one)
-    assert one.card == (totals["due"], totals["written"], 0) and 600 < one.lost < 3500
+    # Twice six seconds, less what the logger kept for the line, and until the host is back.
+    assert one.card == (totals["due"], totals["written"], 0) and 1100 < one.lost < one.card[0]
     assert log.scans.items() <= told.scans.items() and told.summary["lost"] == "0"
     assert sum("is back" in message for message in live.messages) == 2
 
@@ -161,12 +169,11 @@ def test_the_button_ends_the_file(card, out):
 def test_a_session_that_runs_already_is_joined_and_left_running(card, out):
     with SerialDouble(card=card, factor=FACTOR) as double:
         double.press_button()
-        time.sleep(0.3)
+        until_due(double, 200)
         (one,) = go(double, out, seconds=5).files
-        time.sleep(0.2)
-        assert double.totals["due"] > one.written + one.lost
+        until_due(double, one.written + one.lost + 1)  # it goes on
     log = log_of(one)
-    assert 500 <= one.written < 2500  # five seconds of its rest
+    assert one.written >= 500  # five seconds of its rest
     assert log.session >> 16 == 1 and one.lost == min(log.scans) > 100
     assert log.header["channels"] == "B1 B2 B3 B4 A1 A2 A3 A4"
 
@@ -200,26 +207,24 @@ def spawn(double, out, before=""):
 
 
 def test_who_kills_the_process_loses_less_than_a_second(card, out):
+    """Of what had come when it was killed, and it told before that."""
     with SerialDouble(card=card, factor=1.0) as double:
         process = spawn(double, out)
-        while double.totals.get("due", 0) < 200:
-            time.sleep(0.01)
-        due = double.totals["due"]
+        came = next(int(line) for line in process.stdout if int(line) >= 200)
         process.kill()
         process.wait()
     data = (out / "HOP00001.HOP").read_bytes()
     log = read_log(data)
     assert len(data) % 512 == 0 and log.bad == [] and log.summary is None
-    assert sorted(log.scans) == list(range(len(log.scans))) and len(log.scans) > due - 100
+    assert sorted(log.scans) == list(range(len(log.scans))) and len(log.scans) > came - 100
 
 
 def test_an_interrupt_ends_it_in_good_order(card, out):
     with SerialDouble(card=card, factor=FACTOR) as double:
         process = spawn(double, out)
-        while double.totals.get("due", 0) < 500:
-            time.sleep(0.01)
+        until_due(double, 500)
         process.send_signal(signal.SIGINT)
-        assert process.wait(20) == 0
+        assert process.communicate(timeout=PATIENCE_S) and process.returncode == 0
         log = read_log((out / "HOP00001.HOP").read_bytes())
         assert log.summary["end"] == "command" and log.summary["lost"] == "0"
         assert int(log.summary["due"]) == double.totals["written"]
@@ -244,12 +249,12 @@ def test_a_full_disk_is_told_and_harms_nothing(card, out):
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))"
     with SerialDouble(card=card, factor=FACTOR) as double:
         process = spawn(double, out, limit)
-        told = process.communicate(timeout=30)[0]
+        told = process.communicate(timeout=PATIENCE_S)[0].splitlines()[-1]
         assert process.returncode == 2
-        time.sleep(0.1)
-        assert double.totals["due"] >= double.totals["written"] > 16 * 37  # it goes on on its card
+        until_due(double, double.totals["due"] + 100)  # it goes on on its card
+        assert double.totals["due"] >= double.totals["written"] > 16 * 37
     file = out / "HOP00001.HOP"
-    assert told.startswith(f"{file}: ") and "wheelhop download" in told and told.count("\n") == 1
+    assert told.startswith(f"{file}: ") and "wheelhop download" in told
     log = read_log(file.read_bytes())
     assert file.stat().st_size == 17 * 512 and log.bad == []
     assert sorted(log.scans) == list(range(len(log.scans))) and len(log.scans) > 500
@@ -269,14 +274,16 @@ def test_a_folder_that_takes_no_files_is_told(monkeypatch, out):
 
 
 def test_the_clock_error_is_stored_in_the_logger(monkeypatch, card, out):
-    monkeypatch.setattr("wheelhop.logger.record.CLOCK_AFTER_S", 3.0)
-    # On a busy machine some scans come a tenth of a second late; few come so for half a second.
-    monkeypatch.setattr("wheelhop.logger.clock.BIN_S", 0.5)
+    """The host's clock is the double's own, but for the error: however slow the machine is, both
+    are."""
+    monkeypatch.setattr("wheelhop.logger.record.CLOCK_AFTER_S", 30.0)
     monkeypatch.setattr("wheelhop.logger.clock.SOUND_PPM", 10_000.0)
-    with SerialDouble(card=card, clock_ppm=10_000.0) as double:
-        result = go(double, out, start=True, seconds=8.0)
+    with SerialDouble(card=card, factor=FACTOR) as double:
+        clock = SimpleNamespace(monotonic=lambda: 1.01 * double.time_s, time=time.time)
+        monkeypatch.setattr("wheelhop.logger.link.time", clock)
+        result = go(double, out, start=True, seconds=40.0)
         stored = int(card_log(card, result.files[0]).summary["clock_ppm"])
-    assert stored == round(result.clock.ppm) and abs(stored - 10_000) < 8000
+    assert stored == round(result.clock.ppm) and abs(stored - 10_000) < 2000
 
 
 @pytest.fixture

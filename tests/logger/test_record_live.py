@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from tests.patience import PATIENCE_S
 from wheelhop.cli.record_view import line, picture
 from wheelhop.logger import LoggerError
 from wheelhop.logger.block import pack_scans
@@ -74,13 +75,13 @@ def test_the_plot_comes_from_this_computer_alone():
     live = live_of_a_recording()
     with LivePlot(live) as plot:
         assert plot.url.startswith("http://127.0.0.1:")
-        page = urllib.request.urlopen(plot.url, timeout=5).read().decode()
+        page = urllib.request.urlopen(plot.url, timeout=PATIENCE_S).read().decode()
         assert "http" not in page.replace("http-equiv", "") and "EventSource" in page
-        with urllib.request.urlopen(plot.url + "events", timeout=5) as stream:
+        with urllib.request.urlopen(plot.url + "events", timeout=PATIENCE_S) as stream:
             told = json.loads(stream.readline().removeprefix(b"data: "))
         assert told["channels"] == ["B1", "A4"] and told["missing"] == 0
         assert told["codes"][150] is None and told["codes"][10] == [512.0, 10.0]
         with pytest.raises(urllib.error.HTTPError):
-            urllib.request.urlopen(plot.url + "etc", timeout=5)
+            urllib.request.urlopen(plot.url + "etc", timeout=PATIENCE_S)
         with pytest.raises(LoggerError, match="take another"):
             LivePlot(live, urllib.parse.urlsplit(plot.url).port)

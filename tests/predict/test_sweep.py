@@ -1,6 +1,7 @@
 """Sweeps: every combination once, whatever ends the program in between."""
 
 import contextlib
+import errno
 import json
 import os
 import signal
@@ -16,11 +17,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.patience import PATIENCE_S, wait_until
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.main import main
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.ride import ride
 from wheelhop.predict.sweep import Axis, Sweep
+from wheelhop.predict.trouble import Trouble, lasting
 from wheelhop.vehicle import read_vehicle
 
 FILE = Path(__file__).parents[2] / "examples/clean/vehicle.toml"
@@ -145,6 +148,63 @@ def test_a_lost_worker_is_one_line_and_loses_nothing(tmp_path):
     assert [row["speed_kmph"] for row in rows] == [0.0, 1.0, 2.0]
 
 
+class Troubled(Counted):
+    """Point 1 meets what its subclass says."""
+
+    def rows(self, number):
+        if number == 1 and Troubled.what is not None:
+            raise Troubled.what
+        return super().rows(number)
+
+
+@pytest.mark.parametrize(
+    "what", [OSError(errno.ESTALE, "Stale file handle"), MemoryError(), Trouble("try again")]
+)
+def test_trouble_that_may_pass_is_no_result(what, tmp_path, monkeypatch):
+    one, table = sweep("speed=8:10:3", kind=Troubled), tmp_path / "t.parquet"
+    object.__setattr__(one, "asked", [])
+    monkeypatch.setattr(Troubled, "what", what, raising=False)
+    with pytest.raises(CampaignError, match=r"1 of 3 points.*speed = 9.*goes on from here"):
+        run_sweep(one, table, ThreadPoolExecutor(1))
+    assert one.asked == [0, 2] and not table.exists()
+    monkeypatch.setattr(Troubled, "what", None)
+    computed, rows = run_sweep(one, table, ThreadPoolExecutor(1))
+    assert computed == 1 and [row["speed_kmph"] for row in rows] == [0.0, 1.0, 2.0]
+
+
+def test_a_refusal_of_the_system_may_pass_and_a_file_that_is_not_there_does_not():
+    for code in (errno.EIO, errno.EACCES, errno.ENOSPC, errno.ESTALE, errno.EMFILE):
+        with pytest.raises(Trouble):
+            lasting(OSError(code, "no"), "here")
+    for error in (OSError(errno.ENOENT, "no"), ValueError("no"), OSError("no Parquet")):
+        assert lasting(error, "here").startswith("here: ")
+    assert lasting(CampaignError("there: wrong"), "here") == "there: wrong"
+    try:
+        try:
+            raise OSError(errno.EIO, "Input/output error")
+        except OSError:
+            raise CampaignError("x.csv: cannot be read: Input/output error") from None
+    except CampaignError as error:
+        with pytest.raises(Trouble, match=r"x\.csv"):
+            lasting(error, "here")
+
+
+def test_a_sweep_is_the_same_however_its_survey_is_spelt(tmp_path, monkeypatch):
+    (tmp_path / "road.csv").write_text("x_m,left_m,right_m\n0,0,0\n5,0,0\n9,0.01,0.01\n")
+    (tmp_path / "link.csv").symlink_to("road.csv")
+    monkeypatch.chdir(tmp_path)
+    axes = (Axis.parse("speed=8:10:2"),)
+    spelt = ("road.csv", "./road.csv", str(tmp_path / "road.csv"), "link.csv")
+    made = [
+        Sweep(VEHICLE, (f"profile:file={path}",), (), (), axes, seconds=2.0, seed=0)
+        for path in spelt
+    ]
+    assert len({one.fingerprint for one in made}) == 1
+    before = made[0].fingerprint
+    (tmp_path / "road.csv").write_text("x_m,left_m,right_m\n0,0,0\n5,0,0\n9,0.02,0.01\n")
+    assert made[0].fingerprint != before
+
+
 def test_killed_it_goes_on_and_computes_nothing_twice(tmp_path):
     """A real SIGKILL, while the command and its processes are at work."""
     table, journal = tmp_path / "t.parquet", tmp_path / "t.parquet.journal"
@@ -153,10 +213,8 @@ def test_killed_it_goes_on_and_computes_nothing_twice(tmp_path):
     command = [sys.executable, "-m", "wheelhop.cli.main", *words]
     killed = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        until = time.monotonic() + 60
-        while not (journal.exists() and journal.read_bytes().count(b"\n") > 2):
-            assert killed.poll() is None and time.monotonic() < until
-            time.sleep(0.005)
+        wait_until(lambda: journal.exists() and journal.read_bytes().count(b"\n") > 2)
+        assert killed.poll() is None
     finally:
         os.kill(killed.pid, signal.SIGKILL)
         killed.wait()
@@ -185,9 +243,15 @@ class Slow:
     def __len__(self):
         return 5
 
+    def name(self, number):
+        return str(number)
+
+    def files(self, number):
+        return ""
+
     def rows(self, number):
         print("begun", flush=True)
-        time.sleep(60)
+        time.sleep(10 * {PATIENCE_S})
 
 
 if __name__ == "__main__":
@@ -204,7 +268,7 @@ if __name__ == "__main__":
 @pytest.mark.parametrize("word", ["starting", "begun"])
 def test_an_interruption_ends_workers_at_once_and_they_say_nothing(word, tmp_path):
     """A terminal sends it to all of them, which may just be starting."""
-    (tmp_path / "slow.py").write_text(SLOW)
+    (tmp_path / "slow.py").write_text(SLOW.replace("{PATIENCE_S}", str(PATIENCE_S)))
     with subprocess.Popen(
         [sys.executable, "slow.py"],
         cwd=tmp_path,
@@ -219,7 +283,7 @@ def test_an_interruption_ends_workers_at_once_and_they_say_nothing(word, tmp_pat
         time.sleep(0.5)
         os.killpg(process.pid, signal.SIGINT)
         try:
-            _, err = process.communicate(timeout=20)
+            _, err = process.communicate(timeout=PATIENCE_S)
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)

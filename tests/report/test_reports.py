@@ -121,11 +121,14 @@ def test_no_effect_found_is_not_nothing_missing(clean):
 
 def test_what_is_left_unexplained_is_said(friction):
     cut = replace(friction.diagnosis, verdict=("unknown",), ladder=friction.diagnosis.ladder[:1])
-    assert headline(cut) == "Something is missing, and no effect of the library explains it."
+    assert (
+        headline(cut)
+        == "Something is missing, and no effect of the library is confirmed as its cause."
+    )
     both = replace(friction.diagnosis, verdict=("dry-friction", "unknown"))
     assert headline(both).startswith("The model lacks dry-friction")
     assert headline(both).endswith(
-        "Something more is missing that no effect of the library explains."
+        "Something more is missing, and no effect of the library is confirmed as its cause."
     )
 
 

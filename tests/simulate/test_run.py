@@ -123,7 +123,7 @@ def test_hundreds_of_places_need_the_memory_of_some():
     campaign, model = campaign_of(run), model_of(ATV, run)
     system = model.system(CHANNELS, "road")
     peaks = []
-    for count in (40, 280):
+    for count in (1, 40, 280):  # what the first imports and compiles does not count
         places = [model.with_run("run", {"start_m": 30.0 + 0.01 * i}) for i in range(count)]
         simulator = RunSimulator(campaign, campaign.runs[0], 4.0)
         tracemalloc.start()
@@ -134,7 +134,7 @@ def test_hundreds_of_places_need_the_memory_of_some():
             tracemalloc.stop()
         assert len(records) == count
         peaks.append(peak - kept)
-    assert peaks[1] < 2.0 * peaks[0]
+    assert peaks[2] < 2.0 * peaks[1]
 
 
 def test_any_channels_in_any_order():

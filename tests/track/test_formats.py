@@ -112,6 +112,9 @@ def test_adams_surfaces_and_lines_are_read(tmp_path):
         ("0.3", "3000", "look at LENGTH"),
         ("[NODES]", "[REFSYS]\nX = 1\n[NODES]", "REFSYS"),
         ("[MODEL]\n", "", "METHOD = ''"),
+        ("[NODES]", "[OFFSET]\nX = far\n[NODES]", r"\[OFFSET\] X = far: must be a number"),
+        ("NODES = 4", "NODES = ²", "NUMBER_OF_NODES = ²: cut off"),
+        ("2 1 -1 0.1", "2 0 -1 0.1", "line 11: another node at this x and y has another z"),
     ],
 )
 def test_a_road_of_another_kind_or_damaged_is_a_line(old, new, said, tmp_path):

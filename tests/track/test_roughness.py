@@ -114,3 +114,29 @@ def test_a_mistake_is_one_line(case, tmp_path, capsys, monkeypatch):
     error = capsys.readouterr().err
     assert complaint in error and error.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("track", "words", "said"),
+    [
+        ("flat", [], "no unevenness"),
+        ("iso8608:unevenness_m3=1e300:waviness=2:seed=1", [], "is higher than 100 m"),
+        ("iso8608:unevenness_m3=1e-4:waviness=1e300:seed=1", [], "is higher than 100 m"),
+        ("washboard/low", ["--length", "1", "--step", "0.001"], "too short for a spectrum"),
+        ("half-sine-bump/thesis", ["--step", "0.01"], "too short for a spectrum"),
+    ],
+)
+def test_ground_without_a_spectrum_is_a_line(track, words, said, capsys):
+    assert main(["road", track, *words]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"wheelhop: {track}: ") and said in error and error.count("\n") == 1
+
+
+def test_a_grid_without_a_column_between_the_wheels_is_read_where_they_run(tmp_path, capsys):
+    x = 0.02 * np.arange(500)
+    lines = [
+        f"{a:.2f},{z:.6f},{z:.6f}" for a, z in zip(x, 0.01 * np.cos(4 * np.pi * x), strict=True)
+    ]
+    (tmp_path / "grid.csv").write_text("\n".join(["x_m,-1,1", *lines]) + "\n")
+    assert main(["road", f"profile:file={tmp_path / 'grid.csv'}"]) == 0
+    assert "7.07 mm rms" in capsys.readouterr().out  # 10 mm over √2

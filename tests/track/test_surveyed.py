@@ -70,6 +70,8 @@ def test_a_surveyed_kerb_is_not_overshot(tmp_path: Path) -> None:
         ("x_m,left_m,right_m\n0,0,0\n1,0\n", "line 3 "),
         ("x_m,left_m,right_m\n0,0,0\n1,0,0\n1,0,0\n", "line 4: x_m must increase"),
         ("x_m,left_m,right_m\n0,0,0\n1,250,0\n", "must be in metres"),
+        ("x_m,left_m,right_m\n0,0,0\n1e-320,1,0\n", "station 2: x, m, must increase by 1e-06"),
+        ("x_m,left_m,right_m\n-1e308,0,0\n0,1,0\n1e308,1,0\n", "station 3: x, m, must increase"),
     ],
 )
 def test_a_csv_that_makes_no_sense_is_refused(tmp_path: Path, text: str, complaint: str) -> None:
@@ -82,7 +84,7 @@ def test_a_csv_that_makes_no_sense_is_refused(tmp_path: Path, text: str, complai
 
 
 def test_a_file_that_is_not_there_or_not_text_is_named(tmp_path: Path) -> None:
-    with pytest.raises(CampaignError, match=r"missing\.csv: No such file"):
+    with pytest.raises(CampaignError, match=r"missing\.csv: no such file"):
         survey(tmp_path / "missing.csv")
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"\xff\xfe\x00x_m" * 20)

@@ -11,13 +11,28 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
+from tests.patience import PATIENCE_S
 from tests.truth.campaign import make_campaign, write_campaign
 from tests.truth.effects import make_effects
 from tests.truth.presets import PRESETS, planned_runs
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-PATIENCE_MS = 180_000
+PATIENCE_MS = 1000 * PATIENCE_S
+POLICY = "Content Security Policy"  # in what a browser says of what it does not run
 VEHICLE = {"front wheels": 130, "rear wheels": 160, "wheelbase": 1.42, "track width": 1.18}
+
+
+SETTLED = """async () => {
+  for (let frame = 0; frame < 3; frame++) await new Promise(requestAnimationFrame);
+  const finite = document.getAnimations().filter(
+    one => one.effect.getComputedTiming().endTime !== Infinity);
+  await Promise.allSettled(finite.map(one => one.finished));
+}"""
+
+
+def settle(page: object) -> None:
+    """Wait until nothing on the page moves or fades any longer."""
+    page.evaluate(SETTLED)
 
 
 def describe_vehicle(page: object) -> None:
@@ -53,7 +68,7 @@ def _served(arguments: tuple[object, ...], home: Path) -> Iterator[tuple[str, su
         yield line.split()[-1], process
     finally:
         process.terminate()
-        print(process.communicate(timeout=10)[1])  # seen only where a test fails
+        print(process.communicate(timeout=PATIENCE_S)[1])  # seen only where a test fails
 
 
 @pytest.fixture(scope="session")
@@ -79,6 +94,7 @@ def open_page(browser) -> Iterator[Callable[[str], object]]:
         page = context.new_page()
         page.set_default_timeout(PATIENCE_MS)
         page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("console", lambda line: complaints.append(line.text) if POLICY in line.text else 0)
         page.goto(address)
         page.wait_for_selector(".bench-head h1")
         return page

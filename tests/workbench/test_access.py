@@ -3,8 +3,9 @@
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 
-from tests.workbench.conftest import CHROMIUM
-from wheelhop.workbench.compare_view import WHOLE, moved
+from tests.workbench.conftest import CHROMIUM, PATIENCE_MS, settle
+from wheelhop.workbench.charts import WHOLE
+from wheelhop.workbench.compared import moved
 
 RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]}
 TABS = ("Overview", "Record", "Compare", "What is missing", "Vehicle", "Take away")
@@ -26,16 +27,13 @@ def test_contrast_names_and_room(small_open, browser):
             viewport={"width": width, "height": height}, color_scheme=scheme
         )
         page = context.new_page()
+        page.set_default_timeout(PATIENCE_MS)
         page.goto(small_open)
-        page.wait_for_selector("table.heat td:is(.h0, .h1, .h2, .h3, .h4)", timeout=180_000)
+        page.wait_for_selector("table.heat td:is(.h0, .h1, .h2, .h3, .h4)")
         for tab in TABS:
             page.get_by_role("tab", name=tab).click()
-            page.wait_for_timeout(800)
-            found = violations(page)
-            if found:  # what is still fading in has no contrast yet
-                page.wait_for_timeout(2000)
-                found = violations(page)
-            assert found == {}, (tab, scheme)
+            settle(page)  # what is still fading in has no contrast yet
+            assert violations(page) == {}, (tab, scheme)
             assert page.evaluate("document.documentElement.scrollWidth") <= width, tab
         context.close()
 

@@ -1,5 +1,6 @@
 """From three files of another recorder to a campaign: what can be guessed is."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +62,31 @@ def test_units_places_and_stretches_are_guessed(draft):
     for piece in draft.pieces:
         assert piece.from_s == pytest.approx(REST_S, abs=1.1)
         assert piece.to_s == pytest.approx(REST_S + DRIVE_S, abs=1.1)
+
+
+def test_on_a_track_that_goes_on_alike_the_steady_part_is_the_run(tmp_path):
+    """Unless somebody has moved the ends; a bump, and ground without a name, are driven whole."""
+    rng = np.random.default_rng(8)
+    time = np.arange(3600) / RATE
+    level = np.select([(time < 4) | (time > 32), (time < 8) | (time > 28)], [0.02, 1.0], 0.0)
+    wave = 4.0 * np.sin(2 * np.pi * 5.2 * time) * (level == 0.0)
+    rows = rng.normal(size=(len(time), 8)) * (level + 0.02)[:, None] + wave[:, None]
+    file = tmp_path / "day.csv"
+    head = ",".join(["time_s", *(f"{point}_m_s2" for point in NAMES)])
+    np.savetxt(file, np.column_stack([time, rows]), delimiter=",", header=head, comments="")
+    draft = Draft(tmp_path / "draft")
+    draft.add(file)
+    draft.read()
+    [piece] = draft.pieces
+    assert (piece.from_s, piece.to_s) == pytest.approx((4.0, 32.0), abs=1.1)
+    piece.choose("washboard")
+    assert (piece.from_s, piece.to_s) == pytest.approx((8.0, 28.0), abs=1.6)
+    assert piece.from_s >= 8.0 and piece.to_s <= 28.0
+    piece.choose("half-sine-bump")
+    assert (piece.from_s, piece.to_s) == pytest.approx((4.0, 32.0), abs=1.1)
+    piece.from_s = 12.0
+    piece.choose("washboard")
+    assert piece.from_s == 12.0
 
 
 def test_the_campaign_holds_what_was_recorded(draft, tmp_path):
@@ -213,6 +239,43 @@ def test_runs_join_a_campaign_or_none_does(draft, tmp_path):
     assert len(read_campaign(folder).runs) == 6
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a process that is killed is a fork of this")
+def test_killed_while_it_joins_runs_a_campaign_has_all_of_them_or_none(draft, tmp_path):
+    """Killed before and after every rename in turn."""
+    folder, places = tmp_path / "campaign", {}
+    draft.make(folder, "t")
+    before = (folder / "campaign.toml").read_bytes()
+    more = Draft(tmp_path / "more", folder)
+    for file in write_foreign(tmp_path):
+        more.add(file)
+    more.read()
+    for i, piece in enumerate(more.pieces):
+        piece.id, piece.speed_kmph = f"again-{i}", 12.0
+    for step in range(20):
+        child = os.fork()
+        if child == 0:
+            rename, left = os.replace, [step]
+
+            def killed(source, target, rename=rename, left=left):
+                for last in (True, False):
+                    if left[0] == 0:
+                        os._exit(7)
+                    left[0] -= 1
+                    if last:
+                        rename(source, target)
+
+            os.replace = killed
+            more.join(folder)
+            os._exit(0)
+        status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        places[step] = len(read_campaign(folder).runs) - len(draft.pieces)
+        assert places[step] in (0, len(more.pieces)), step
+        (folder / "campaign.toml").write_bytes(before)
+        if status == 0:
+            break
+    assert len(set(places.values())) == 2 and len(places) > len(more.pieces)
+
+
 def test_a_stretch_can_be_added_by_hand(draft):
     file = draft.files[0]
     piece = draft.new_piece(file)
@@ -227,3 +290,80 @@ def test_a_campaign_that_is_there_stays(draft, tmp_path):
     with pytest.raises(CampaignError, match="there is a campaign already"):
         draft.make(tmp_path / "made", "Another")
     assert (tmp_path / "made/campaign.toml").read_bytes() == before
+
+
+def with_unit(tmp_path, unit: str, name: str = "A1", behind: str = "{} [{}]") -> Draft:
+    """A draft of one recording whose first column is in another unit than the rest."""
+    file = write_foreign(tmp_path, 1)[0]
+    label = behind.format(name, unit) if unit else name
+    file.write_text(file.read_text().replace("Acc axle FL [g]", label, 1))
+    draft = Draft(tmp_path / "draft")
+    draft.add(file)
+    return draft
+
+
+@pytest.mark.parametrize("unit", ["mm", "deg/s", "km/h", "%", "V", "furlong", ""])
+def test_a_column_in_no_unit_of_acceleration_is_never_taken_for_one(tmp_path, unit):
+    """A damper's potentiometer called A1 has no place; nor has a unit that is not known."""
+    draft = with_unit(tmp_path, unit)
+    assert draft.columns[0].unit == unit
+    with pytest.raises(CampaignError, match=r"drive 1\.csv: column A1.* unit") as caught:
+        draft.read()
+    assert (unit or "does not say") in str(caught.value)
+    with pytest.raises(CampaignError):
+        draft.make(tmp_path / "made", "My car")
+    draft.columns[0].place = NOT_USED  # what the line says to do
+    draft.read()
+    assert len(draft.recordings[draft.files[0]].channels) == 7
+    draft.columns[0].place, draft.columns[0].unit = "A1", "m/s²"  # or the user knows better
+    draft.read()
+    assert draft.recordings[draft.files[0]].channels[0].unit == "m/s²"
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("m/s^2", 1.0), ("ft/s²", 0.3048), ("Gal", 0.01), ("G", G), ("m/s/s", 1.0)]
+)
+def test_an_acceleration_in_any_known_unit_becomes_si(tmp_path, unit, factor):
+    draft = with_unit(tmp_path, unit)
+    draft.read()
+    found = draft.recordings[draft.files[0]]
+    file = draft.files[0].read_text().splitlines()[1:]
+    written = [float(line.split(";")[1].replace(",", ".")) for line in file]
+    assert found.values[:, 0] == pytest.approx(factor * np.array(written))
+
+
+def test_a_name_that_tells_a_corner_is_no_place_for_a_damper_s_travel(tmp_path):
+    draft = with_unit(tmp_path, "mm", "damper axle FL")
+    assert draft.columns[0].place == NOT_USED
+    draft.read()
+
+
+def test_every_recording_keeps_the_unit_it_says(tmp_path):
+    """The second was set to mg: its numbers are a thousand times larger, not its motion."""
+    rows = "\n".join(f"{i / 100};{{}};{{}}" for i in range(2000))
+    head = "Time;A1;A2\ns;{};{}\n"
+    for name, unit, amplitude in (("one", "g", 1.0), ("two", "mg", 1000.0)):
+        numbers = [amplitude * np.sin(0.3 * (i // 2)) for i in range(4000)]
+        text = (head.format(unit, unit) + rows).format(*numbers)
+        (tmp_path / f"{name}.csv").write_text(text)
+    draft = Draft(tmp_path / "draft")
+    for name in ("one", "two"):
+        draft.add(tmp_path / f"{name}.csv")
+    draft.read()
+    one, two = draft.recordings.values()
+    assert two.values == pytest.approx(one.values, rel=1e-9)
+
+
+def test_a_recording_without_time_is_not_given_a_rate(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("A1 [g];A2 [g]\n" + "".join(f"{i % 7};{i % 5}\n" for i in range(2000)))
+    with pytest.raises(InputError, match=r"run\.csv: .*no column is time"):
+        Draft(tmp_path / "draft").add(file)
+
+
+def test_a_unit_of_time_that_is_not_known_is_not_taken_for_seconds(tmp_path):
+    file = write_foreign(tmp_path, 1)[0]
+    file.write_text(file.read_text().replace("Time [s]", "Time [ticks]"))
+    with pytest.raises(InputError, match=r"drive 1\.csv: .*time_unit.*ticks") as caught:
+        Draft(tmp_path / "draft").add(file)
+    assert "map.toml" not in str(caught.value)

@@ -10,6 +10,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from tests.patience import PATIENCE_S
 from tests.workbench.conftest import workbench
 
 
@@ -20,7 +21,7 @@ def address():
 
 
 def ask(address, path="/", method="GET", **headers):
-    connection = http.client.HTTPConnection(address.hostname, address.port, timeout=20)
+    connection = http.client.HTTPConnection(address.hostname, address.port, timeout=PATIENCE_S)
     connection.putrequest(method, path, skip_host="Host" in headers)
     for key, value in headers.items():
         connection.putheader(key, value)
@@ -55,7 +56,7 @@ def test_a_report_that_came_with_a_campaign_shows_and_does_nothing(tmp_path):
         here = urlsplit(address)
         _, headers, _ = ask(here, f"/?{here.query}")
         token = headers["set-cookie"].split(";")[0]
-        connection = http.client.HTTPConnection(here.hostname, here.port, timeout=20)
+        connection = http.client.HTTPConnection(here.hostname, here.port, timeout=PATIENCE_S)
         connection.request("GET", "/report", headers={"Cookie": token})
         answer = connection.getresponse()
         policies = answer.msg.get_all("content-security-policy")
@@ -113,7 +114,7 @@ def test_a_socket_of_another_page_is_closed(address, cookie):
     place = f"ws://{address.netloc}/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
     for headers in ({"Cookie": cookie, "Origin": "http://evil.example"}, {}):
         with pytest.raises(InvalidStatus) as caught:
-            connect(place, additional_headers=headers, open_timeout=20).close()
+            connect(place, additional_headers=headers, open_timeout=PATIENCE_S).close()
         assert caught.value.response.status_code == 403
 
 
@@ -130,7 +131,24 @@ def test_no_campaign_and_a_port_that_is_taken_get_a_line(tmp_path, address):
     command = [sys.executable, "-m", "wheelhop.cli.main", "workbench", "--no-browser"]
     for arguments in ([tmp_path], ["--port", address.port]):
         done = subprocess.run(
-            [*command, *map(str, arguments)], capture_output=True, text=True, timeout=60
+            [*command, *map(str, arguments)], capture_output=True, text=True, timeout=PATIENCE_S
         )
         assert done.returncode == 2
         assert done.stderr.count("\n") == 1, done.stderr
+
+
+def test_a_workbench_for_all_answers_by_any_address_and_no_stranger_s_name():
+    """0.0.0.0 is what it listens on, and nobody's address."""
+    with workbench("--host", "0.0.0.0") as (told, _):
+        here = urlsplit(told)
+        assert here.hostname != "0.0.0.0"
+        local = urlsplit(f"http://127.0.0.1:{here.port}/?{here.query}")
+        _, headers, _ = ask(local, f"/?{here.query}")
+        token = headers["set-cookie"].split(";")[0]
+        for name in (here.netloc, local.netloc, f"localhost:{here.port}"):
+            status, _, _ = ask(local, Host=name, Origin=f"http://{name}", Cookie=token)
+            assert status == 200, name
+        for name in (f"evil.example:{here.port}", f"127.0.0.1:{here.port + 1}", "127.0.0.1"):
+            assert ask(local, Host=name, Cookie=token)[0] == 403, name
+        other = "http://192.0.2.7:80"
+        assert ask(local, Host=local.netloc, Origin=other, Cookie=token)[0] == 403

@@ -4,7 +4,7 @@ import json
 import re
 import shutil
 
-from tests.workbench.conftest import workbench
+from tests.workbench.conftest import settle, workbench
 
 NASTY = '<img src=x onerror="document.title=1"><script>document.title=2</script> ../../x & '
 LONG = "long " * 700
@@ -37,7 +37,7 @@ def test_names_are_text_and_nothing_else(small, tmp_path, open_page, pictures):
         assert page.locator("h1").inner_text().startswith("<img")
         for tab in ("Overview", "Compare", "The model", "Take away"):
             page.get_by_role("tab", name=tab).click()
-            page.wait_for_timeout(500)
+            settle(page)
             assert page.evaluate("document.documentElement.scrollWidth") <= 1280, tab
             page.screenshot(path=pictures / f"nasty-{tab}.png")
         assert page.locator("img[src=x]").count() == 0

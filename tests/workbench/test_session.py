@@ -16,10 +16,11 @@ from wheelhop.workbench.session import (
     Choice,
     Session,
     first_session,
+    made_of,
     read_session,
     write_session,
 )
-from wheelhop.workbench.shown import Row, Verdict
+from wheelhop.workbench.shown import Diagnosed, Row, Verdict
 
 CLEAN = Path(__file__).parents[2] / "examples/clean"
 CAMPAIGN = read_campaign(CLEAN)
@@ -42,13 +43,28 @@ choices = st.builds(
 )
 
 
-@given(choices, verdicts, st.lists(rows, max_size=3).map(tuple))
-def test_a_session_is_read_as_it_was_written(choice, verdict, ranking):
+findings = st.lists(st.tuples(line, line), max_size=2).map(tuple)
+diagnoses = st.builds(Diagnosed, verdicts, st.lists(rows, max_size=3).map(tuple), findings)
+
+
+@given(choices, st.dictionaries(line, diagnoses, max_size=3))
+def test_a_session_is_read_as_it_was_written(choice, found):
     with tempfile.TemporaryDirectory() as folder:
         campaign = replace(CAMPAIGN, folder=Path(folder))
-        session = Session(choice, verdict, ranking)
+        session = Session(choice, found)
         write_session(campaign, session, "wheelhop")
         assert read_session(campaign) == session
+
+
+def test_the_one_diagnosis_of_an_older_file_is_of_its_choice(tmp_path):
+    campaign = replace(CAMPAIGN, folder=tmp_path)
+    text = f"""format = 1\nwithout_runs = ["{RUNS[0]}"]\n[diagnosis]\neffects = ["none"]
+confidence = 0.5\nheadline = "Nothing"\n[[ranking]]\neffect = "backlash"\nplace = "axle"\n"""
+    (tmp_path / "session.toml").write_text(text)
+    session = read_session(campaign)
+    ((key, found),) = session.diagnoses.items()
+    assert key == made_of(campaign, session.choice) != made_of(campaign, Choice())
+    assert (found.verdict.headline, found.ranking[0].effect) == ("Nothing", "backlash")
 
 
 def test_without_a_file_nothing_is_decided(tmp_path):
@@ -70,6 +86,8 @@ def test_runs_that_are_gone_are_left_out(tmp_path):
         ("format = 1\nadded = 3", "added must be a list of texts"),
         (f'format = 1\n[role]\n"{RUNS[0]}" = "both"', "both"),
         ("format = ", "not valid TOML"),
+        ("format = 1\n[[diagnosis]]", "'made_of' is missing"),
+        ("format = 1\ndiagnosis = 3", "list of tables"),
     ],
 )
 def test_what_is_no_session_gets_a_line(tmp_path, text, said):

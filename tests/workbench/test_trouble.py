@@ -46,9 +46,12 @@ def test_a_server_that_slept_goes_on_and_a_folder_that_went_is_named(small, tmp_
         page.get_by_role("button", name="Next run").wait_for()
 
 
-def test_an_effect_s_file_is_shown_before_it_runs(small, tmp_path, open_page):
+def test_an_effect_s_file_is_shown_before_it_runs(small, tmp_path, open_page, pictures):
+    """All of it, what cannot be seen included, and not another text than was shown."""
     ran, file = tmp_path / "ran", small / "my_effects.py"
-    file.write_text(f"open({str(ran)!r}, 'w')\nraise RuntimeError('not an effect')\n")
+    much = "# \u202e much before it\n" + "#\n" * 20_000
+    text = f"{much}open({str(ran)!r}, 'w')\nraise RuntimeError('not an effect')\n"
+    file.write_text("x = 1\n", encoding="utf-8")
     with workbench(small) as (address, _):
         page = open_page(address)
         page.wait_for_selector(FITTED)
@@ -57,12 +60,20 @@ def test_an_effect_s_file_is_shown_before_it_runs(small, tmp_path, open_page):
         field = page.get_by_label("file, such as my_effects.py")
         field.fill(str(file))
         field.press("Enter")  # a click could miss the button while its fold still opens
+        page.locator("pre", has_text="x = 1").wait_for()
+        file.write_text(text, encoding="utf-8")
+        page.get_by_role("button", name="Load it").click()
+        changed = page.locator(".bench-notice", has_text="has changed since it was shown")
+        changed.wait_for()
+        page.get_by_role("button", name="Look at it").click()
         page.locator("pre", has_text="not an effect").wait_for()
+        page.locator("pre", has_text="\\u202e much before it").wait_for()
+        page.screenshot(path=pictures / "own-effect.png")
         page.get_by_role("button", name="Leave it").click()
         page.get_by_role("button", name="Look at it").click()
         assert not ran.exists()
         page.get_by_role("button", name="Load it").click()
-        page.locator(".bench-notice", has_text="my_effects.py").wait_for()
+        page.locator(".bench-notice", has_text="my_effects.py: does not run").wait_for()
         assert ran.exists()
         page.get_by_role("tab", name="Overview").click()
         page.get_by_role("button", name="leave out").first.click()  # without it the work goes on

@@ -1,8 +1,12 @@
 """The process that computes: what is no longer wanted gives way."""
 
-from wheelhop.workbench.order import GiveWay, Order
+import signal
+
+import pytest
+
+from wheelhop.workbench.order import GiveWay, Order, how_it_ended
 from wheelhop.workbench.session import Choice
-from wheelhop.workbench.shown import Climbed, Converging, Done
+from wheelhop.workbench.shown import Climbed, Converging, Done, Refused
 from wheelhop.workbench.worker import Worker
 
 
@@ -29,3 +33,41 @@ def test_a_model_no_longer_wanted_gives_way_and_what_is_fitted_stays(small):
     Worker(heard.append, lambda: GiveWay(both)).obey(friction)
     assert any(isinstance(m, Climbed) and m.rungs[-1].added == ("dry-friction",) for m in heard)
     assert any(isinstance(m, Converging) for m in heard)  # it is on the way to both
+
+
+BROKEN = """
+from wheelhop.effects import Effect, Parameter
+
+
+class Boom(Effect):
+    id, place, title = "boom", "sensor", "one that fails"
+    equation = source = "-"
+
+    def parameters_for(self, vehicle, channels):
+        return (Parameter("size", "1", "nothing", 1.0),)
+
+    def sense(self, theta, acceleration, channels, rate_hz):
+        raise RuntimeError("boom: no such <b>thing</b>\\nat all")
+"""
+
+
+def test_a_fault_is_told_as_it_happened_and_the_next_order_is_obeyed(small, tmp_path):
+    """Not that memory may have run out; and the process lives on."""
+    file = tmp_path / "mine.py"
+    file.write_text(BROKEN)
+    heard = []
+    worker = Worker(heard.append)
+    worker.obey(Order(small, Choice(added=("boom",)), effects_file=file))
+    assert isinstance(heard[-1], Refused)
+    assert "RuntimeError: boom: no such <b>thing</b> at all" in heard[-1].line
+    assert "line 13 of mine.py" in heard[-1].line and "memory" not in heard[-1].line
+    worker.obey(Order(small, Choice()))
+    assert heard[-1] == Done("")
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="there are no signals here")
+def test_only_a_process_that_the_system_killed_is_said_to_have_lacked_memory():
+    assert "memory" in how_it_ended(-signal.SIGKILL)
+    for status in (-signal.SIGSEGV, -signal.SIGTERM, 1, 0, None):
+        assert "memory" not in how_it_ended(status)
+    assert "Segmentation fault" in how_it_ended(-signal.SIGSEGV)

@@ -10,17 +10,19 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 from wheelhop.api.verbs import diagnose
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.diagnose import Progress
-from wheelhop.files import InputError
+from wheelhop.effects.own_file import read_source
+from wheelhop.files import TABLE, Source, digest, read_bytes
 from wheelhop.fit.bench import processors
+from wheelhop.predict.identity import identity
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.sweep import Row
+from wheelhop.predict.trouble import lasting
 from wheelhop.predict.workers import workers
 
 TOGETHER = " + "
@@ -32,31 +34,33 @@ BEGIN_WITH = ("campaign.toml", CONSTANTS_FILE)
 class Fleet:
     """Which campaigns are diagnosed and how, as plain data that any worker anywhere can begin with.
 
-    `library` is a file with effects of one's own, `threads` how many work on one campaign.
+    `library` is the text of a file with effects of one's own, `threads` how many work on one
+    campaign. However a folder is spelt, it is kept as the one that leads there from anywhere.
     """
 
     folders: tuple[Path, ...]
     max_effects: int = 4
-    library: Path | None = None
+    library: Source | None = None
     threads: int = 1
     things = "campaigns"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "folders", tuple(folder.resolve() for folder in self.folders))
 
     def __len__(self) -> int:
         return len(self.folders)
 
     def rows(self, number: int) -> list[Row]:
         """The row of one campaign. Whatever is wrong with it stands there as `problem`: the others
-        go on."""
+        go on. Raises Trouble for what may pass."""
         folder, began_s = self.folders[number], time.monotonic()
         row: Row = {"campaign": str(folder), "verdict": "", "confidence": None}
         row |= dict.fromkeys(("error_baseline", "error", "floor", "seconds"))
         row |= {"title": "", "findings": "", "problem": ""}
         try:
             row |= self._diagnosed(folder)
-        except InputError as error:
-            row["problem"] = str(error)
         except Exception as error:
-            row["problem"] = f"{folder}: {type(error).__name__}: {error}"
+            row["problem"] = lasting(error, str(folder))
         return [row | {"seconds": time.monotonic() - began_s}]
 
     def _diagnosed(self, folder: Path) -> Row:
@@ -80,12 +84,21 @@ class Fleet:
     def fingerprint(self) -> str:
         """Differs where anything differs that the results depend on, files included."""
         known = {
-            "wheelhop": version("wheelhop"),
+            "wheelhop": identity(),
             "max_effects": self.max_effects,
-            "library": "" if self.library is None else _digest(self.library),
-            "campaigns": [[str(folder), _digests(folder)] for folder in self.folders],
+            "campaigns": [[self.name(k), self.files(k)] for k in range(len(self))],
         }
         return hashlib.sha256(json.dumps(known).encode()).hexdigest()
+
+    def name(self, number: int) -> str:
+        """The folder."""
+        return str(self.folders[number])
+
+    def files(self, number: int) -> str:
+        """Differs where a file differs that the result for a campaign depends on."""
+        found = _digests(self.folders[number])
+        found += [] if self.library is None else [self.library.digest]
+        return hashlib.sha256("\n".join(found).encode()).hexdigest()
 
 
 def diagnose_fleet(
@@ -123,14 +136,14 @@ def diagnose_fleet(
     CampaignError
         The table is there already, and of other campaigns or of these as they were before.
     """
-    given = tuple(map(Path, folders))
+    given = tuple(Path(folder).resolve() for folder in folders)
     if len(set(given)) < len(given) or not given:
         raise CampaignError("name one campaign or more, each once")
     many = jobs or processors()
     fleet = Fleet(
         given,
         max_effects,
-        None if effects is None else Path(effects),
+        None if effects is None else read_source(Path(effects)),
         1 if executor else max(1, many // len(given)),
     )
     with workers(min(many, len(given))) if executor is None else nullcontext(executor) as working:
@@ -149,13 +162,8 @@ def _digests(folder: Path) -> list[str]:
     while new:
         file = new.pop()
         if file.suffix == ".toml":
-            text = file.read_text(encoding="utf-8", errors="replace")
+            text = read_bytes(file, CampaignError, TABLE).decode("utf-8", errors="replace")
             named = {p for name in re.split(r"[\"'/\\]", text) for p in called.get(name, ())}
             new += named - found
             found |= named
-    return [f"{path.relative_to(folder)} {_digest(path)}" for path in sorted(found)]
-
-
-def _digest(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return [f"{path.relative_to(folder)} {digest(path)}" for path in sorted(found)]

@@ -14,6 +14,7 @@ from wheelhop.diagnose import Baseline, Progress, Step, axle_driven, fit_baselin
 from wheelhop.diagnose.search.ladder import diagnose_gated, fit_with, steps_with
 from wheelhop.diagnose.search.look import steps_of
 from wheelhop.effects import Effect, beliefs, load_effects, pick
+from wheelhop.files import Source
 from wheelhop.gate import gate
 from wheelhop.logger import Log, Recording
 from wheelhop.logger import read_log as read_log_file
@@ -26,7 +27,7 @@ ONE_EACH = 1
 """Threads of linear algebra: every run is worked on by a thread of ours, more are in the way."""
 
 Folder = Campaign | str | Path
-Library = Mapping[str, Effect] | str | Path | None
+Library = Mapping[str, Effect] | str | Path | Source | None
 
 
 def _silent(text: str) -> None:

@@ -27,6 +27,7 @@ from wheelhop.campaign.types import (
     TrackSpec,
 )
 from wheelhop.files import Table
+from wheelhop.files.words import unit_of
 
 FORCE = Channel("force", "rig", quantity="force", unit="N")
 DISPLACEMENT = Channel("displacement", "rig", quantity="displacement", unit="m")
@@ -108,7 +109,8 @@ def _component(table: Table) -> dict[str, Any]:
 
 
 def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDrive) -> RigRun:
-    names, values = read_columns(item.file)
+    units = {name: unit_of(name) for name in (*COLUMNS[1:], VELOCITY)}
+    names, values = read_columns(item.file, wanted=units)
     for name in names:
         if name not in (*COLUMNS, VELOCITY) and not name.startswith(INPUT):
             raise CampaignError(f"{item.file}: unexpected column {name}; {RECORDED}")

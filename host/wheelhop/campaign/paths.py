@@ -1,8 +1,10 @@
 """Files a campaign refers to: always inside its own folder, so that it can be moved and shared."""
 
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from wheelhop.files import Table, shown, similar_file
+from wheelhop.campaign.types import CampaignError
+from wheelhop.files import Table, read_toml, shown, similar_file
 
 
 def file_inside(folder: Path, table: Table, key: str, default: str | None = None) -> Path:
@@ -29,3 +31,18 @@ def file_inside(folder: Path, table: Table, key: str, default: str | None = None
         slashes = " (write '/' between folders)" if "\\" in text else ""
         raise table.error(f"{named}: no such file in {folder}{similar_file(path)}{slashes}")
     return path
+
+
+def named_by(vehicle: Path) -> Iterator[Path]:
+    """The files that vehicle.toml stands on: mount, frame, and what that is made from.
+
+    Raises `CampaignError` as `file_inside` does.
+    """
+    top = read_toml(vehicle, CampaignError)
+    if "mount" in top:
+        yield file_inside(vehicle.parent, top, "mount")
+    if "frame" in top:
+        frame = file_inside(vehicle.parent, top.table("frame"), "file")
+        yield frame
+        inner = read_toml(frame, CampaignError)
+        yield from (file_inside(frame.parent, inner, key) for key in ("bdf", "f06") if key in inner)

@@ -32,6 +32,7 @@ from wheelhop.campaign.types import (
     TrackSpec,
 )
 from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
+from wheelhop.logger.recording import ACCELERATION
 
 T = TypeVar("T")
 Progress = Callable[[str], None]
@@ -218,7 +219,9 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progres
     beside = campaign.folder / CONSTANTS_FILE
     constants = beside if beside.is_file() else None
     for drive in _counted(drives, "recording", progress):
-        columns, values = read_columns(drive.file, constants)
+        names = _names(campaign.channels) or POINTS
+        wanted_units = dict.fromkeys(names, ACCELERATION)
+        columns, values = read_columns(drive.file, constants, wanted_units)
         if not campaign.channels:
             _check_only_points(drive.file, columns)
         if not runs:

@@ -1,13 +1,17 @@
 """Recordings on disk as columns of numbers, and the check of their time stamps."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.types import CampaignError
-from wheelhop.files import read_text
+from wheelhop.files import check_plain, read_text
+from wheelhop.files.units import to_si
+from wheelhop.formats.header import read_sidecar
+from wheelhop.formats.labels import name_and_unit
 from wheelhop.logger.recording import CODE
 
 RECORDINGS = (".hop", ".mf4")
@@ -18,26 +22,33 @@ STAMP_DIGITS = range(7)  # decimals that time stamps may be rounded to
 
 
 def read_columns(
-    file: Path, constants: Path | None = None
+    file: Path, constants: Path | None = None, wanted: Mapping[str, str] | None = None
 ) -> tuple[list[str], NDArray[np.float64]]:
     """Names (n_columns) and finite values (n_rows, n_columns) of a recording.
 
-    A log of codes needs the file of its sensors' constants. Raises `CampaignError` that names the
-    file and the row for anything else than a full table of numbers under one row of distinct names.
+    A log of codes needs the file of its sensors' constants. `wanted` are columns by their names,
+    and the SI units they are taken to be in. Raises `CampaignError` that names the file and the row
+    for anything else than a full table of numbers under one row of distinct names, and the column
+    where the file says another unit than the one wanted.
     """
     suffix = file.suffix.lower()
     if suffix == ".csv":
         names, values = _read_csv(file)
+        header = read_sidecar(file)
+        units = {c.name: c.unit for c in header.bare.channels} if header is not None else {}
     elif suffix == ".parquet":
-        names, values = _read_parquet(file)
+        names, values, units = _read_parquet(file)
     elif suffix in RECORDINGS:
-        names, values = _read_recording(file, constants)
+        names, values, units = _read_recording(file, constants)
     else:
         raise CampaignError(
             f"{file}: recordings are .csv, .parquet, .mf4 or .hop, not '{file.suffix}': "
             "wheelhop convert makes one of the others"
         )
     _check_names(file, names)
+    for name, unit in (wanted or {}).items():
+        if name in names:
+            _check_unit(file, name, units.get(name, ""), unit)
     if not np.isfinite(values).all():
         row, column = np.argwhere(~np.isfinite(values))[0]
         raise CampaignError(
@@ -86,6 +97,23 @@ def check_time(
         raise CampaignError(
             f"{file}: {len(time_s)} rows at {rate_hz:g} Hz are {len(time_s) * period:.3g} s; "
             f"a run needs at least {shortest_s:g} s"
+        )
+
+
+def _check_unit(file: Path, name: str, said: str, wanted: str) -> None:
+    """Raise where a column is said to be in another unit, beside the samples or by its name. A tail
+    such as "_m" may be part of a name; one in the same dimension as the unit wanted is not."""
+    if said and to_si(said) != (wanted, 1.0):
+        raise CampaignError(
+            f"{file}: column {name} is in {said}, the campaign takes {wanted}: convert it (wheelhop"
+            " import, with a mapping that says its unit), or leave the channel out"
+        )
+    inside = name_and_unit(name)[1]
+    si, factor = to_si(inside)
+    if factor != 1.0 if si == wanted else inside and name.endswith(("]", ")")):
+        raise CampaignError(
+            f"{file}: column {name} is in {inside} by its name, the campaign takes {wanted}:"
+            " convert it, or rename the column if it is converted"
         )
 
 
@@ -169,22 +197,31 @@ def _is_number(text: str) -> bool:
     return "_" not in text  # Python reads 1_000
 
 
-def _read_parquet(file: Path) -> tuple[list[str], NDArray[np.float64]]:
+def _read_parquet(file: Path) -> tuple[list[str], NDArray[np.float64], dict[str, str]]:
     import pyarrow.parquet  # csv files do without it
 
+    from wheelhop.formats.parquet import read_table
+
+    check_plain(file, CampaignError)
     try:
-        table = pyarrow.parquet.read_table(file)
+        schema = pyarrow.parquet.read_schema(file)
+        table = read_table(file, CampaignError)
     except (pyarrow.ArrowException, OSError) as error:
         reason = " ".join(str(error).split())[:120]
         raise CampaignError(f"{file}: cannot be read as Parquet: {reason}") from None
-    for field in table.schema:
+    for field in schema:
         if not (pyarrow.types.is_floating(field.type) or pyarrow.types.is_integer(field.type)):
             raise CampaignError(f"{file}: column {field.name} holds {field.type}, not numbers")
     columns = [column.to_numpy().astype(np.float64) for column in table.columns]
-    return list(table.column_names), np.column_stack(columns) if columns else np.empty((0, 0))
+    said = {field.name: (field.metadata or {}).get(b"unit", b"") for field in table.schema}
+    units = {name: unit.decode("utf-8", "replace") for name, unit in said.items()}
+    values = np.column_stack(columns) if columns else np.empty((0, 0))
+    return list(table.column_names), values, units
 
 
-def _read_recording(file: Path, constants: Path | None) -> tuple[list[str], NDArray[np.float64]]:
+def _read_recording(
+    file: Path, constants: Path | None
+) -> tuple[list[str], NDArray[np.float64], dict[str, str]]:
     from wheelhop.campaign.recorded import read_recording  # csv files do without these rooms
 
     recording = read_recording(file, constants)
@@ -194,15 +231,18 @@ def _read_recording(file: Path, constants: Path | None) -> tuple[list[str], NDAr
             "copy the one of this logger beside campaign.toml"
         )
     names = ["time_s", *(channel.name for channel in recording.channels)]
-    return names, np.column_stack([recording.time_s - recording.start_s, recording.values])
+    values = np.column_stack([recording.time_s - recording.start_s, recording.values])
+    return names, values, {channel.name: channel.unit for channel in recording.channels}
 
 
 def _check_names(file: Path, names: list[str]) -> None:
+    seen: set[str] = set()
     for index, name in enumerate(names):
         if not name:
             raise CampaignError(f"{file}: column {index + 1} has no name")
-        if name in names[:index]:
+        if name in seen:
             raise CampaignError(f"{file}: column {name} appears twice: rename or delete one")
+        seen.add(name)
     if "time_s" not in names:
         raise CampaignError(
             f"{file}: column time_s is missing: it holds the time of each row in seconds"

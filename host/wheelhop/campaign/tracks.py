@@ -38,6 +38,19 @@ KINDS: dict[str, dict[str, float | str | None]] = {
     "unknown": {},
 }
 
+STEADY = (
+    *("washboard", "one-sided-washboard", "herringbone", "chassis-twist"),
+    *("iso8608", "cobblestone", "flat"),
+)
+"""Kinds that go on alike for as long as one drives. The others have a beginning, or no name."""
+
+
+def is_steady(kind: str) -> bool:
+    """Whether a track of this kind, or of this name of the proving ground, goes on alike: then the
+    steady part of a drive is what was driven on it, and of the others the whole drive is."""
+    named = proving_ground().get(kind)
+    return (kind if named is None else named.keys["kind"]) in STEADY
+
 
 def read_track(run: Table, folder: Path) -> TrackSpec:
     """The track of one [[run]]; a profile's `file` must lie inside `folder`.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.course import Course
-from wheelhop.files import InputError, did_you_mean, shown
+from wheelhop.files import InputError, did_you_mean, dotted, shown
 from wheelhop.files.words import ending_of
 from wheelhop.logger.recording import Channel as Recorded
 from wheelhop.logger.recording import Recording
@@ -60,6 +60,12 @@ class Channel:
         """0..3 for the points 1..4 of axle or body, None for any other place."""
         named = self.point in AXLE_POINTS or self.point in BODY_POINTS
         return int(self.point[1]) - 1 if named else None
+
+    @property
+    def key(self) -> str:
+        """What the names of its numbers in a model begin with, before another dot:
+        "channel.imu"."""
+        return f"channel.{dotted(self.name)}"
 
     @property
     def is_axle(self) -> bool:

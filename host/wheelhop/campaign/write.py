@@ -3,7 +3,7 @@
 import filecmp
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.campaign.course import Course
-from wheelhop.campaign.paths import file_inside
+from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
 from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
 from wheelhop.files import (
@@ -20,14 +20,13 @@ from wheelhop.files import (
     parse_toml,
     quoted,
     read_text,
-    read_toml,
     remove,
     replacing,
     write_text,
 )
 from wheelhop.files.keys import LONGEST_TEXT
 from wheelhop.formats.places import likely_points
-from wheelhop.logger.recording import ACCELERATION, Recording
+from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
 TOP_OF_BAND = 0.4  # of the sample rate, where 30 Hz is too much
@@ -149,7 +148,7 @@ def new_campaign(
     if vehicle is not None:
         vehicle = Path(vehicle)
         given[target] = _text(vehicle)
-        for beside in _named_by(vehicle):
+        for beside in named_by(vehicle):
             given[folder / beside.relative_to(vehicle.parent)] = _text(beside)
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
@@ -174,56 +173,53 @@ def new_campaign(
 
 
 def add_run(folder: str | Path, recording: Recording, run: NewRun) -> Path:
-    """Write a recording into `folder`/runs and its [[run]] into campaign.toml; return the file.
+    """Write a recording into `folder`/runs and its [[run]] into campaign.toml, as `add_runs` does;
+    return the file."""
+    return add_runs(folder, [(recording, run)])[0]
 
-    campaign.toml and the new recording are then read; if that fails everything is as before, and
+
+def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> list[Path]:
+    """Write recordings into `folder`/runs and their [[run]] into campaign.toml; return the files.
+
+    campaign.toml and the new recordings are then read; if that fails everything is as before, and
     the CampaignError says why. campaign.toml is written last, and it decides: without its [[run]] a
     recording is not part of the campaign. Others who add runs at the same time wait. Raises
     CampaignError too for codes instead of m/s², and for a gap.
     """
-    if not FILE_NAME.fullmatch(run.id):
-        raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
-    _check_samples(recording, run.source or run.id)
     folder = Path(folder)
-    toml = folder / "campaign.toml"
+    toml, files = folder / "campaign.toml", []
+    for recording, run in runs:
+        if not FILE_NAME.fullmatch(run.id):
+            raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
+        _check_samples(recording, run.source or run.id)
     if not toml.exists():
         raise CampaignError(f"{toml}: no such file; begin with campaign new")
-    file = folder / "runs" / f"{run.id}.csv"
     with locked(folder, CampaignError):
-        before, added = _text(toml), _run_lines(recording, run)
-        if {run.id, f"runs/{run.id}.csv"} & _taken(before, toml):
-            raise CampaignError(f"{toml}: there is a run {run.id!r}: choose another --id")
-        after = before.rstrip("\n") + "\n\n" + added
-        made = []
+        text = before = _text(toml)
+        made: list[Path] = []
         try:
-            if not file.exists():
-                made = [*make_folder(file.parent, CampaignError), file]
-            with replacing(file, CampaignError, within=folder) as draft:
-                _write_csv(draft, recording)
-                # A power cut may have ended an earlier attempt before campaign.toml was written.
-                if file.exists() and not filecmp.cmp(file, draft, shallow=False):
-                    raise CampaignError(
-                        f"{file}: there is another recording of this name: choose another --id"
-                    )
-            _check(folder, _excerpt(before, added), run)
-            write_text(toml, after, CampaignError)
+            for recording, run in runs:
+                file, added = folder / "runs" / f"{run.id}.csv", _run_lines(recording, run)
+                if {run.id, f"runs/{run.id}.csv"} & _taken(text, toml):
+                    raise CampaignError(f"{toml}: there is a run {run.id!r}: choose another --id")
+                if not file.exists():
+                    made += [*make_folder(file.parent, CampaignError), file]
+                with replacing(file, CampaignError, within=folder) as draft:
+                    _write_csv(draft, recording)
+                    # A power cut may have ended an earlier attempt before it wrote campaign.toml.
+                    if file.exists() and not filecmp.cmp(file, draft, shallow=False):
+                        raise CampaignError(
+                            f"{file}: there is another recording of this name: choose another --id"
+                        )
+                _check(folder, _excerpt(text, added), run)
+                text = text.rstrip("\n") + "\n\n" + added
+                files.append(file)
+            write_text(toml, text, CampaignError)
         except BaseException:
-            if _text(toml) != after:
+            if _text(toml) == before:
                 remove(made)
             raise
-    return file
-
-
-def _named_by(vehicle: Path) -> Iterator[Path]:
-    """The files that vehicle.toml stands on: mount, frame, and what that is made from."""
-    top = read_toml(vehicle, CampaignError)
-    if "mount" in top:
-        yield file_inside(vehicle.parent, top, "mount")
-    if "frame" in top:
-        frame = file_inside(vehicle.parent, top.table("frame"), "file")
-        yield frame
-        inner = read_toml(frame, CampaignError)
-        yield from (file_inside(frame.parent, inner, key) for key in ("bdf", "f06") if key in inner)
+    return files
 
 
 OWN_RUN = re.compile(r'id = "([\w.-]+)"\nfile = "([^"\\\n]+)"\nrole = "(fit|validate)"\n')
@@ -289,9 +285,12 @@ def cut(recording: Recording, from_s: float | None, to_s: float | None) -> Recor
 def _check_samples(recording: Recording, name: str) -> None:
     for channel in recording.channels:
         if channel.unit != ACCELERATION:
+            remedy = "say its unit in a mapping (wheelhop import --draft), or leave it out"
+            if channel.unit == CODE:
+                remedy = "give its constants with --calibration, or --nominal to do without"
+            unit = f"is in {channel.unit}" if channel.unit else "does not say its unit"
             raise CampaignError(
-                f"{name}: channel {channel.name} is in '{channel.unit}', a campaign takes m/s²: "
-                "give its constants with --calibration, or --nominal to do without"
+                f"{name}: channel {channel.name} {unit}, a campaign takes m/s²: {remedy}"
             )
     missing = np.flatnonzero(recording.missing)
     if len(missing):

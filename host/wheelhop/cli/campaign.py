@@ -9,8 +9,9 @@ from rich import box
 from rich.table import Table
 
 from wheelhop.campaign import CampaignError
-from wheelhop.campaign.activity import stretches
+from wheelhop.campaign.activity import Stretch, stretches
 from wheelhop.campaign.recorded import read_recording
+from wheelhop.campaign.tracks import is_steady
 from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
 from wheelhop.cli.output import open_console
 from wheelhop.logger.recording import Recording
@@ -25,20 +26,32 @@ def run(arguments: Namespace) -> int:
 
 def _stretches(arguments: Namespace, recording: Recording) -> int:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("stretch", "from, s", "to, s", "seconds", f"rms, {recording.channels[0].unit}"):
+    unit = recording.channels[0].unit
+    steady = ("steady from, s", "to, s", "seconds", f"rms, {unit}")
+    for heading in ("stretch", "from, s", "to, s", *steady):
         table.add_column(heading, justify="right")
     found = stretches(recording)
-    time_s = recording.time_s
     for number, piece in enumerate(found, start=1):
-        first, last = time_s[piece.first], time_s[piece.last - 1]
+        whole, steadily = _seconds(recording, piece, True), _seconds(recording, piece, False)
         table.add_row(
-            str(number), f"{first:.2f}", f"{last:.2f}", f"{last - first:.1f}", f"{piece.rms:.3g}"
+            str(number),
+            *(f"{end:.2f}" for end in (*whole, *steadily)),
+            f"{steadily[1] - steadily[0]:.1f}",
+            f"{piece.rms:.3g}",
         )
     console = open_console()
     console.print(table)
     if not found:
         console.print("no stretch of 5 s or more without a gap")
     return 0
+
+
+def _seconds(recording: Recording, piece: Stretch, whole: bool) -> tuple[float, float]:
+    """From when to when a stretch, or its steady part, lasts."""
+    steady = (piece.steady_first, piece.steady_last)
+    first, last = (piece.first, piece.last) if whole else steady
+    time_s = recording.time_s
+    return float(time_s[first]), float(time_s[last - 1])
 
 
 def _new(arguments: Namespace, recording: Recording) -> int:
@@ -57,20 +70,7 @@ def _new(arguments: Namespace, recording: Recording) -> int:
 
 
 def _add(arguments: Namespace, recording: Recording) -> int:
-    span = (arguments.from_s, arguments.to_s)
-    if arguments.stretch is not None:
-        if span != (None, None):
-            raise CampaignError("--stretch says from where to where: leave out --from and --to")
-        found = stretches(recording)
-        if not 1 <= arguments.stretch <= len(found):
-            raise CampaignError(
-                f"{arguments.recording}: there are {len(found)} stretches, none is number "
-                f"{arguments.stretch}; see wheelhop campaign stretches"
-            )
-        piece = found[arguments.stretch - 1]
-        span = (recording.time_s[piece.first], recording.time_s[piece.last - 1])
-    if span != (None, None):
-        recording = cut(recording, *span)
+    recording, taken = _taken(arguments, recording)
     file = add_run(
         arguments.folder,
         recording,
@@ -83,8 +83,34 @@ def _add(arguments: Namespace, recording: Recording) -> int:
         ),
     )
     seconds = len(recording.values) / recording.rate_hz
-    print(f"{file}: {seconds:.1f} s, {len(recording.channels)} channels; run {arguments.id} added")
+    print(
+        f"{file}: {seconds:.1f} s{taken}, {len(recording.channels)} channels;"
+        f" run {arguments.id} added"
+    )
     return 0
+
+
+def _taken(arguments: Namespace, recording: Recording) -> tuple[Recording, str]:
+    """What of a recording becomes the run, and words on it."""
+    span = (arguments.from_s, arguments.to_s)
+    if arguments.stretch is None:
+        if arguments.whole:
+            raise CampaignError("--whole is about --stretch: say which")
+        return (recording if span == (None, None) else cut(recording, *span)), ""
+    if span != (None, None):
+        raise CampaignError("--stretch says from where to where: leave out --from and --to")
+    found = stretches(recording)
+    if not 1 <= arguments.stretch <= len(found):
+        raise CampaignError(
+            f"{arguments.recording}: there are {len(found)} stretches, none is number "
+            f"{arguments.stretch}; see wheelhop campaign stretches"
+        )
+    piece = found[arguments.stretch - 1]
+    whole = arguments.whole or not is_steady(arguments.track[0])
+    first, last = _seconds(recording, piece, whole)
+    part = "all" if whole else "the steady part"
+    words = f", {part} of stretch {arguments.stretch}, {first:.2f} … {last:.2f} s"
+    return cut(recording, first, last), words
 
 
 def _track(words: Sequence[str]) -> dict[str, str | float]:

@@ -93,7 +93,7 @@ def make_campaign(folder: Path, day: Day) -> list[tuple[float, float]]:
     write_text(folder / "vehicle.toml", day.vehicle)
     new_campaign(folder, day.title, recording, {})
     time_s = recording.time_s
-    spans = [(float(time_s[piece.first]), float(time_s[piece.last - 1])) for piece in found]
+    spans = [(float(time_s[p.steady_first]), float(time_s[p.steady_last - 1])) for p in found]
     for drive, span in zip(day.drives, spans, strict=True):
         run = NewRun(drive.id, drive.role, drive.speed_kmph, drive.track, source=f"from {DRIVEN}")
         add_run(folder, cut(recording, *span), run)

@@ -10,7 +10,7 @@ from wheelhop.api.fleet import diagnose_fleet
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
-from wheelhop.predict.workers import cluster
+from wheelhop.predict.cluster import cluster
 from wheelhop.report.fleet import write_fleet_report
 
 NO_VERDICT = 1
@@ -26,12 +26,12 @@ def run_fleet(arguments: Namespace) -> int:
     if arguments.jobs is not None and arguments.cluster is not None:
         raise CampaignError("--jobs: a cluster has its own workers; leave one of the two out")
     at = arguments.cluster
-    folders = [arguments.campaign, *arguments.more]
-    if at is not None:  # its workers run elsewhere
-        folders = [folder.resolve() for folder in folders]
-    with stages() as progress, cluster(at) if at else nullcontext() as executor:
+    with (
+        stages() as progress,
+        nullcontext() if at is None else cluster(at, progress) as executor,
+    ):
         rows = diagnose_fleet(
-            folders,
+            [arguments.campaign, *arguments.more],
             arguments.out,
             effects=arguments.effects,
             max_effects=arguments.max_effects,

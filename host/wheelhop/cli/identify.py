@@ -38,7 +38,6 @@ from wheelhop.identify import (
     write_mat,
 )
 from wheelhop.identify.figure import draw_matrix, physical_matrix
-from wheelhop.identify.identify import WASTED
 from wheelhop.identify.linear import LASTING
 from wheelhop.vehicle import CORNERS, Vehicle, read_vehicle, wheels
 
@@ -117,12 +116,9 @@ def _print_model(
     table.add_column()
     longest_s = max(2 * np.pi / (part.omega[1] - part.omega[0]) for part in measured.fit)
     for number, (f, df, z, dz) in enumerate(sorted(chosen.model.poles_table()), start=1):
-        if z > WASTED:
-            table.add_row(f"{number}", "not a mode")
-        else:
-            rings = 2 * np.pi * f * z * longest_s < LASTING
-            remark = "may be a driven line" if rings else ""
-            table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}", remark)
+        rings = 2 * np.pi * f * z * longest_s < LASTING
+        remark = "may be a driven line" if rings else "overdamped" if z >= 1.0 else ""
+        table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}", remark)
     console.print(table)
     held = "runs held out" if chosen.validate else "fitted runs (none is held out)"
     judged = chosen.judging

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 BAD_INPUT = 2
 INTERRUPTED = 130
 COMPUTING = ("compare", "diagnose", "law", "add", "demo", "simulate", "plan")
+SETTINGS = ".numba_config.yaml"
+"""numba takes its settings from such a file in the folder it is started in, and code: that of its
+cache, or of a module named there. It may be somebody else's campaign."""
 BROKEN_PIPE = 1  # what rich, when it is the one to notice, ends with
 STRIKES_AGAIN_S = 0.1
 
@@ -85,6 +88,9 @@ def _run(argv: Sequence[str] | None, interrupts: Sequence[int]) -> int:
     arguments = parser.parse_args(argv)
     if arguments.command is None:
         parser.error("say what to do")
+    if os.path.lexists(SETTINGS):
+        here = os.path.abspath(SETTINGS)
+        return _complain(f"{here}: could make numba run what it names: delete it", BAD_INPUT)
     try:
         status = _call(arguments, interrupts)
         sys.stdout.flush()

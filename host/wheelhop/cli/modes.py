@@ -73,7 +73,7 @@ def show(console: Console, found: Modes, passed: Transmissibility) -> None:
         table.add_row(
             f"{frequency:.2f}",
             f"{found.frequency_sd_hz[k]:.2f}",
-            f"{found.damping_ratio[k]:.2f}" if swings else "none swings",
+            f"{found.damping_ratio[k]:.2f}" if swings else "overdamped",
             strongest(by_place(found, k)),
             strongest(by_part(found, found.strain[k])),
             strongest(by_part(found, found.dissipated[k])),

@@ -139,7 +139,9 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     )
     law.add_argument("--save", metavar="FILE.py", type=Path, help="keep the formula as an effect")
     law.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
-    law.add_argument("--report", metavar="FILE.html", type=Path, help="write a page to read")
+    law.add_argument(
+        "--report", metavar="FILE", type=Path, help="write a page to read: .html, or .pdf"
+    )
     law.add_argument("--figure", metavar="FILE.png", type=Path, help="draw the law")
     _library(law)
 
@@ -330,8 +332,13 @@ def _make_campaign(command: argparse.ArgumentParser) -> None:
     add.add_argument("--from", dest="from_s", metavar="S", type=float, help="begin, s")
     add.add_argument("--to", dest="to_s", metavar="S", type=float, help="end, s")
     add.add_argument(
-        "--stretch", metavar="N", type=_count, help="the N-th of wheelhop campaign stretches"
+        "--stretch",
+        metavar="N",
+        type=_count,
+        help="the N-th of wheelhop campaign stretches: its steady part on a track that goes on"
+        " alike, all of it on another",
     )
+    add.add_argument("--whole", action="store_true", help="all of the stretch in any case")
 
 
 def _campaign(command: argparse.ArgumentParser) -> None:
@@ -346,7 +353,9 @@ def _library(command: argparse.ArgumentParser, name: str = "effects") -> None:
 
 def _outputs(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
-    command.add_argument("--report", metavar="FILE.html", type=Path, help="write a report")
+    command.add_argument(
+        "--report", metavar="FILE", type=Path, help="write a report: .html, or .pdf by a browser"
+    )
 
 
 def _count(text: str) -> int:

@@ -22,7 +22,7 @@ def add_bushing(commands: Any) -> None:
     )
     fit.add_argument("--out", metavar="FOLDER", type=Path, help="write SPECIMEN.toml into it")
     fit.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
-    fit.add_argument("--report", metavar="FILE.html", type=Path, help="write a report")
+    fit.add_argument("--report", metavar="FILE", type=Path, help="write a report: .html, or .pdf")
     shift = actions.add_parser("shift", help="bring one specimen's temperatures onto one curve")
     shift.add_argument(
         "data", metavar="FILE=DEGC", nargs="+", help="moduli or signals, and the temperature, °C"

@@ -16,7 +16,7 @@ from wheelhop.predict import read_drives
 from wheelhop.track import Track, make_track
 from wheelhop.track.rdf import write_rdf
 from wheelhop.track.roughness import roughness
-from wheelhop.track.surveyed import SurveyedGrid, WheelPaths
+from wheelhop.track.surveyed import HIGHEST_M, SurveyedGrid, WheelPaths
 from wheelhop.track.write import write_grid, write_opencrg, write_paths
 
 Array = NDArray[np.float64]
@@ -41,9 +41,15 @@ def run(arguments: Namespace) -> int:
         raise CampaignError(f"--width {width:g}: must be above 0")
     half = width / 2
     across = _across(track, half)
-    height = np.stack([track.elevation(x, y) for y in across], axis=1)
+    with np.errstate(all="ignore"):  # what overflows is refused
+        height = np.stack([track.elevation(x, y) for y in across], axis=1)
+    if not np.abs(height).max() <= HIGHEST_M:
+        raise CampaignError(f"{arguments.track}: is higher than {HIGHEST_M:g} m: look at its units")
     console = open_console()
-    found = roughness(height, step)
+    try:
+        found = roughness(height, step)
+    except ValueError as error:
+        raise CampaignError(f"{arguments.track}: {error}") from None
     low, high = (2 * np.pi / edge for edge in found.band_rad_m[::-1])
     console.print(
         f"C = {found.unevenness_m3:.3g} m³, w = {found.waviness:.3g} (ISO 8608, class"
@@ -85,10 +91,10 @@ def _stations(length: float | None, step: float, track: Track) -> Array:
 
 
 def _across(track: Track, half_m: float) -> list[float]:
-    """The paths a spectrum is the mean of: all of a surveyed surface, else two wheel paths."""
-    if isinstance(track, SurveyedGrid):
-        return [float(y) for y in track.y_m[np.abs(track.y_m) <= half_m]]
-    return [-half_m, half_m]
+    """The paths a spectrum is the mean of: those that were surveyed between the wheels, else the
+    wheels' own."""
+    surveyed = track.y_m if isinstance(track, SurveyedGrid) else np.empty(0)
+    return [float(y) for y in surveyed if abs(y) <= half_m] or [-half_m, half_m]
 
 
 def _write(file: Path, grid: bool, track: Track, x: Array, y: Array, half_m: float) -> None:

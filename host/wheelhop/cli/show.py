@@ -33,7 +33,11 @@ def print_ladder(steps: Sequence[Step], console: Console) -> None:
         times = f"{significant(ratio)} × floor"
         table.add_row(Text(_rung(before, step)), "│" + "█" * length, error, times)
         before = step.added
-    table.add_row("noise floor", "│", percent(steps[-1].floor))
+    last = steps[-1]
+    table.add_row("noise floor", "│", percent(last.floor))
+    if last.comparison.floor.beside_noise:
+        times = f"{significant(last.expected / last.floor)} × floor"
+        table.add_row("a right model may leave", "│", percent(last.expected), times)
     console.print(table)
 
 

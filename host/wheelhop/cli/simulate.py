@@ -15,6 +15,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.cli.output import open_console
 from wheelhop.cli.progress import stages
 from wheelhop.effects import load_effects
+from wheelhop.effects.own_file import read_source
 from wheelhop.files.words import titles
 from wheelhop.formats import FORMATS
 from wheelhop.predict import (
@@ -27,11 +28,12 @@ from wheelhop.predict import (
     read_speeds,
 )
 from wheelhop.predict.case import SECONDS
+from wheelhop.predict.cluster import cluster
 from wheelhop.predict.instrument import NOISE_RMS_M_S2
 from wheelhop.predict.journal import run_sweep
 from wheelhop.predict.ride import Ride, ride
 from wheelhop.predict.sweep import Axis, Sweep
-from wheelhop.predict.workers import cluster, workers
+from wheelhop.predict.workers import workers
 from wheelhop.vehicle import read_vehicle
 
 SHORTEST_S, LONGEST_S = 2.0, 600.0
@@ -140,11 +142,14 @@ def _sweep(arguments: Namespace) -> int:
         tuple(Axis.parse(text) for text in arguments.sweep),
         _seconds(arguments),
         arguments.seed,
-        arguments.library,
+        None if arguments.library is None else read_source(arguments.library),
     )
     sweep.check()
     at = arguments.cluster
-    with stages() as progress, cluster(at) if at else workers(arguments.jobs) as executor:
+    with (
+        stages() as progress,
+        workers(arguments.jobs) if at is None else cluster(at, progress) as executor,
+    ):
         computed, rows = run_sweep(sweep, arguments.out, executor, progress)
     console = open_console()
     known = len(sweep) - computed

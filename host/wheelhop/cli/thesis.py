@@ -10,22 +10,26 @@ from rich.table import Table
 
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import Row, thesis_rows
+from wheelhop.identify.thesis import KINDS
 from wheelhop.identify.thesis_figures import draw_thesis
 
 
 def run(arguments: Namespace) -> int:
-    """Print each number with a reason where ours differs."""
+    """Print each number with how ours came about, and a reason where it differs."""
     rows = thesis_rows()
     console = open_console()
     table = Table(box=box.SIMPLE_HEAD)
-    for name, side in (("table", "left"), ("", "left"), ("printed", "right"), ("ours", "right")):
-        table.add_column(name, justify="right" if side == "right" else "left", no_wrap=True)
-    table.add_column("why they differ", no_wrap=True)
+    for name in ("table", "", "printed", "ours", "kind", "differs"):
+        is_number = name in ("printed", "ours")
+        table.add_column(name, justify="right" if is_number else "left", no_wrap=True)
     notes: dict[str, int] = {}
     for row in rows:
         mark = f"({notes.setdefault(row.reason, len(notes) + 1)})" if row.reason else ""
-        table.add_row(row.table, row.what, f"{row.printed:.4g}", _ours(row), mark)
+        numbers = f"{row.printed:.4g}", _ours(row)
+        table.add_row(row.table, row.what, *numbers, row.kind, mark)
     console.print(table)
+    for kind, what in KINDS.items():
+        console.print(f"{kind}: {what}", markup=False, soft_wrap=True)
     for reason, number in notes.items():
         console.print(f"({number}) {reason}", markup=False, soft_wrap=True)
     if arguments.json:

@@ -7,7 +7,8 @@ import time
 from argparse import Namespace
 from collections.abc import Callable
 
-from wheelhop.workbench.server import LOCAL, serve
+from wheelhop.workbench.guard import LOCAL
+from wheelhop.workbench.server import serve
 
 EVERY_S = 2.0
 

@@ -25,7 +25,8 @@ class Slice:
     summed over samples.
 
     ``noise`` is what the sensors' noise is expected to contribute, ``share`` the part of the
-    residual of all slices of the same cut that is in this one.
+    residual of all slices of the same cut that is in this one, and ``folded`` what motion folded
+    into the records of the axles that drive the model may contribute (`Record.folded_power`).
     """
 
     name: str
@@ -33,6 +34,7 @@ class Slice:
     measured: float
     noise: float
     share: float
+    folded: float = 0.0
 
     @property
     def error(self) -> float:
@@ -51,8 +53,13 @@ class Slice:
 
     @property
     def excess(self) -> float:
-        """Residual beyond the noise expected, at least 0."""
-        return max(self.residual - self.noise, 0.0)
+        """Residual beyond what a right model is expected to leave, at least 0."""
+        return max(self.residual - self.noise - self.folded, 0.0)
+
+    def expected(self, tolerance: float) -> float:
+        """Residual that a right model may leave, if the noise is wrong by ``tolerance``, relative
+        and on amplitudes."""
+        return (1.0 + tolerance) ** 2 * self.noise + self.folded
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,16 +71,17 @@ class Grid:
     residual: Array
     measured: Array
     noise: Array
+    folded: Array
 
     @property
     def by_row(self) -> tuple[Slice, ...]:
         """Slices of the rows, all columns together."""
-        return slices(self.rows, *(a.sum(axis=1) for a in self._sums))
+        return slices(self.rows, *(a.sum(axis=1) for a in self.sums))
 
     @property
     def by_column(self) -> tuple[Slice, ...]:
         """Slices of the columns, all rows together."""
-        return slices(self.columns, *(a.sum(axis=0) for a in self._sums))
+        return slices(self.columns, *(a.sum(axis=0) for a in self.sums))
 
     @property
     def ratio(self) -> Array:
@@ -84,19 +92,19 @@ class Grid:
             )
 
     @property
-    def _sums(self) -> tuple[Array, Array, Array]:
-        return self.residual, self.measured, self.noise
+    def sums(self) -> tuple[Array, Array, Array, Array]:
+        """Residual, measured, noise and folded."""
+        return self.residual, self.measured, self.noise, self.folded
 
 
 def slices(
-    names: Sequence[str], residual: Array, measured: Array, noise: Array
+    names: Sequence[str], residual: Array, measured: Array, noise: Array, folded: Array
 ) -> tuple[Slice, ...]:
     """Slices of one cut; their shares sum to 1."""
     total = float(residual.sum())
-    return tuple(
-        Slice(name, float(r), float(m), float(v), float(r) / total if total > 0.0 else 0.0)
-        for name, r, m, v in zip(names, residual, measured, noise, strict=True)
-    )
+    share = residual / total if total > 0.0 else np.zeros(len(names))
+    columns = (each.tolist() for each in (residual, measured, noise, share, folded))
+    return tuple(Slice(*values) for values in zip(names, *columns, strict=True))
 
 
 def _root_ratio(a: float, b: float) -> float:
@@ -170,14 +178,12 @@ def breakdown(campaign: Campaign, records: Sequence[Record], floor: Floor) -> Br
         np.array([np.sum(record.residual**2, axis=0) for record in records]),
         np.array([np.sum(record.measured**2, axis=0) for record in records]),
         np.array([np.sum(record.noise_power(noise), axis=0) for record in records]),
+        np.array([np.sum(record.folded_power(noise), axis=0) for record in records]),
     )
-    sums = (
-        float(a.sum())
-        for a in (runs_channels.residual, runs_channels.measured, runs_channels.noise)
-    )
+    sums = (np.array([a.sum()]) for a in runs_channels.sums)
     amplitude = _amplitude(records, noise)
     return Breakdown(
-        total=slices(("total",), *(np.array([s]) for s in sums))[0],
+        total=slices(("total",), *sums)[0],
         count=sum(record.count for record in records),
         tolerance=floor.tolerance,
         points=tuple(channel.point for channel in campaign.channels),
@@ -207,7 +213,7 @@ def _bands_motions(campaign: Campaign, records: Sequence[Record], noise: Array) 
     return Grid(
         grid.rows,
         tuple(name for name, is_known in zip(MOTIONS, known, strict=True) if is_known),
-        *(a[:, known] for a in (grid.residual, grid.measured, grid.noise)),
+        *(a[:, known] for a in grid.sums),
     )
 
 
@@ -220,7 +226,7 @@ def _by_band(
 ) -> Grid:
     """Sums of squares by third-octave of the linear combinations ``matrix`` of the channels."""
     bands = third_octaves(campaign.band_hz)
-    sums = np.zeros((3, len(bands), len(columns)))
+    sums = np.zeros((4, len(bands), len(columns)))
     held = np.zeros(len(bands), dtype=bool)  # a short record has no bin in the narrowest bands
     for record in records:
         number = np.tile(third_octave_of(record.band.frequency_hz), 2)
@@ -230,26 +236,28 @@ def _by_band(
         sums[0] += member @ (record.residual @ combine.T) ** 2
         sums[1] += member @ (record.measured @ combine.T) ** 2
         sums[2] += member @ record.noise_power(noise) @ combine.T**2
+        sums[3] += member @ record.folded_power(noise) @ combine.T**2
     names = tuple(band.name for band, is_held in zip(bands, held, strict=True) if is_held)
     return Grid(names, columns, *sums[:, held])
 
 
 def _time(records: Sequence[Record], noise: Array) -> tuple[Slice, ...]:
     """Ten equal parts of every run, the k-th of all runs together."""
-    sums = np.zeros((3, TIME_SLICES))
+    sums = np.zeros((4, TIME_SLICES))
     for record in records:
         edges = np.linspace(0, record.band.n, TIME_SLICES + 1).astype(int)
         for row, part in enumerate((record.residual, record.measured)):
             power = np.sum(record.band.from_coefficients(part) ** 2, axis=1)
             sums[row] += np.add.reduceat(power, edges[:-1])
-        sums[2] += np.diff(edges) / record.band.n * float(np.sum(record.noise_power(noise)))
+        for row, part in enumerate((record.noise_power(noise), record.folded_power(noise)), 2):
+            sums[row] += np.diff(edges) / record.band.n * float(np.sum(part))
     names = [f"{10 * k}-{10 * k + 10} %" for k in range(TIME_SLICES)]
     return slices(names, *sums)
 
 
 def _amplitude(records: Sequence[Record], noise: Array) -> tuple[Slice, ...]:
     """Quarters of the samples of each channel by local amplitude, over all runs."""
-    sums = np.zeros((3, len(QUARTILES)))
+    sums = np.zeros((4, len(QUARTILES)))
     for c in range(len(noise)):
         used = [record for record in records if record.predicted[c]]
         if not used:
@@ -265,17 +273,22 @@ def _amplitude(records: Sequence[Record], noise: Array) -> tuple[Slice, ...]:
         quarter = np.searchsorted(np.quantile(local, (0.25, 0.5, 0.75)), local)
         for row, power in enumerate((np.concatenate(residual), np.concatenate(measured))):
             sums[row] += np.bincount(quarter, power, len(QUARTILES))
-        expected = np.repeat(
-            [np.sum(r.noise_power(noise)[:, c]) / r.band.n for r in used],
-            [r.band.n for r in used],
-        )
-        sums[2] += np.bincount(quarter, expected, len(QUARTILES))
+        lengths = [r.band.n for r in used]
+        for row, parts in enumerate(
+            ([r.noise_power(noise) for r in used], [r.folded_power(noise) for r in used]), 2
+        ):
+            each = [part[:, c].sum() / n for part, n in zip(parts, lengths, strict=True)]
+            sums[row] += np.bincount(quarter, np.repeat(each, lengths), len(QUARTILES))
     return slices(QUARTILES, *sums)
 
 
 def _growth(amplitude: Sequence[Slice], tolerance: float) -> float:
     """Slope of log excess over log measured power, over quarters where the excess is certain."""
-    certain = [s for s in amplitude if s.ratio > 1.0 + 2.0 * tolerance and s.measured > 0.0]
+    certain = [
+        s
+        for s in amplitude
+        if s.measured > 0.0 and s.noise > 0.0 and s.residual > s.expected(2.0 * tolerance)
+    ]
     if len(certain) < 3:
         return float("nan")
     return float(

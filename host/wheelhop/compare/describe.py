@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.compare.breakdown import Breakdown, Grid, Slice
+from wheelhop.compare.locking import Line
 from wheelhop.compare.thirds import third_octaves
 from wheelhop.files.words import percent
 
@@ -45,6 +46,9 @@ def describe(where: Breakdown) -> list[str]:
     if not where.total.noise > 0.0:
         return ["Without a noise floor it cannot be said what part of the residual is excess."]
     ratio = f"E = {where.total.ratio:.2f} times the floor"
+    if where.total.folded > 0.0:
+        expected = _percent((where.total.expected(0.0) / where.total.measured) ** 0.5)
+        ratio += f"; with what is folded into the axles’ records {expected} is expected"
     failing = is_excess(where, where.total)
     if failing and explains_nothing(where):
         share = _percent(where.total.residual / where.total.measured)
@@ -55,23 +59,24 @@ def describe(where: Breakdown) -> list[str]:
     spots = [s for s in (*where.band, *where.run) if is_excess(where, s)]
     if not failing and not spots and not where.locking.lines:
         return [
-            f"In every band and run the residual is at the floor, as well as it is known ({ratio})."
+            f"In every band and run the residual is no more than expected, as well as that is known"
+            f" ({ratio})."
         ]
     sentences = []
     if not failing:
-        sentences.append(f"As a whole the residual is at the noise floor ({ratio}), but:")
+        sentences.append(f"As a whole the residual is no more than expected ({ratio}), but:")
     sentences.append(_main(where))
     sentences += _lines(where) + _runs(where) + _time(where)
     return [sentence for sentence in sentences if sentence]
 
 
 def is_excess(where: Breakdown, part: Slice) -> bool:
-    """Whether a slice's residual is certainly more than its noise."""
+    """Whether a slice's residual is certainly more than a right model leaves."""
     freedom = where.count * part.noise / where.total.noise if where.total.noise > 0.0 else 0.0
     if not freedom > 0.0:
         return False
-    allowed = (1.0 + where.tolerance) ** 2 * (1.0 + SIGMAS * np.sqrt(2.0 / freedom))
-    return bool(part.residual > allowed * part.noise)
+    by_chance = 1.0 + SIGMAS * np.sqrt(2.0 / freedom)
+    return bool(part.residual > by_chance * part.expected(where.tolerance))
 
 
 def _main(where: Breakdown) -> str:
@@ -89,8 +94,10 @@ def _main(where: Breakdown) -> str:
 
 
 def _excess(where: Breakdown, grid: Grid) -> Array:
-    """Residual beyond what the noise, at the upper end of its tolerance, explains."""
-    return np.maximum(grid.residual - (1.0 + where.tolerance) ** 2 * grid.noise, 0.0)
+    """Residual beyond what a right model leaves where the noise is at the upper end of its
+    tolerance."""
+    expected = (1.0 + where.tolerance) ** 2 * grid.noise + grid.folded
+    return np.maximum(grid.residual - expected, 0.0)
 
 
 def _shortest_range(excess: Array) -> slice:
@@ -147,14 +154,16 @@ def _motion(where: Breakdown, rows: slice) -> str:
 
 
 def _locked(where: Breakdown) -> str:
-    excess = 1.0 - where.total.noise / where.total.residual
+    excess = where.total.excess / where.total.residual
     road = "what the rig imposes" if where.on_rig else "the road"
     for share, name in ((where.locking.road, road), (where.locking.time, "time")):
         if share >= MOST * excess:
             return f"locked to {name}"
         if share >= 0.5 * MOST * excess:
             return f"partly locked to {name}"
-    return f"locked neither to {road} nor to time"
+    # The road is where the model drives: on a wrong way it is missed. A faint line may be left.
+    passed = "" if where.on_rig else ", as the model drives over it,"
+    return f"mainly locked neither to {road}{passed} nor to time"
 
 
 def _growing(where: Breakdown) -> str:
@@ -171,11 +180,17 @@ def _growing(where: Breakdown) -> str:
 
 def _lines(where: Breakdown) -> list[str]:
     return [
-        f"A line at {line.frequency_hz:.2f} Hz that does not move with speed holds"
+        f"A line {_at(line)} not move with speed holds"
         f" {percent(line.share, 2)} of the residual and stands out in {len(line.runs)} of"
         f" {len(where.run)} runs."
         for line in where.locking.lines
     ]
+
+
+def _at(line: Line) -> str:
+    if line.wanders:
+        return f"that wanders from {line.lowest_hz:.2f} to {line.highest_hz:.2f} Hz but does"
+    return f"at {line.frequency_hz:.2f} Hz that does"
 
 
 def _runs(where: Breakdown) -> list[str]:

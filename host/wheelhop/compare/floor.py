@@ -1,14 +1,20 @@
-"""The noise floor: what the sensors alone, their noise and their scales, leave of the residual."""
+"""The noise floor: what the sensors' noise alone leaves of the residual.
+
+No model leaves less than the floor, but for what a fit follows of the noise: p/n of its square for
+p fitted numbers on n data. A right model may leave more where scales are uncertain, or where
+measured axles drive it: see `Floor.expected`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
+from scipy import fft, special
 
 from wheelhop.campaign import Campaign
 from wheelhop.compare.records import Record
@@ -19,22 +25,33 @@ Array = NDArray[np.float64]
 BLOCKS = 4  # equal parts of the band whose quietness is judged separately
 LOBE = 4  # lines: half the main lobe of a Blackman-Harris window
 PIECE = 50  # samples
+FOURTH = 1.0 + 2.0 * (56**2 + 28**2 + 8**2 + 1) / 70**2
+"""Fourth differences of white noise that tell as much as one that is independent."""
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
 
 
 @dataclass(frozen=True)
 class Floor:
-    """E that the sensors alone would leave, over all compared runs and over those of each role.
+    """E that the sensors' noise alone would leave, over all compared runs and over those of each
+    role: that of the truest model.
+
+    ``expected``, ``expected_fit`` and ``expected_validate`` are E that a right model may leave: no
+    bound, for it may leave less. It is more than the floor where the scales of channels are
+    uncertain, and where measured axles drive the model: motion from above half the sample rate is
+    folded into their records, and how much is estimated.
 
     ``source`` is the key under which the campaign states the noise ("noise_rms_m_s2"), or
     "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel, in
     ``unit``, NaN where none could be estimated because the model predicts nothing; ``noise_key``
-    is its name in files. ``scales`` is what of `error` their scales alone leave.
+    is its name in files. ``scales`` is what of `expected` the scales of the channels alone leave.
     """
 
     error: float
     error_fit: float
     error_validate: float
+    expected: float
+    expected_fit: float
+    expected_validate: float
     source: str
     noise_rms: Array
     noise_key: str
@@ -45,6 +62,14 @@ class Floor:
     def is_stated(self) -> bool:
         """Whether the campaign states the noise."""
         return self.source != "estimated"
+
+    @property
+    def beside_noise(self) -> str:
+        """Why a right model may leave more than the floor, in words; empty if nothing lets it."""
+        folded = self.expected**2 - self.error**2 - self.scales**2
+        if folded > self.scales**2:
+            return "what is folded into the records of the axles that drive it"
+        return "the uncertain scales of the channels" if self.scales > 0.0 else ""
 
     @property
     def pooled_rms(self) -> float:
@@ -58,11 +83,13 @@ class Floor:
 
 
 def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
-    """sqrt(Σ (noise² + (u · measured)²) / Σ measured²) in band.
+    """E of the noise, sqrt(Σ noise² / Σ measured²) in band, and of what else a right model may
+    leave, sqrt(Σ (noise² + folded² + (u · measured)²) / Σ measured²).
 
-    The noise is stated by the campaign or estimated; u is the standard uncertainty of a channel's
-    scale, where a calibration states it. Where measured axles drive the model the stated noise is
-    that of the sensors times the run's `Record.doubt`.
+    The noise is stated by the campaign or estimated; where measured axles drive the model, what
+    their noise does is part of it (`Record.noise_power`), and what is folded into their records is
+    not (`Record.folded_power`). u is the standard uncertainty of a channel's scale, where a
+    calibration states it.
     """
     scale = np.array([channel.scale_uncertainty for channel in campaign.channels])
     if campaign.noise_rms is not None:
@@ -71,22 +98,28 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     else:
         source, noise = "estimated", estimate_noise(records)
 
-    def error(role: str | None, noise: Array = noise) -> float:
+    def ratio(role: str | None, *parts: str) -> float:
         chosen = [r for r in records if role in (None, r.run.role)]
-        expected = sum(float(np.sum(r.noise_power(noise**2))) for r in chosen)
-        expected += sum(float(np.sum((r.measured * scale)[:, r.predicted] ** 2)) for r in chosen)
+        power = {
+            "noise": sum(float(np.sum(r.noise_power(noise**2))) for r in chosen),
+            "folded": sum(float(np.sum(r.folded_power(noise**2))) for r in chosen),
+            "scales": sum(float(np.sum((r.measured * scale) ** 2)) for r in chosen),
+        }
         measured = sum(float(np.sum(r.measured**2)) for r in chosen)
-        return float(np.sqrt(expected / measured)) if measured > 0.0 else float("nan")
+        return float(np.sqrt(sum(power[p] for p in parts) / measured)) if measured > 0.0 else nan
 
     return Floor(
-        error(None),
-        error("fit"),
-        error("validate"),
-        source,
-        noise,
-        campaign.noise_key,
-        campaign.unit,
-        error(None, np.zeros_like(noise)),
+        error=ratio(None, "noise"),
+        error_fit=ratio("fit", "noise"),
+        error_validate=ratio("validate", "noise"),
+        expected=ratio(None, "noise", "folded", "scales"),
+        expected_fit=ratio("fit", "noise", "folded", "scales"),
+        expected_validate=ratio("validate", "noise", "folded", "scales"),
+        source=source,
+        noise_rms=noise,
+        noise_key=campaign.noise_key,
+        unit=campaign.unit,
+        scales=ratio(None, "scales"),
     )
 
 
@@ -115,15 +148,21 @@ def estimate_noise_between_samples(records: Sequence[Array], share: float) -> fl
     ``records`` are (n, c) each; ``share`` is the part of white noise that lies in band. Motion is
     smooth on the scale of a few samples, noise is not: the fourth difference of white noise has
     70 times its variance (J. von Neumann et al., Ann. Math. Stat. 12 (1941) 153, for the first
-    one), that of a wave of a tenth of the sample rate a fiftieth of its own. The quietest tenth of
-    all pieces counts.
+    one), that of a wave of a tenth of the sample rate a fiftieth of its own. The quietest pieces
+    count, as far above the least as chance spreads so many of one noise, however few they are:
+    with m of them and a logarithm that scatters by s, 2 s sqrt(2 ln m).
     """
-    pieces = [
-        piece.mean(axis=0)
-        for record in records
-        for piece in np.array_split(np.diff(record, 4, axis=0) ** 2, len(record) // PIECE or 1)
-    ]
-    return float(np.sqrt(np.mean(np.quantile(pieces, QUIET_SHARE, axis=0)) / 70.0 * share))
+    pieces = np.array(
+        [
+            piece.mean(axis=0)
+            for record in records
+            for piece in np.array_split(np.diff(record, 4, axis=0) ** 2, len(record) // PIECE or 1)
+        ]
+    )
+    level = np.log(np.maximum(pieces, np.finfo(float).tiny)).mean(axis=1)
+    scatter = np.sqrt(special.polygamma(1, PIECE / FOURTH / 2) / pieces.shape[1])
+    spread = 2.0 * scatter * np.sqrt(2.0 * np.log(len(pieces)))
+    return float(np.sqrt(pieces[level <= level.min() + spread].mean() / 70.0 * share))
 
 
 def _quiet_level(signals: Sequence[tuple[Array, Record]]) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, linalg, ndimage, optimize, special
+from scipy import fft, linalg, ndimage, optimize
 
 from wheelhop.campaign import RigRun
 from wheelhop.compare.records import Record
@@ -24,6 +24,8 @@ LEAST_SHARE = 1e-3  # of the residual: taking out the road leaves traces below i
 FALSE_ALARM = 1e-3  # that noise alone shows any line, per search
 BACKGROUND_HZ = 2.0  # a line stands above the median of the spectrum this wide around it
 SKIRT_HZ = 1.0
+"""So far to both sides of a line a run may have it: its source wanders, as an engine's speed does.
+In one run it holds half as much."""
 SPEED_SPREAD = 1.1  # runs differ in speed if the fastest is this much faster
 
 
@@ -32,12 +34,39 @@ class Line:
     """A line of the residual's spectrum that does not move with speed.
 
     ``share`` is its part of the residual's sum of squares, ``runs`` those in which it
-    stands out.
+    stands out, at frequencies from ``lowest_hz`` to ``highest_hz``. Where these are told apart, the
+    line wanders from run to run.
     """
 
     frequency_hz: float
     share: float
     runs: tuple[str, ...]
+    lowest_hz: float
+    highest_hz: float
+
+    @property
+    def wanders(self) -> bool:
+        """Whether runs have it at frequencies that are told apart."""
+        return self.lowest_hz < self.highest_hz
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A line: its frequency, that in each run that shows it, by the run's number."""
+
+    frequency_hz: float
+    by_run_hz: dict[int, float]
+
+    def basis(self, record: Record, number: int) -> Array:
+        """Orthonormal basis (count, q) of the line in a run: where it does not stand out, a sine;
+        else all within half a skirt of where it does, too."""
+        if number not in self.by_run_hz:
+            return _sine(record, self.frequency_hz)
+        own_hz = self.by_run_hz[number]
+        frequency = np.tile(record.band.frequency_hz, 2)
+        near = np.flatnonzero(np.abs(frequency - own_hz) <= 0.5 * SKIRT_HZ)
+        skirt = np.eye(len(frequency))[:, near]
+        return np.hstack([skirt, _beyond(_sine(record, own_hz), skirt)])
 
 
 @dataclass(frozen=True)
@@ -47,7 +76,8 @@ class Locking:
     ``road`` repeats with the track's wavelength (periodic tracks) or is coherent with the
     modelled response to the road (others); ``time`` is in ``lines``. What a subspace of as
     many dimensions would hold of the remainder by chance is already subtracted from both.
-    ``neither`` is the rest and includes the noise, whose expected share is ``noise``.
+    ``neither`` is the rest and includes the noise, whose expected share is ``noise``, and what
+    motion folded into measured axles adds.
     """
 
     road: float
@@ -65,16 +95,15 @@ def locking(records: Sequence[Record], noise: Array) -> Locking:
     roads = [_road_bases(record) for record in records]
     found = _find_lines(records, roads)
     road, per_line = 0.0, np.zeros(len(found))
-    for record, bases in zip(records, roads, strict=True):
-        at_lines = [_line_basis(record, frequency) for frequency, _ in found]
+    for i, (record, bases) in enumerate(zip(records, roads, strict=True)):
+        at_lines = [line.basis(record, i) for line in found]
         for columns, basis in bases:
-            from_road, from_lines = _shares(record.residual[:, columns], at_lines, basis)
+            from_road, *from_lines = _shares(record.residual[:, columns], [basis, *at_lines])
             road += from_road
             per_line += from_lines
-    shares = per_line / total
     lines = tuple(
-        Line(frequency, float(share), runs)
-        for (frequency, runs), share in zip(found, shares, strict=True)
+        _line(records, line, float(share))
+        for line, share in zip(found, per_line / total, strict=True)
         if share > LEAST_SHARE
     )
     time = sum((line.share for line in lines), 0.0)
@@ -83,19 +112,39 @@ def locking(records: Sequence[Record], noise: Array) -> Locking:
     return Locking(road, time, 1.0 - road - time, expected, lines)
 
 
-def _shares(residual: Array, lines: Sequence[Array], road: Array) -> tuple[float, Array]:
-    """Sums of squares of channels (count, k) along the road's basis and along each line.
+def _line(records: Sequence[Record], found: _Found, share: float) -> Line:
+    """A line as it is said; frequencies within a line of the spectra are one."""
+    own = found.by_run_hz
+    lowest, highest = min(own.values()), max(own.values())
+    if highest - lowest <= max(records[i].band.rate_hz / records[i].band.n for i in own):
+        lowest = highest = found.frequency_hz
+    runs = tuple(records[i].run.id for i in own)
+    return Line(found.frequency_hz, share, runs, lowest, highest)
+
+
+def _shares(residual: Array, bases: Sequence[Array]) -> list[float]:
+    """Sums of squares of channels (count, k) along each basis, less those before it.
 
     From each is taken what that many degrees of freedom of the remainder hold on average,
     so that white noise counts as locked to nothing.
     """
-    basis = linalg.qr(np.hstack([*lines, road]), mode="economic")[0] if lines else road
-    power = (basis.T @ residual) ** 2
-    free = len(residual) - len(power)
-    level = (np.sum(residual**2, axis=0) - power.sum(axis=0)) / max(free, 1)
-    above = np.sum(power - np.maximum(level, 0.0), axis=1)
-    at_line = 2 * len(lines)
-    return float(above[at_line:].sum()), above[:at_line].reshape(-1, 2).sum(axis=1)
+    known, powers, freedom = np.zeros((len(residual), 0)), [], []
+    for basis in bases:
+        own = _beyond(basis, known)
+        powers.append(np.sum((own.T @ residual) ** 2, axis=0))
+        freedom.append(own.shape[1])
+        known = np.hstack([known, own])
+    free = len(residual) - sum(freedom)
+    level = np.maximum(np.sum(residual**2, axis=0) - sum(powers), 0.0) / max(free, 1)
+    return [float(np.sum(p - n * level)) for p, n in zip(powers, freedom, strict=True)]
+
+
+def _beyond(basis: Array, known: Array) -> Array:
+    """Orthonormal columns of what an orthonormal basis adds to those known."""
+    if not known.shape[1] or not basis.shape[1]:
+        return basis
+    u, size, _ = linalg.svd(basis - known @ (known.T @ basis), full_matrices=False)
+    return np.asarray(u[:, size**2 > RANK_TOLERANCE])
 
 
 def _road_bases(record: Record) -> Bases:
@@ -146,17 +195,15 @@ def _coherent_basis(model: Array, frequency_hz: Array) -> Array:
     return np.array(columns).reshape(-1, 2 * half).T
 
 
-def _line_basis(record: Record, frequency_hz: float) -> Array:
-    """Orthonormal basis (count, 2) of a line at one frequency."""
+def _sine(record: Record, frequency_hz: float) -> Array:
+    """Orthonormal basis (count, 2) of a sine."""
     angle = 2.0 * np.pi * frequency_hz * np.arange(record.band.n) / record.band.rate_hz
     columns = record.band.coefficients(np.stack([np.cos(angle), np.sin(angle)], axis=1))
     return np.asarray(linalg.qr(columns, mode="economic")[0])
 
 
-def _find_lines(
-    records: Sequence[Record], roads: Sequence[Bases]
-) -> list[tuple[float, tuple[str, ...]]]:
-    """Frequencies, strongest first, at which at least half the runs show a line, with those runs.
+def _find_lines(records: Sequence[Record], roads: Sequence[Bases]) -> list[_Found]:
+    """Lines, strongest first, that at least half the runs show at one frequency.
 
     The runs that show it must differ in speed (a standing vehicle settles it): only then
     is the clock, and not the road or a wheel, what the line follows. The search is on the
@@ -166,14 +213,14 @@ def _find_lines(
     if any(isinstance(record.run, RigRun) for record in records):
         return []
     rest = [_without_road(*pair) for pair in zip(records, roads, strict=True)]
-    found: list[tuple[float, tuple[str, ...]]] = []
+    found: list[_Found] = []
     while len(found) < MOST_LINES:
-        line = _strongest_line(records, rest, [frequency for frequency, _ in found])
+        line = _strongest_line(records, rest, [known.frequency_hz for known in found])
         if line is None:
             break
         found.append(line)
         for i, record in enumerate(records):
-            basis = _line_basis(record, line[0])
+            basis = line.basis(record, i)
             rest[i] = rest[i] - basis @ (basis.T @ rest[i])
     return found
 
@@ -187,7 +234,7 @@ def _without_road(record: Record, bases: Bases) -> Array:
 
 def _strongest_line(
     records: Sequence[Record], rest: Sequence[Array], known_hz: Sequence[float]
-) -> tuple[float, tuple[str, ...]] | None:
+) -> _Found | None:
     """The line that stands out most in half of the runs, if that is not a coincidence.
 
     Not looked for beside a line already known: an unsteady one has a skirt.
@@ -196,43 +243,91 @@ def _strongest_line(
     prominence = np.array(
         [_prominence(*pair, frequency) for pair in zip(records, rest, strict=True)]
     )
+    beside = np.ones(len(frequency), dtype=bool)
+    for known in known_hz:
+        beside &= np.abs(frequency - known) >= SKIRT_HZ
     runs = len(records)
     needed = runs - (runs - 1) // 2
     typical = np.sort(prominence, axis=0)[runs - needed]
-    # In noise a periodogram is exponentially distributed, with median ln 2, and two bins are
-    # looked at. That `needed` runs exceed a level at one of the frequencies is a binomial tail.
-    one_run = 1.0 - (1.0 - np.exp(-typical * np.log(2.0))) ** 2
-    by_chance = len(frequency) * special.bdtrc(needed - 1, runs, one_run)
-    for known in known_hz:
-        by_chance[np.abs(frequency - known) < SKIRT_HZ] = 1.0
+    alike = _alike(records)
     for k in np.argsort(-typical):
-        if by_chance[k] > FALSE_ALARM:
-            continue
+        near = np.abs(frequency - frequency[k]) < SKIRT_HZ
         shown = [i for i in range(runs) if prominence[i, k] >= typical[k]]
+        if not beside[k] or _by_chance(prominence[:, beside & ~near], typical[k], shown, alike):
+            continue
         speeds = [records[i].run.speed_m_s for i in shown]
         if min(speeds) == 0.0 or max(speeds) > SPEED_SPREAD * min(speeds):
-            refined = _refine(float(frequency[k]), records, rest)
-            return refined, tuple(records[i].run.id for i in shown)
+            own = np.where(near, prominence, 0.0)
+            by_run = {
+                i: _refine(float(frequency[np.argmax(own[i])]), [records[i]], [rest[i]])
+                for i in range(runs)
+                if own[i].max() >= typical[k]
+            }
+            steady = _refine(float(frequency[k]), records, rest)
+            return _Found(steady, by_run)
     return None
 
 
+def _alike(records: Sequence[Record]) -> list[list[int]]:
+    """The runs, by number, by track and speed: what those have in common that are alike in both
+    proves nothing."""
+    groups: list[list[int]] = []
+    for i in sorted(range(len(records)), key=lambda i: records[i].run.speed_m_s):
+        run = records[i].run
+        for group in groups:
+            first = records[group[0]].run
+            if first.track == run.track and run.speed_m_s <= SPEED_SPREAD * first.speed_m_s:
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    return groups
+
+
+def _by_chance(
+    elsewhere: Array, level: float, shown: Sequence[int], alike: Sequence[Sequence[int]]
+) -> bool:
+    """Whether the runs shown may well stand as high at one of the frequencies by coincidence.
+
+    In noise a periodogram is exponentially distributed, with median ln 2, and two bins are looked
+    at. What a model gets wrong of a periodic track stands out at every harmonic, and of runs at
+    several speeds harmonics coincide: a run does so by chance as often as it does `elsewhere`
+    (runs, f). Of runs alike only one counts.
+    """
+    count = np.array([1.0])  # chance of 0, 1, 2, … kinds of runs
+    for runs in alike:
+        in_noise = 1.0 - (1.0 - np.exp(-level * np.log(2.0))) ** (2 * len(runs))
+        as_high = np.any(elsewhere[runs] >= level, axis=0)
+        one = max(float(in_noise), float(np.mean(as_high)) if as_high.size else 0.0)
+        count = np.convolve(count, [1.0 - one, one])
+    needed = sum(any(i in shown for i in runs) for runs in alike)
+    return bool(max(elsewhere.shape[1], 1) * count[needed:].sum() > FALSE_ALARM)
+
+
 def _prominence(record: Record, rest: Array, frequency_hz: Array) -> Array:
-    """Power spectrum over its local median, all channels together, at the given frequencies."""
+    """Power spectrum over its local median, all channels together, at the given frequencies; 0
+    where the model has as strong a line itself: that may be what it gets wrong."""
+    power, background = _spectrum(record, rest)
+    modelled, around = _spectrum(record, record.model)
+    over = power / np.maximum(background, np.finfo(float).tiny)
+    over[power <= modelled - around] = 0.0
+    # The nearest bins of a coarser or finer spectrum: a line falls between two at worst.
+    step = record.band.rate_hz / record.band.n
+    position = np.clip((frequency_hz - record.band.frequency_hz[0]) / step, 0, len(over) - 1)
+    low = np.floor(position).astype(int)
+    return np.asarray(np.maximum(over[low], over[np.minimum(low + 1, len(over) - 1)]))
+
+
+def _spectrum(record: Record, coefficients: Array) -> tuple[Array, Array]:
+    """Power spectrum in band, all channels together, and its local median."""
     n, rate = record.band.n, record.band.rate_hz
-    window = hann(n)[:, None]
-    time_signal = record.band.from_coefficients(rest) * window
+    time_signal = record.band.from_coefficients(coefficients) * hann(n)[:, None]
     power = np.sum(np.abs(fft.rfft(time_signal, axis=0)) ** 2, axis=1)
     step = rate / n
     first, last = (round(f / step) for f in record.band.frequency_hz[[0, -1]])
     power = power[first : last + 1]
-    background = ndimage.median_filter(
-        power, max(5, round(BACKGROUND_HZ / step) | 1), mode="nearest"
-    )
-    over = power / np.maximum(background, np.finfo(float).tiny)
-    # The nearest bins of a coarser or finer spectrum: a line falls between two at worst.
-    position = np.clip((frequency_hz - record.band.frequency_hz[0]) / step, 0, len(over) - 1)
-    low = np.floor(position).astype(int)
-    return np.asarray(np.maximum(over[low], over[np.minimum(low + 1, len(over) - 1)]))
+    width = max(5, round(BACKGROUND_HZ / step) | 1)
+    return power, ndimage.median_filter(power, width, mode="nearest")
 
 
 def _refine(near_hz: float, records: Sequence[Record], rest: Sequence[Array]) -> float:
@@ -241,7 +336,7 @@ def _refine(near_hz: float, records: Sequence[Record], rest: Sequence[Array]) ->
 
     def explained(frequency: float) -> float:
         return sum(
-            float(np.sum((_line_basis(record, frequency).T @ part) ** 2))
+            float(np.sum((_sine(record, frequency).T @ part) ** 2))
             for record, part in zip(records, rest, strict=True)
         )
 

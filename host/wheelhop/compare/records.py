@@ -25,9 +25,9 @@ class Record:
 
     ``predicted`` (n_channels,) says which channels the model predicts. The others are zero
     in ``measured`` and ``residual`` (measured - model), and so count nowhere.
-    ``position_m`` (n,) is the modelled x of the front axle, None where unknown. ``doubt``
-    (count, n_channels) is the noise of every coefficient about the model per that of the sensors;
-    None: there is no other.
+    ``position_m`` (n,) is the modelled x of the front axle, None where unknown. ``noise_ratio``
+    and ``doubt`` (count, n_channels): see `Response`; None: the model is driven by nothing that is
+    noisy itself.
     """
 
     run: Run
@@ -37,6 +37,7 @@ class Record:
     residual: Array
     position_m: Array | None
     doubt: Array | None = None
+    noise_ratio: Array | None = None
 
     @property
     def model(self) -> Array:
@@ -49,14 +50,22 @@ class Record:
         return self.band.count * int(self.predicted.sum())
 
     def noise_power(self, noise: Array) -> Array:
-        """Expected square (count, n_channels) of every coefficient's noise about the model.
+        """Expected square (count, n_channels) of the sensors' noise in every coefficient about the
+        model, that of the axles that drive it included: the truest model leaves as much.
 
         ``noise`` (n_channels,) is the mean square of each sensor's noise in band; what the model
         does not predict has none.
         """
-        doubt = np.ones_like(self.measured) if self.doubt is None else self.doubt
-        power = self.band.n / self.band.count * noise * doubt**2
-        return np.where(self.predicted, power, 0.0)
+        return self._power(noise, self.noise_ratio)
+
+    def folded_power(self, noise: Array) -> Array:
+        """What motion folded into the records of the axles that drive the model may add to it
+        (count, n_channels), as estimated: a right model leaves up to that, perhaps much less."""
+        return self._power(noise, self.doubt) - self.noise_power(noise)
+
+    def _power(self, noise: Array, ratio: Array | None) -> Array:
+        power = self.band.n / self.band.count * noise * (1.0 if ratio is None else ratio**2)
+        return np.where(self.predicted, np.broadcast_to(power, self.measured.shape), 0.0)
 
 
 def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, ...]:
@@ -95,6 +104,7 @@ def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, 
                 measured - model,
                 response.position_m,
                 response.doubt,
+                response.noise_ratio,
             )
         )
     return tuple(records)

@@ -99,9 +99,23 @@ class Step:
         return floor.error_fit if self.rung.validation is None else floor.error_validate
 
     @property
+    def expected(self) -> float:
+        """E that a right model may leave of the runs that judge; see `Floor.expected`."""
+        floor = self.comparison.floor
+        return floor.expected_fit if self.rung.validation is None else floor.expected_validate
+
+    @property
     def over_floor(self) -> float:
         """Error on the runs that judge over the floor."""
         return self.rung.error_judging / self.floor
+
+    @property
+    def left_to(self) -> str:
+        """What explains all that a step leaves which lacks nothing, in words."""
+        floor = self.comparison.floor
+        if floor.beside_noise and self.over_floor > 1.0 + 2.0 * floor.tolerance:
+            return f"the sensors’ noise and {floor.beside_noise}"
+        return "the sensors’ noise"
 
     @property
     def allowed(self) -> float:
@@ -110,9 +124,10 @@ class Step:
 
     @property
     def unexplained(self) -> float:
-        """Share of the signal's power left of the runs that judge beyond what the floor is
-        uncertain by and such models are exact to; negative: less than that."""
-        tolerated = self.floor * (1.0 + 2.0 * self.comparison.floor.tolerance)
+        """Share of the signal's power left of the runs that judge beyond what a right model is
+        expected to leave, what that is uncertain by, and what such models are exact to; negative:
+        less than that."""
+        tolerated = self.expected * (1.0 + 2.0 * self.comparison.floor.tolerance)
         return self.rung.error_judging**2 - tolerated**2 - EXACT**2
 
     @property
@@ -131,7 +146,8 @@ class Grounds:
     and of the baseline over the floor; ``by_chance``, the chance that noise alone leaves as much as
     the last rung; ``unseen``, the chance that something is there which these runs could not show;
     ``cramped``, whether a number of an effect sits on its bound; ``louder``, whether that is noise
-    only if the sensors are noisier than stated.
+    only if the sensors are noisier than stated; ``expected_over_floor``, what a right model may
+    leave over the floor (`Floor.expected`).
     """
 
     log_odds: float
@@ -144,6 +160,17 @@ class Grounds:
     unseen: float = 0.0
     cramped: bool = False
     louder: bool = False
+    expected_over_floor: float = 1.0
+
+    @property
+    def over_expected(self) -> float:
+        """Error of the last rung over what a right model may leave."""
+        return self.over_floor / self.expected_over_floor
+
+    @property
+    def baseline_over_expected(self) -> float:
+        """The same of the baseline."""
+        return self.baseline_over_floor / self.expected_over_floor
 
     @property
     def more_than_noise(self) -> bool:
@@ -261,6 +288,9 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "error": _number(floor.error),
             "error_fit": _number(floor.error_fit),
             "error_validate": _number(floor.error_validate),
+            "expected": _number(floor.expected),
+            "expected_fit": _number(floor.expected_fit),
+            "expected_validate": _number(floor.expected_validate),
             "source": floor.source,
         },
         "ranking": [_ranked(r) for r in diagnosis.ranking],

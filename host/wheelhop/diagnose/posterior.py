@@ -67,6 +67,7 @@ def grounds(
     its place beside the others: while these are missing, little can be said of it.
     """
     over, baseline = steps[-1].over_floor, steps[0].over_floor
+    expected = steps[-1].expected / steps[-1].floor
     at_floor = "unknown" not in verdict
     floor = steps[-1].comparison.floor
     # The noise that a campaign states is taken at its word, unless what is more looks like noise.
@@ -86,13 +87,33 @@ def grounds(
         base = first.rung
     else:
         closest = min((c.p for c in last.candidates), default=1.0)
-        return Grounds(inf, inf, 1.0, closest, over, baseline, chance, louder=louder_so)
+        return Grounds(
+            inf,
+            inf,
+            1.0,
+            closest,
+            over,
+            baseline,
+            chance,
+            louder=louder_so,
+            expected_over_floor=expected,
+        )
     # A rival may be worse than nothing.
     best = min([*rivals, base], key=lambda r: lead(final, r))
     margin = min((_odds(rival, final, at_floor) for rival in rivals), default=inf)
     stability = _stability(best, final)
     leads = lead(final, best)
-    return Grounds(margin, leads, stability, against, over, baseline, chance, louder=louder_so)
+    return Grounds(
+        margin,
+        leads,
+        stability,
+        against,
+        over,
+        baseline,
+        chance,
+        louder=louder_so,
+        expected_over_floor=expected,
+    )
 
 
 def noisier_sensors(rung: Rung, noise: float) -> float:
@@ -142,7 +163,7 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     own uncertainty.
     """
     if verdict[0] == "unknown":
-        return CEILING * (1.0 - exp(-(grounds.over_floor - 1.0) / UNKNOWN_SCALE))
+        return CEILING * (1.0 - exp(-(grounds.over_expected - 1.0) / UNKNOWN_SCALE))
     if verdict[0] == "none":
         nothing_holds = 0.5 + 0.5 * min(1.0, grounds.p_value / SURELY_NONE)
         only_noise = min(1.0, grounds.by_chance / SURELY_NONE)
@@ -162,8 +183,8 @@ def _no_stand_in(grounds: Grounds) -> float:
     leave something small beside it, no size likelier than another down to what models are exact
     to, density 1 / (s ln(1/EXACT²)). Beforehand both are as likely.
     """
-    excess = grounds.baseline_over_floor**2 - 1.0
-    left = max(grounds.over_floor**2 - 1.0, 0.0)
+    excess = grounds.baseline_over_expected**2 - 1.0
+    left = max(grounds.over_expected**2 - 1.0, 0.0)
     if left >= excess:
         return 0.0
     return 1.0 / (1.0 + left / excess * log(1.0 / EXACT**2))

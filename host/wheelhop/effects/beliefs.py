@@ -16,6 +16,7 @@ import numpy as np
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, TrackSpec
 from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.effects.base import Array, Effect, Parameter, RunSetting, Values
+from wheelhop.files import dotted
 from wheelhop.vehicle import Vehicle, corner_position
 
 
@@ -126,7 +127,7 @@ class SensorPosition(Effect):
     ) -> None:
         """`place` (x, y), m, is where it is said to sit; `slope` (2, c) makes of the records of
         `others` (c,) how the body's acceleration grows ahead and to the left."""
-        self.id = f"belief: position of {channel}"  # type: ignore[misc]
+        self.id = f"belief: position of {dotted(channel)}"  # type: ignore[misc]
         self.title = f"{channel} sits elsewhere than stated"  # type: ignore[misc]
         self.channel, self.said, self.others, self.slope = channel, place, others, slope
 
@@ -151,7 +152,7 @@ class SensorPosition(Effect):
     def stated(self) -> Mapping[str, tuple[str, float]]:
         """Its place about the centre of mass."""
         return {
-            axis: (f"channel.{self.channel}.{axis}", said)
+            axis: (f"channel.{dotted(self.channel)}.{axis}", said)
             for axis, said in zip(("x_m", "y_m"), self.said, strict=True)
         }
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import importlib.util
-import re
-import sys
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import get_args
-
-from numba.core.errors import NumbaError
 
 from wheelhop.campaign import CampaignError
 from wheelhop.effects.anti_roll_bar import AntiRollBar
@@ -32,6 +27,7 @@ from wheelhop.effects.left_right_drift import LeftRightDrift
 from wheelhop.effects.longitudinal_pitch import LongitudinalPitch
 from wheelhop.effects.mount_bushing import MountBushing
 from wheelhop.effects.mr_damper import MrDamper
+from wheelhop.effects.own_file import effects_in, read_source
 from wheelhop.effects.payne_effect import PayneEffect
 from wheelhop.effects.progressive_spring import ProgressiveSpring
 from wheelhop.effects.progressive_tyre import ProgressiveTyre
@@ -46,6 +42,7 @@ from wheelhop.effects.speed_fluctuation import SpeedFluctuation
 from wheelhop.effects.tyre_envelope import TyreEnvelope
 from wheelhop.effects.tyre_lift_off import TyreLiftOff
 from wheelhop.effects.wheel_imbalance import WheelImbalance
+from wheelhop.files import Source
 
 BUILT_IN: tuple[type[Effect], ...] = (
     SpeedFluctuation,
@@ -85,8 +82,11 @@ BUILT_IN: tuple[type[Effect], ...] = (
 ENTRY_POINT = "wheelhop.effects"
 
 
-def load_effects(user_file: str | Path | None = None) -> Mapping[str, Effect]:
+def load_effects(user_file: str | Path | Source | None = None) -> Mapping[str, Effect]:
     """Every effect by its id; later ones replace earlier ones of the same id.
+
+    Of a user's file its text alone is run; a `Source` is one that was read before, and reviewed
+    perhaps.
 
     Raises
     ------
@@ -99,7 +99,9 @@ def load_effects(user_file: str | Path | None = None) -> Mapping[str, Effect]:
         effect = _made(point.load(), f"package {point.value}")
         effects[effect.id] = effect
     if user_file is not None:
-        for cls in _from_file(Path(user_file)):
+        if not isinstance(user_file, Source):
+            user_file = read_source(Path(user_file))
+        for cls in effects_in(user_file):
             effect = _made(cls, str(user_file))
             effects[effect.id] = effect
     return effects
@@ -122,6 +124,10 @@ def _made(cls: type[Effect], where: str) -> Effect:
     for name in ("id", "place", "title", "equation", "source"):
         if not isinstance(getattr(cls, name, None), str):
             raise CampaignError(f'{where}: {cls.__name__} has no {name}; add {name} = "…" to it')
+    if not cls.id.strip() or not cls.id.isprintable() or "." in cls.id:
+        raise CampaignError(
+            f'{where}: {cls.__name__} has id = "{cls.id}"; it is a word that prints, without a dot'
+        )
     if cls.place not in get_args(Place):
         places = ", ".join(get_args(Place))
         raise CampaignError(
@@ -133,41 +139,3 @@ def _made(cls: type[Effect], where: str) -> Effect:
         raise CampaignError(
             f"{where}: {cls.__name__} cannot be made without arguments: {error}; give them defaults"
         ) from error
-
-
-def _from_file(path: Path) -> list[type[Effect]]:
-    if not path.is_file():
-        raise CampaignError(f"{path}: there is no such file; --effects takes a Python file")
-    spec = importlib.util.spec_from_file_location(f"wheelhop_user_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise CampaignError(f"{path}: not a Python file; its name must end in .py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # where compiled laws kept from the last time look for it
-    try:
-        spec.loader.exec_module(module)
-    except NumbaError as error:
-        raise CampaignError(f"{path}: {_does_not_compile(error)}") from error
-    except (Exception, SystemExit) as error:
-        kind = type(error).__name__
-        raise CampaignError(f"{path}: does not run: {kind}: {error}; mend the file") from error
-    found = [
-        value
-        for value in vars(module).values()
-        if isinstance(value, type)
-        and issubclass(value, Effect)
-        and value.__module__ == module.__name__
-    ]
-    if not found:
-        raise CampaignError(
-            f"{path}: holds no effect; define a subclass of wheelhop.effects.Effect in it"
-        )
-    return found
-
-
-def _does_not_compile(error: NumbaError) -> str:
-    """What the compiler says of a law, without its colours, stages and candidates."""
-    lines = [re.sub(r"\x1b\[\d*m", "", line).strip() for line in str(error).splitlines()]
-    said = re.split(", defined at| During:", " ".join([line for line in lines if line][1:3]))[0]
-    place = re.search(r"line (\d+)", str(error))
-    where = f" in line {place[1]}" if place else ""
-    return f"a law{where} does not compile: {said}; it computes with numbers and returns two"

@@ -25,8 +25,7 @@ class SensorPolarity(Effect):
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
         """Any channel inverted ("B3"), any two swapped ("A1/A2")."""
-        names = [c.name for c in channels]
-        return [*names, *(f"{a}/{b}" for a, b in combinations(names, 2))]
+        return list(_wirings(channels))
 
     def with_choice(self, choice: str) -> SensorPolarity:
         """This fault in the channel or the pair `choice`."""
@@ -49,11 +48,22 @@ class SensorPolarity(Effect):
         return self.sense(theta, measured, channels, rate_hz)
 
     def _wired(self, acceleration: Array, channels: Sequence[Channel]) -> Array:
-        column = {c.name: i for i, c in enumerate(channels)}
-        affected = [column[name] for name in self.channels.split("/")]
+        affected = list(_wirings(channels)[self.channels])
         wired = np.array(acceleration)
         if len(affected) == 1:
             wired[:, affected] *= -1.0
         else:
             wired[:, affected] = acceleration[:, affected[::-1]]
         return wired
+
+
+def _wirings(channels: Sequence[Channel]) -> dict[str, tuple[int, ...]]:
+    """The columns that each choice concerns. A choice is what people read, and names may hold any
+    character, so none is ever taken apart; a pair that reads as another choice has one "/" more."""
+    found: dict[str, tuple[int, ...]] = {c.name: (i,) for i, c in enumerate(channels)}
+    for (i, a), (j, b) in combinations(enumerate(channels), 2):
+        between = "/"
+        while (choice := f"{a.name}{between}{b.name}") in found:
+            between += "/"
+        found[choice] = (i, j)
+    return found

@@ -2,33 +2,43 @@
 
 import math
 import tomllib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import date, datetime
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from wheelhop.files.error import InputError
+from wheelhop.files.read import read_text_bytes
 from wheelhop.files.units import UNITS, beyond, split_unit
 
 LONGEST_WORD = 200  # that may be a misspelt one
 LONGEST_TEXT = 4000  # that somebody means to read
 
 
-def read_text(path: Path, kind: type[InputError] = InputError) -> str:
-    """Read a UTF-8 text file, any line ends and a byte order mark allowed.
-
-    Raises an error of this `kind` for a file that is missing, unreadable or in another encoding.
-    """
+@contextmanager
+def readable(path: Path, kind: type[InputError] = InputError) -> Iterator[None]:
+    """What keeps a file from being read in the block is an error of this `kind`, in one line."""
     try:
-        data = path.read_bytes()
+        yield
     except FileNotFoundError:
         raise kind(f"{path}: no such file{similar_file(path)}") from None
-    except IsADirectoryError:
-        raise kind(f"{path}: is a folder, not a file") from None
+    except InputError:
+        raise
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         reason = getattr(error, "strerror", None) or error
         raise kind(f"{str(path)!r}: cannot be read: {reason}") from None
+
+
+def read_text(path: Path, kind: type[InputError] = InputError) -> str:
+    """Read a UTF-8 text file, any line ends and a byte order mark allowed.
+
+    Raises an error of this `kind` for a file that is missing, unreadable or in another encoding,
+    and for what is no plain file, no text, or more than the memory holds.
+    """
+    with readable(path, kind):
+        data = read_text_bytes(path, kind)
     try:
         return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:

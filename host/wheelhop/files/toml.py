@@ -42,6 +42,12 @@ def _key(key: str) -> str:
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
 
 
+def dotted(name: str) -> str:
+    """A name as a part of a dotted key: in quotes, as in TOML, where it holds a dot or a quote, so
+    that no key begins with the key of another name and a dot."""
+    return quoted(name) if set(name) & set('."') else name
+
+
 def _value(value: str | float | list[str]) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(quoted, value))}]"

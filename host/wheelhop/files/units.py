@@ -26,7 +26,7 @@ def _per_s2(length: str) -> tuple[str, ...]:
     return (f"{length}/s²", f"{length}/s^2", f"{length}/s2")
 
 
-M_S2 = ("m/s²", "m/s^2", "m/s2", "m/s**2", "m/sec^2", "m.s-2")
+M_S2 = ("m/s²", "m/s^2", "m/s2", "m/s**2", "m/sec^2", "m.s-2", "m/s/s")
 KMPH = ("kmph", "kmh", "kph", "km_h")
 G = STANDARD_GRAVITY_M_S2
 TABLE = (
@@ -35,18 +35,19 @@ TABLE = (
     Unit("length", 1e-3, "millimetres", ("mm",), ("mm",)),
     Unit("length", 1e-6, "micrometres", (), ("µm", "μm", "um")),  # both kinds of µ occur
     Unit("length", 1e3, "kilometres", ("km",)),
-    Unit("length", 0.0254, "inches", ("in",), ("in", "inch")),
+    Unit("length", 0.0254, "inches", ("in",), ("in", "inch", "Inch")),
     Unit("length", 0.3048, "feet", ("ft",)),
     Unit("speed", 1.0, "metres per second", ("m_s", "mps"), ("m/s", "m.s-1")),
     Unit("speed", 1e-3, "millimetres per second", (), ("mm/s",)),
-    Unit("speed", 1 / 3.6, "kilometres per hour", KMPH, ("km/h", "kph", "kmh")),
-    Unit("speed", 0.44704, "miles per hour", ("mph",), ("mph",)),
+    Unit("speed", 1 / 3.6, "kilometres per hour", KMPH, ("km/h", "kph", "kmh", "Km/h")),
+    Unit("speed", 0.44704, "miles per hour", ("mph",), ("mph", "MPH")),
+    Unit("speed", 0.0254, "inches per second", (), ("in/s",)),
     Unit("acceleration", 1.0, "metres per second squared", ("m_s2",), M_S2),
     Unit("acceleration", 1e-2, "centimetres per second squared", (), (*_per_s2("cm"), "Gal")),
     Unit("acceleration", 1e-3, "millimetres per second squared", ("mm_s2",), _per_s2("mm")),
     Unit("acceleration", 0.3048, "feet per second squared", (), _per_s2("ft")),
     Unit("acceleration", 0.0254, "inches per second squared", (), _per_s2("in")),
-    Unit("acceleration", G, "g", (), ("g", "gn", "g_n", "g0")),
+    Unit("acceleration", G, "g", (), ("g", "G", "gn", "g_n", "g0")),
     Unit("acceleration", G / 1e3, "thousandths of g", (), ("mg", "mgn", "mg_n")),
     Unit("angle", math.pi / 180, "degrees", ("deg",)),
     Unit("angle", 1.0, "radians", ("rad",)),
@@ -76,7 +77,7 @@ TABLE = (
     Unit("growth", 1.0, "per square metre", ("1_m2",), ("1/m²",)),
     Unit("force", 1.0, "newtons", ("N",), ("N", "Newton", "Newtons")),
     Unit("force", 1e3, "kilonewtons", (), ("kN",)),
-    Unit("force", 4.4482216152605, "pounds of force", (), ("lbf",)),
+    Unit("force", 4.4482216152605, "pounds of force", (), ("lbf", "lbs")),
     Unit("voltage", 1.0, "volts", (), ("V", "Volt", "Volts")),
     Unit("voltage", 1e-3, "millivolts", (), ("mV",)),
     Unit("voltage", 1e-6, "microvolts", (), ("µV", "μV", "uV")),
@@ -107,6 +108,13 @@ SPELT = {
 
 SECONDS = {name: unit.in_si for unit in TABLE if unit.dimension == "time" for name in unit.spelt}
 """By a recorder's spelling of a unit of time, how long it is."""
+
+
+def seconds_in(unit: str) -> float | None:
+    """How long a unit of an axis of time is, None for one that is not known. Capitals are the
+    writer's taste: no recording counts megaseconds."""
+    return SECONDS.get(unit.strip(), SECONDS.get(unit.strip().lower()))
+
 
 ENDINGS = {
     f"_{key}": unit.spelt[0]

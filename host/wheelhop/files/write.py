@@ -7,15 +7,12 @@ promise more (Pillai et al., "All File Systems Are Not Created Equal", OSDI 2014
 
 import contextlib
 import errno
-import hashlib
 import json
 import os
 import secrets
 import shutil
 import stat
 import sys
-import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,9 +22,6 @@ from wheelhop.files.error import InputError
 
 DRAFT = ".wheelhop-"
 """How the names of drafts begin. After a power cut one may be left; it can be deleted."""
-PATIENCE_S = 60.0
-POLL_S = 0.02
-CANNOT_LOCK = (errno.EBADF, errno.EINVAL, errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)
 CANNOT_SYNC = (errno.EINVAL, errno.ENOSYS, errno.EOPNOTSUPP)
 OPEN_FILES = ("/dev", "/dev/fd", "/proc/self/fd")
 PICTURES = (".png", ".svg", ".pdf")
@@ -156,42 +150,6 @@ def new_folder(folder: Path, kind: type[InputError] = InputError) -> Iterator[Pa
     sync_folder(folder.parent)
 
 
-@contextmanager
-def locked(folder: Path, kind: type[InputError] = InputError) -> Iterator[None]:
-    """Keep every other wheelhop from changing what is in `folder` while the block reads and writes.
-
-    The lock ends with the process, however that ends. Raises an error of this `kind` if another
-    process holds it for longer than a minute.
-    """
-    lock = _open_lock(folder)
-    try:
-        until_s = time.monotonic() + PATIENCE_S
-        while not _take(lock):
-            if time.monotonic() > until_s:
-                raise kind(f"{folder}: another wheelhop is changing it: try again when it is done")
-            time.sleep(POLL_S)
-        yield
-    finally:
-        os.close(lock)
-
-
-@contextmanager
-def claimed(folder: Path, purpose: str, kind: type[InputError] = InputError) -> Iterator[None]:
-    """Keep a second program of the same purpose out of `folder` while the block runs; programs that
-    change files in it meanwhile are not hindered.
-
-    The claim ends with the process, however that ends. Raises an error of this `kind` at once if
-    another process on this computer has it.
-    """
-    claim = _lock_file(folder / purpose)
-    try:
-        if not _take(claim):
-            raise kind(f"{folder}: a {purpose} is open on it already: use that one, or end it")
-        yield
-    finally:
-        os.close(claim)
-
-
 def is_draft(path: Path) -> bool:
     """Whether a file is a draft that a power cut has left behind."""
     return path.name.startswith(DRAFT)
@@ -276,47 +234,3 @@ def sync_folder(folder: Path) -> None:
                 os.fsync(file)
             finally:
                 os.close(file)
-
-
-if sys.platform == "win32":
-    import msvcrt
-
-    def _open_lock(folder: Path) -> int:
-        return _lock_file(folder)
-
-    def _take(lock: int) -> bool:
-        try:
-            msvcrt.locking(lock, msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        return True
-
-else:
-    import fcntl
-
-    def _open_lock(folder: Path) -> int:
-        """The folder itself, so that nothing is left in it; where folders cannot be locked (NFS),
-        a file that stands for it on this computer."""
-        lock = os.open(folder, os.O_RDONLY)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
-            fcntl.flock(lock, fcntl.LOCK_UN)
-        except OSError as error:
-            if error.errno in CANNOT_LOCK:
-                os.close(lock)
-                return _lock_file(folder)
-        return lock
-
-    def _take(lock: int) -> bool:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        return True
-
-
-def _lock_file(folder: Path) -> int:
-    name = hashlib.sha256(os.fsencode(folder.resolve())).hexdigest()[:16]
-    return os.open(
-        Path(tempfile.gettempdir()) / f"wheelhop-{name}.lock", os.O_CREAT | os.O_RDWR, 0o666
-    )

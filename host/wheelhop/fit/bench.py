@@ -52,6 +52,7 @@ class Bench:
     predicted: NDArray[np.bool_]  #: (c,) channels the model predicts in this run
     memory_s: float  #: after this time what has moved the vehicle is as good as forgotten
     doubt: Array  #: (2 n_bins, c) noise of every datum per the sensors', `measured_axles.doubt`
+    noise_ratio: Array  #: the same without motion folded into measured axles
 
     @property
     def drive(self) -> Drive:
@@ -87,7 +88,7 @@ class Bench:
         found = self.simulator.simulate(model, systems[self.drive])
         if self.drive != "axles":
             return found
-        return replace(found, doubt=self.doubt)
+        return replace(found, doubt=self.doubt, noise_ratio=self.noise_ratio)
 
     @RUNS_AWAY
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
@@ -255,11 +256,12 @@ class Workshop:
         predicted = np.array(
             [simulator.drive != "axles" or not c.is_axle for c in self.campaign.channels]
         )
-        doubted = np.ones((band.count, len(predicted)))
+        doubted = ratio = np.ones((band.count, len(predicted)))
         if self._on_axles and simulator.drive == "axles" and self.campaign.noise_rms is not None:
-            doubted = doubt(self.campaign, run, self._on_axles, band.frequency_hz)
+            doubted, ratio = doubt(self.campaign, run, self._on_axles, band.frequency_hz)
         measured, memory_s = band.coefficients(run.record), REMEMBERED * self._run_up_s
-        return Bench(run, simulator, band, measured / doubted, predicted, memory_s, doubted)
+        coefficients = measured / doubted
+        return Bench(run, simulator, band, coefficients, predicted, memory_s, doubted, ratio)
 
 
 def run_up(systems: dict[Drive, System]) -> float:

@@ -87,7 +87,7 @@ def initial_model(campaign: Campaign, vehicle: Vehicle) -> Model:
     """The nominal vehicle, no effects; sensors of unknown place sit at the centre of mass, and all
     are as their calibration says."""
     unknown = {
-        f"channel.{c.name}.{what}": 0.0
+        f"{c.key}.{what}": 0.0
         for c in campaign.channels
         for what in (*(("x_m", "y_m") if c.point == "body" else ()), *calibrated(c))
     }
@@ -118,9 +118,9 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
             for axis, length in spread.items():
                 if length in vehicle.values:  # where the body only heaves, all places are alike
                     sigma = vehicle.values[length] / 4
-                    free.append(Free(f"channel.{channel.name}.{axis}", 0.0, sigma, sigma))
+                    free.append(Free(f"{channel.key}.{axis}", 0.0, sigma, sigma))
         for what, sigma in calibrated(channel).items():
-            free.append(Free(f"channel.{channel.name}.{what}", 0.0, sigma, sigma, lower=-0.5))
+            free.append(Free(f"{channel.key}.{what}", 0.0, sigma, sigma, lower=-0.5))
     return free
 
 

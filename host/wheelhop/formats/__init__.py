@@ -2,7 +2,7 @@
 
 from wheelhop.formats.draft import draft_mapping
 from wheelhop.formats.error import ExchangeError
-from wheelhop.formats.mapping import Map, Pick, read_mapping
+from wheelhop.formats.mapping import Map, Pick, parse_mapping, read_mapping
 from wheelhop.formats.registry import FORMATS, losses, read, write
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "Pick",
     "draft_mapping",
     "losses",
+    "parse_mapping",
     "read",
     "read_mapping",
     "write",

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import TABLE, read_bytes, read_text_bytes
 from wheelhop.formats.error import ExchangeError
 
 BOMS = (
@@ -29,7 +30,9 @@ def read_lines(file: Path, encoding: str = "") -> list[str]:
 
     Without an `encoding` it is the byte order mark's, UTF-8, or else what Windows calls ANSI.
     """
-    data = file.read_bytes()
+    data = (
+        read_bytes(file, ExchangeError, TABLE) if encoding else read_text_bytes(file, ExchangeError)
+    )
     marked = next((name for mark, name in BOMS if data.startswith(mark)), "")
     for name in [encoding] if encoding else [marked or "utf-8", "cp1252", "latin-1"]:
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -55,6 +56,7 @@ def draft_mapping(path: Path) -> str:
     with guarded(path, "be understood"):
         layout = _layout(path)
     clock, unit = _time(layout)
+    keys = _keys(layout.labels)
     mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
     lines = [
         f"separator = {quoted(mark[layout.separator])}",
@@ -66,14 +68,14 @@ def draft_mapping(path: Path) -> str:
     if clock is None:
         lines.append("rate_hz = 100.0  # no column looks like time: say how many rows are a second")
     else:
-        lines += [f"time = {_key(layout.labels, clock)}", f"time_unit = {quoted(unit)}"]
+        said = f"time_unit = {quoted(unit)}" if unit else 'time_unit = "s"  # not said: s, ms?'
+        lines += [f"time = {keys[clock]}", said]
     columns: list[tuple[str, str, str]] = []
     for k, label in enumerate(layout.labels):
         if k == clock or not cells.is_number(layout.rows[0][k], layout.decimal):
             continue
         name, inside = name_and_unit(label)
-        key = _key(layout.labels, k)
-        columns.append((key, name, layout.units[k] if layout.units else inside))
+        columns.append((keys[k], name, layout.units[k] if layout.units else inside))
     return _text(path, lines, columns)
 
 
@@ -137,21 +139,22 @@ def _labels(rows: Sequence[Sequence[str]], first: int, width: int, layout: Layou
 
 
 def _time(layout: Layout) -> tuple[int | None, str]:
-    """Which column is time and in what unit: by its name, or the first that rises evenly."""
-    for k, label in enumerate(layout.labels):
-        name, unit = name_and_unit(label)
-        unit = layout.units[k] if layout.units else unit
+    """Which column is time, and in what unit the file says, known or not: by its name, or the first
+    that rises evenly and is in no other unit than one of time."""
+    inside = [name_and_unit(label) for label in layout.labels]
+    units = layout.units or tuple(unit for _, unit in inside)
+    for k, (name, _) in enumerate(inside):
         if name.lower().split("_")[0] in TIMES or name.lower() in TIMES:
             if not cells.is_number(layout.rows[0][k], layout.decimal):
                 return k, "clock"
-            return k, unit if unit in SECONDS else "s"
-    for k in range(len(layout.labels)):
+            return k, units[k]
+    for k in (k for k, unit in enumerate(units) if not unit or unit in SECONDS):
         column = [row[k].replace(layout.decimal, ".") for row in layout.rows]
         if all(map(cells.is_number, column)) and len(column) > 2:
             steps = np.diff([float(cell) for cell in column])
             if steps.max() < 1.01 * steps.min():
-                return k, layout.units[k] if layout.units and layout.units[k] in SECONDS else "s"
-    return None, "s"
+                return k, units[k]
+    return None, ""
 
 
 def _of_tables(path: Path) -> str:
@@ -166,17 +169,20 @@ def _of_tables(path: Path) -> str:
         lines.append(f"group = {quoted(table.group)}  # one of {names}")
     if table.time_s is None and table.rate_hz is None:
         lines.append("rate_hz = 100.0  # the file has no time: say how many samples are a second")
-    labels = [channel.name for channel in table.channels]
-    for k, channel in enumerate(table.channels):
-        key = quoted(channel.name) if labels.count(channel.name) == 1 else str(table.columns[k])
+    count = Counter(channel.name for channel in table.channels)
+    for number, channel in zip(table.columns, table.channels, strict=True):
+        key = quoted(channel.name) if count[channel.name] == 1 else str(number)
         columns.append((key, channel.name, channel.unit))
     return _text(path, lines, columns)
 
 
-def _key(labels: Sequence[str], k: int) -> str:
-    """How a mapping names a column: by its label, or by number where the label will not do."""
-    unnamed = labels[k] == f"column {k + 1}" or labels.count(labels[k]) > 1
-    return str(k + 1) if unnamed else quoted(labels[k])
+def _keys(labels: Sequence[str]) -> list[str]:
+    """How a mapping names each column: by its label, or by number where the label will not do."""
+    count = Counter(labels)
+    return [
+        str(k) if label == f"column {k}" or count[label] > 1 else quoted(label)
+        for k, label in enumerate(labels, start=1)
+    ]
 
 
 def _entries(columns: Sequence[tuple[str, str, str]]) -> Iterator[str]:
@@ -186,6 +192,7 @@ def _entries(columns: Sequence[tuple[str, str, str]]) -> Iterator[str]:
     for k, (key, name, unit) in enumerate(columns):
         si, factor = to_si(unit)
         scaled = f"  # × {factor:g} = {si}" if factor != 1.0 else ""
+        scaled = scaled if is_unit(unit) else "  # not known here: it stays as it is"
         point = name if name in POINTS else guessed.get(k, "")
         yield from (
             "",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import tomllib
 from collections.abc import Mapping
@@ -12,12 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files import quoted
+from wheelhop.files import check_plain, quoted, read_text_bytes
 from wheelhop.formats.error import ExchangeError
 from wheelhop.logger.recording import Channel, Recording
 
 FORMAT = 1
 CHANNEL_KEYS = ("name", "unit", "point", "sensor", "calibration")
+SAMPLES = "samples_sha256"
+"""Of the file that a header stands beside: by it the header knows its samples from others."""
+CHUNK_BYTES = 1 << 20
 NUMBERS = ("rate_hz", "start_s", "averaging_s", "start_unix_s")
 
 
@@ -39,9 +43,12 @@ def header_of(recording: Recording) -> Header:
     return Header(replace(recording, values=recording.values[:0]), len(recording.values))
 
 
-def to_text(recording: Recording) -> str:
-    """The header as TOML; numbers are written so that they read back to the same bits."""
+def to_text(recording: Recording, samples: Path | None = None) -> str:
+    """The header as TOML; numbers are written so that they read back to the same bits. With the
+    file of its `samples`, beside which it will stand, it says which these are."""
     lines = [f"format = {FORMAT}", f"rows = {len(recording.values)}"]
+    if samples is not None and samples.is_file():  # a pipe cannot be read again
+        lines.append(f'{SAMPLES} = "{_digest(samples)}"')
     for key in NUMBERS:
         value = getattr(recording, key)
         if value is not None:
@@ -63,23 +70,52 @@ def sidecar(path: Path) -> Path:
 
 
 def read_sidecar(path: Path) -> Header | None:
-    """The header beside `path`, None if there is none. Raises `ExchangeError`."""
+    """The header beside `path`, None if there is none.
+
+    Raises `ExchangeError`, also for a header of other samples: one of the two files was replaced
+    without the other. A header that does not say which its samples are is believed.
+    """
     file = sidecar(path)
     if not file.exists():
         return None
     try:
-        text = file.read_bytes().decode("utf-8")
+        text = read_text_bytes(file, ExchangeError).decode("utf-8")
     except UnicodeDecodeError as error:
         raise ExchangeError(f"{file}: byte {error.start} is not UTF-8") from None
-    return from_text(text, file)
+    table = _table(text, file)
+    if SAMPLES in table and table[SAMPLES] != _digest(path):
+        raise ExchangeError(
+            f"{file}: is the header of other samples than {path.name} holds now: write both again;"
+            f" if you have edited {path.name} yourself, delete the line {SAMPLES} from the header"
+        )
+    return _header(table, file)
+
+
+def _digest(samples: Path) -> str:
+    """SHA-256 of a file, with line ends as we write them: what copies text may change those."""
+    found = hashlib.sha256()
+    check_plain(samples, ExchangeError)
+    with samples.open("rb") as file:
+        while chunk := file.read(CHUNK_BYTES):
+            if chunk.endswith(b"\r"):
+                chunk += file.read(1)
+            found.update(chunk.replace(b"\r\n", b"\n"))
+    return found.hexdigest()
 
 
 def from_text(text: str, file: Path) -> Header:
     """Read what `to_text` wrote; raises `ExchangeError` that names `file` and the key."""
+    return _header(_table(text, file), file)
+
+
+def _table(text: str, file: Path) -> dict[str, Any]:
     try:
-        table = tomllib.loads(text)
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise ExchangeError(f"{file}: not valid TOML: {error}") from None
+
+
+def _header(table: Mapping[str, Any], file: Path) -> Header:
     if table.get("format") != FORMAT or isinstance(table["format"], bool):
         raise ExchangeError(f"{file}: format must be {FORMAT}: this wheelhop reads no other")
     rows = table.get("rows")

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -127,8 +127,8 @@ def _segment(
         )
     stamps = None
     if x_kind != "no":
-        own = {max(j for j in range(k) if names[j] == X or j == 0) for k in wanted}
-        stamps, *others = (column(k) for k in sorted(own))
+        before = list(accumulate((k if name == X else 0 for k, name in enumerate(names)), max))
+        stamps, *others = (column(k) for k in sorted({before[k - 1] for k in wanted}))
         if any(not np.array_equal(stamps, other) for other in others):
             raise ExchangeError(
                 f"{path}: line {start + 1}: the channels of this segment were not sampled together"
@@ -142,7 +142,7 @@ def _segment(
     return Table(
         file=path,
         kind="LabVIEW measurement",
-        channels=tuple(plain_channel(names[k], tag("Y_Unit_Label", k) or None) for k in wanted),
+        channels=tuple(plain_channel(names[k], tag("Y_Unit_Label", k)) for k in wanted),
         values=np.column_stack([samples[k] for k in wanted]),
         # X is often printed with six decimals; Delta_X is exact.
         time_s=None if exact else stamps,

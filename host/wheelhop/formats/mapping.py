@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from wheelhop.files import read_text_bytes
 from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import ExchangeError
 
@@ -80,9 +81,20 @@ class Map:
 def read_mapping(file: Path) -> Map:
     """Read a mapping file. Raises `ExchangeError` that names the file and the key."""
     try:
-        table = tomllib.loads(file.read_bytes().decode("utf-8-sig"))
+        text = read_text_bytes(file, ExchangeError).decode("utf-8-sig")
     except OSError as error:
         raise ExchangeError(f"{file}: cannot be read: {error.strerror}") from None
+    except ExchangeError:
+        raise
+    except ValueError as error:
+        raise ExchangeError(f"{file}: not valid TOML: {error}") from None
+    return parse_mapping(text, file)
+
+
+def parse_mapping(text: str, file: Path) -> Map:
+    """What the text of a mapping says. Raises `ExchangeError` that names `file` and the key."""
+    try:
+        table = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise ExchangeError(f"{file}: not valid TOML: {error}") from None
     keys = _Keys(table, file)

@@ -11,6 +11,7 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import NUMBERS, check_room
 from wheelhop.formats.error import ExchangeError, need
 from wheelhop.formats.header import Header, from_text, to_text
 from wheelhop.formats.mapping import Map
@@ -29,7 +31,8 @@ VERSION = "4.10"  # read by every tool of the last ten years
 BEST_COMPRESSION = 1032  # that deflate can reach
 VIRTUAL = (3, 6)  # channel types that are counted, not stored
 INVALIDATION_BIT = 2  # flag of a channel that has one
-MASTERS = (2, 3)  # channel types of a master and a virtual master: time itself
+MASTERS = (2, 3)  # channel types of a master and a virtual master: time itself, or
+OTHER_MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # by its synchronisation type
 
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
@@ -37,13 +40,16 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     asammdf = _library(path)
     # Given a name, asammdf would open the file for writing, and mend it.
     with path.open("rb") as stream, _freed_quietly(), asammdf.MDF(stream) as mdf:
+        for group in mdf.groups:
+            _check_layout(group, path)
+        check_room(path, sum(map(_room, mdf.groups)), ExchangeError)
         header = _header(mdf, path)
-        tables: list[Table] = []
+        together: list[list[Table]] = []
         for number in range(len(mdf.groups)):
-            _check_layout(mdf.groups[number], path)
             table = _group(mdf, number, path)
             if table is not None:
-                _join(tables, table)
+                _sort_in(together, table)
+        tables = list(map(_joined, together))
     if header is None:
         return tables
     if len(tables) != 1 or [c.name for c in tables[0].channels] != [
@@ -79,6 +85,8 @@ def _library(path: Path) -> Any:
 def _header(mdf: Any, path: Path) -> Header | None:
     for number, attachment in enumerate(getattr(mdf, "attachments", ())):
         if Path(attachment.file_name).name == HEADER:
+            packed = BEST_COMPRESSION * attachment.embedded_size
+            check_room(path, max(attachment.original_size, packed), ExchangeError)
             data, *_ = mdf.extract_attachment(number)
             return from_text(data.decode("utf-8"), path)
     return None
@@ -100,12 +108,21 @@ def _check_layout(group: Any, path: Path) -> None:
             raise ExchangeError(f"{path}: is damaged: channel {item.name} lies outside its records")
 
 
+def _room(group: Any) -> float:
+    """Bytes that the records of a group take, and the columns that are made of them."""
+    facts = group.channel_group
+    record = facts.samples_byte_nr + facts.invalidation_bytes_nr + NUMBERS * len(group.channels)
+    return float(facts.cycles_nr * record)
+
+
 def _group(mdf: Any, number: int, path: Path) -> Table | None:
     channels: list[Channel] = []
     columns: list[NDArray[np.float64]] = []
     time_s = np.empty(0)
     for index, item in enumerate(mdf.groups[number].channels):
         if item.channel_type in MASTERS:
+            if axis := OTHER_MASTERS.get(item.sync_type):
+                raise ExchangeError(f"{path}: group {number} is sampled over {axis}, not over time")
             continue
         signal = mdf.get(group=number, index=index, ignore_invalidation_bits=True)
         samples = signal.samples
@@ -114,7 +131,7 @@ def _group(mdf: Any, number: int, path: Path) -> Table | None:
         column = samples.astype(np.float64)
         if signal.invalidation_bits is not None:
             column[np.asarray(signal.invalidation_bits, dtype=bool)] = np.nan
-        channels.append(plain_channel(signal.name, signal.unit or None))
+        channels.append(plain_channel(signal.name, signal.unit or ""))
         columns.append(column)
         time_s = np.asarray(signal.timestamps, dtype=np.float64)
     if not columns:
@@ -130,21 +147,22 @@ def _group(mdf: Any, number: int, path: Path) -> Table | None:
     )
 
 
-def _join(tables: list[Table], table: Table) -> None:
-    """Add a group to the one with the same time stamps, or to the list."""
-    for k, other in enumerate(tables):
-        if np.array_equal(other.time_s, table.time_s):  # type: ignore[arg-type]
-            tables[k] = Table(
-                file=other.file,
-                kind=other.kind,
-                channels=other.channels + table.channels,
-                values=np.column_stack([other.values, table.values]),
-                time_s=other.time_s,
-                start_unix_s=other.start_unix_s,
-                group=other.group,
-            )
+def _sort_in(together: list[list[Table]], table: Table) -> None:
+    """Put a group beside those with the same time stamps."""
+    for others in together:
+        if np.array_equal(others[0].time_s, table.time_s):  # type: ignore[arg-type]
+            others.append(table)
             return
-    tables.append(table)
+    together.append([table])
+
+
+def _joined(tables: list[Table]) -> Table:
+    """One group of several with the same time stamps."""
+    return replace(
+        tables[0],
+        channels=tuple(channel for table in tables for channel in table.channels),
+        values=np.column_stack([table.values for table in tables]),
+    )
 
 
 def save(recording: Recording, path: Path) -> None:

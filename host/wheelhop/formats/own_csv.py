@@ -14,7 +14,7 @@ from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import read_sidecar, sidecar
 from wheelhop.formats.labels import name_and_unit
 from wheelhop.formats.mapping import Map
-from wheelhop.formats.table import Table, plain_channel
+from wheelhop.formats.table import Table, campaign_channel
 from wheelhop.logger.recording import Recording
 
 TIME = "time_s"
@@ -35,7 +35,7 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     numbers = _parse(lines[1:], names, path)
     clock = names.index(TIME)
     del names[clock]
-    channels = tuple(plain_channel(name, _unit(name)) for name in names)
+    channels = tuple(campaign_channel(name, _unit(name)) for name in names)
     if header is not None:
         channels = header.bare.channels
         if [channel.name for channel in channels] != names:
@@ -67,10 +67,10 @@ def _parse(body: list[str], names: list[str], path: Path) -> NDArray[np.float64]
     return numbers
 
 
-def _unit(name: str) -> str | None:
+def _unit(name: str) -> str:
     """The unit that a name carries (force_N), if it is SI: a name must not belie its numbers."""
     unit = name_and_unit(name)[1]
-    return unit if unit and to_si(unit) == (unit, 1.0) else None
+    return unit if to_si(unit) == (unit, 1.0) else ""
 
 
 def save(recording: Recording, path: Path) -> None:

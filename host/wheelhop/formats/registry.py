@@ -16,9 +16,9 @@ from types import ModuleType
 
 import numpy as np
 
-from wheelhop.files import replacing, write_text
+from wheelhop.files import check_plain, replacing, write_text
 from wheelhop.formats.error import ExchangeError, guarded
-from wheelhop.formats.header import sidecar, to_text
+from wheelhop.formats.header import read_sidecar, sidecar, to_text
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, choose, to_recording
 from wheelhop.logger.recording import Recording
@@ -68,6 +68,7 @@ def load(path: Path, mapping: Map | None = None) -> list[Table]:
     known = _format(path)
     if not path.exists():
         raise ExchangeError(f"{path}: there is no such file")
+    check_plain(path, ExchangeError)
     with guarded(path, f"be read as {known.title}"):
         tables: list[Table] = known.load_module().load(path, mapping)
     return tables
@@ -87,32 +88,44 @@ def read(path: Path, mapping: Map | None = None) -> Recording:
 def write(recording: Recording, path: Path) -> None:
     """Write a recording; what stood there is replaced once all is written. Raises `ExchangeError`.
 
-    Formats without room for all that is known put it into NAME.suffix.toml beside the file.
+    Formats without room for all that is known put it into NAME.suffix.toml beside the file. That
+    header says by a hash which samples it is of, and takes its place first: whatever ends the
+    program in between, new header and old samples do not pass for a recording.
     """
     known = _writer(path)
     _check(recording, path)
     if not path.parent.is_dir():
         raise ExchangeError(f"{path}: cannot be written, there is no folder {path.parent}")
-    with _restored(sidecar(path)), replacing(path, ExchangeError) as draft:
+    with _header_of_before(path), replacing(path, ExchangeError) as draft:
         with guarded(path, "be written"):
             known.load_module().save(recording, draft)
         if known.beside:
-            write_text(sidecar(path), to_text(recording), ExchangeError)
+            write_text(sidecar(path), to_text(recording, draft), ExchangeError)
 
 
 @contextmanager
-def _restored(header: Path) -> Iterator[None]:
-    """If the block fails, the header is as it was: it belongs to the samples of before."""
+def _header_of_before(path: Path) -> Iterator[None]:
+    """If the block fails, the header is as it was, unless its samples have been replaced by then:
+    the disk says whether they have, for an interruption may strike right after it."""
+    header = sidecar(path)
     before = header.read_bytes() if header.is_file() else None
     try:
         yield
     except BaseException:
-        if before is None:
-            header.unlink(missing_ok=True)
-        elif header.read_bytes() != before:
-            with replacing(header, ExchangeError) as draft:
-                draft.write_bytes(before)
+        if not _has_header(path):
+            if before is None:
+                header.unlink(missing_ok=True)
+            elif header.read_bytes() != before:
+                with replacing(header, ExchangeError) as draft:
+                    draft.write_bytes(before)
         raise
+
+
+def _has_header(path: Path) -> bool:
+    try:
+        return path.is_file() and read_sidecar(path) is not None
+    except ExchangeError:
+        return False
 
 
 def losses(recording: Recording, suffix: str) -> tuple[str, ...]:

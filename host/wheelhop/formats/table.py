@@ -122,8 +122,7 @@ def _converted(
 ) -> tuple[tuple[Channel, ...], NDArray[np.float64], list[str]]:
     """The channels that were picked, their samples (n, c) in SI, and what was done to them."""
     channels, steps, values = [], [], np.empty((len(table.values), len(picks)))
-    for k, pick in enumerate(picks):
-        column = _column(table, pick)
+    for k, (pick, column) in enumerate(zip(picks, _chosen(table, picks), strict=True)):
         old = table.channels[column]
         unit, factor = to_si(pick.unit or old.unit)
         values[:, k] = (table.values[:, column] * pick.scale + pick.offset) * factor
@@ -156,14 +155,15 @@ def _placed(channels: tuple[Channel, ...]) -> tuple[tuple[Channel, ...], list[st
     return placed, [f"{name}: taken for {point}, by its name" for name, point in guessed.items()]
 
 
-def plain_channel(name: str, unit: str | None = None) -> Channel:
-    """A channel of which a file tells no more than the name, and perhaps the unit.
+def plain_channel(name: str, unit: str = "") -> Channel:
+    """A channel of which a file tells no more than the name, and perhaps the unit; if the name is a
+    place of the campaign format, then it is the place."""
+    return Channel(name, unit, name if name in POINTS else "")
 
-    If the name is a place of the campaign format, then it is the place, and without a unit the
-    campaign format's holds.
-    """
-    point = name if name in POINTS else ""
-    return Channel(name, unit if unit is not None else ACCELERATION if point else "", point)
+
+def campaign_channel(name: str, unit: str = "") -> Channel:
+    """A channel of a table in the campaign format, where what sits at a place is in m/s²."""
+    return plain_channel(name, unit or (ACCELERATION if name in POINTS else ""))
 
 
 def _restored(table: Table, header: Header) -> Recording:
@@ -183,27 +183,32 @@ def _restored(table: Table, header: Header) -> Recording:
     )
 
 
-def _column(table: Table, pick: Pick) -> int:
-    if isinstance(pick.column, int):
-        if pick.column in table.columns:
-            return table.columns.index(pick.column)
-        raise ExchangeError(f"{table.file}: there is no column {pick.column} of numbers")
-    names = [channel.name for channel in table.channels]
-    if names.count(pick.column) == 1:
-        return names.index(pick.column)
-    if pick.column in names:
-        raise ExchangeError(
-            f'{table.file}: several columns are called "{pick.column}": give their numbers'
-        )
-    raise ExchangeError(
-        f'{table.file}: there is no column "{pick.column}"; it has {", ".join(names)}'
-    )
+def _chosen(table: Table, picks: Sequence[Pick]) -> list[int]:
+    """Which column of the values each pick means."""
+    places: dict[str | int, list[int]] = {}
+    for k, (number, channel) in enumerate(zip(table.columns, table.channels, strict=True)):
+        for key in (number, channel.name):
+            places.setdefault(key, []).append(k)
+    for pick in picks:
+        count = len(places.get(pick.column, ()))
+        if count > 1:
+            raise ExchangeError(
+                f'{table.file}: several columns are called "{pick.column}": give their numbers'
+            )
+        if not count and isinstance(pick.column, int):
+            raise ExchangeError(f"{table.file}: there is no column {pick.column} of numbers")
+        if not count:
+            names = ", ".join(channel.name for channel in table.channels)
+            raise ExchangeError(f'{table.file}: there is no column "{pick.column}"; it has {names}')
+    return [places[pick.column][0] for pick in picks]
 
 
 def _conversion(pick: Pick, old: Channel, new: Channel, factor: float) -> list[str]:
     terms = []
     if pick.scale != 1.0 or pick.offset != 0.0:
         terms.append(f"× {pick.scale:g} + {pick.offset:g} = {pick.unit or old.unit}")
+    elif pick.unit and old.unit and to_si(pick.unit) != to_si(old.unit):
+        terms.append(f"the file says {old.unit}, the mapping {pick.unit}")
     if factor != 1.0:
         terms.append(f"{pick.unit or old.unit} × {factor:g} = {new.unit}")
     return [f"{new.name}: {', '.join(terms)}"] if terms else []

@@ -10,7 +10,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files.units import SECONDS
+from wheelhop.files import NUMBERS, check_room
+from wheelhop.files.units import SECONDS, seconds_in
 from wheelhop.formats.error import LONGEST_REASON, ExchangeError, need
 from wheelhop.formats.mapping import CLOCK, Map
 from wheelhop.formats.table import Table, plain_channel
@@ -22,6 +23,9 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read the channels of every group, those of one length and waveform timing together."""
     nptdms = need("nptdms", "tdms", path)
     need("nptdms.log", "tdms", path).log_manager.console_handler.setLevel(logging.CRITICAL)
+    facts = nptdms.TdmsFile.read_metadata(str(path))
+    count = sum(len(channel) for group in facts.groups() for channel in group.channels())
+    check_room(path, NUMBERS * count, ExchangeError)
     with _Listener() as listener:
         file = nptdms.TdmsFile.read(str(path))
     tables = [table for group in file.groups() for table in _tables(group, mapping, path)]
@@ -75,9 +79,15 @@ def _tables(group: Any, mapping: Map | None, path: Path) -> list[Table]:
 
 
 def _timing(channel: Any, path: Path) -> tuple[float, float]:
-    """Step and start of a waveform, 0 where the file does not say."""
-    step = float(channel.properties.get("wf_increment", 0.0))
-    start = float(channel.properties.get("wf_start_offset", 0.0))
+    """Step and start of a waveform, s, 0 where the file does not say."""
+    unit = str(channel.properties.get("wf_xunit_string", "")).strip() or "s"
+    if (seconds := seconds_in(unit)) is None:
+        raise ExchangeError(
+            f"{path}: {channel.name}: its x axis is in {unit}, no unit of time that is known: it is"
+            " no recording"
+        )
+    step = seconds * float(channel.properties.get("wf_increment", 0.0))
+    start = seconds * float(channel.properties.get("wf_start_offset", 0.0))
     if not ((step == 0.0 or 1e-15 < step < 1e15) and abs(start) < 1e15):
         raise ExchangeError(
             f"{path}: {channel.name}: from {start} s in steps of {step} s (wf_increment) is no time"
@@ -85,9 +95,9 @@ def _timing(channel: Any, path: Path) -> tuple[float, float]:
     return step, start
 
 
-def _unit(channel: Any) -> str | None:
+def _unit(channel: Any) -> str:
     found = (channel.properties.get(key) for key in UNIT_KEYS)
-    return next((unit for unit in found if isinstance(unit, str) and unit), None)
+    return next((unit for unit in found if isinstance(unit, str) and unit), "")
 
 
 def _start(channel: Any) -> float | None:

@@ -68,8 +68,10 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
 def _wanted(names: list[str], mapping: Map, first: list[str], path: Path) -> list[int]:
     """The columns that the mapping picks, or else all that begin with a number."""
     picked = {pick.column for pick in mapping.picks}
+    known = set(names)
     for column in picked:
-        _find(names, column, path)
+        if column not in known:
+            _find(names, column, path)
     if picked:
         return [k for k, name in enumerate(names) if name in picked or k + 1 in picked]
     return [k for k in range(len(names)) if cells.is_number(first[k], mapping.decimal)]

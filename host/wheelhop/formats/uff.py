@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import TABLE, check_room
+from wheelhop.files.units import seconds_in
 from wheelhop.formats.error import ExchangeError, need
 from wheelhop.formats.grid import fit_grid, too_few
 from wheelhop.formats.header import Header, read_sidecar, sidecar
@@ -31,6 +33,7 @@ DIRECTIONS = {
 }
 KINDS = {"m": 8, ACCELERATION: 12, "m/s": 11, "N": 13}
 """Specific data types of record 9."""
+Key = tuple[str | int | None, ...]
 PLACE = re.compile(r"samples from (\d+) of (\d+)")
 
 
@@ -39,7 +42,7 @@ class _Piece:
     """One function: whose it is, where its first sample lies (in rows too, if we wrote it), and its
     samples. Functions with the same `key` are pieces of one channel."""
 
-    key: tuple[str | int | None, ...]
+    key: Key
     channel: Channel
     start_s: float
     rate_hz: float
@@ -55,15 +58,17 @@ class _Piece:
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read the functions of time; those that overlap in time are groups of their own."""
     pyuff = need("pyuff", "uff", path)
-    sets = pyuff.UFF(str(path)).read_sets() if path.stat().st_size else []
+    size = path.stat().st_size
+    check_room(path, TABLE * size, ExchangeError)
+    sets = pyuff.UFF(str(path)).read_sets() if size else []
     sets = sets if isinstance(sets, list) else [sets]
     metric = any(item.get("units_code") == SI_UNITS for item in sets)
     header = read_sidecar(path)
-    groups: list[list[_Piece]] = []
+    groups: list[dict[Key, list[_Piece]]] = []
     for number, item in enumerate(sets, start=1):
         if item.get("type") == 58 and item["func_type"] in (0, TIME_RESPONSE):
             _sort_in(groups, _piece(item, number, metric, path))
-    tables = [_table(pieces, header, str(k), path) for k, pieces in enumerate(groups, start=1)]
+    tables = [_table(group, header, str(k), path) for k, group in enumerate(groups, start=1)]
     if header is None:
         return tables
     names = [_ascii(channel.name, 80) for channel in header.bare.channels]
@@ -85,14 +90,24 @@ def _piece(item: dict[str, Any], number: int, metric: bool, path: Path) -> _Piec
     found = PLACE.fullmatch(item["id2"])
     channel = _channel(item, metric, named=found is not None)
     key = (channel.name, item["rsp_node"], item["rsp_dir"], item["func_id"] if found else None)
+    seconds = _seconds(item.get("abscissa_axis_units_lab", ""), place)
     if item["abscissa_spacing"] != EVEN:
-        grid = fit_grid(item["x"], lambda row: f"{place}: sample {row + 1}")
+        grid = fit_grid(seconds * np.asarray(item["x"]), lambda row: f"{place}: sample {row + 1}")
         spread = grid.spread(values[:, np.newaxis])[:, 0]
         return _Piece(key, channel, grid.start_s, grid.rate_hz, spread)
-    start, step = item["abscissa_min"], item["abscissa_inc"]
+    start, step = seconds * item["abscissa_min"], seconds * item["abscissa_inc"]
     if not (abs(start) < 1e15 and 0.0 < step < 1e15):
         raise ExchangeError(f"{place}: time from {start:g} s in steps of {step:g} s is no time")
     return _Piece(key, channel, start, _rate(step), values, int(found[1]) if found else None)
+
+
+def _seconds(unit: str, place: str) -> float:
+    """How long a unit of the abscissa is; without one it is in seconds, which are SI."""
+    if unit in ("", "NONE"):
+        return 1.0
+    if (seconds := seconds_in(unit)) is None:
+        raise ExchangeError(f"{place}: its abscissa is in {unit}, no unit of time that is known")
+    return seconds
 
 
 def _rate(step_s: float) -> float:
@@ -117,15 +132,15 @@ def _channel(item: dict[str, Any], metric: bool, named: bool) -> Channel:
     return Channel(name, unit, point)
 
 
-def _sort_in(groups: list[list[_Piece]], piece: _Piece) -> None:
+def _sort_in(groups: list[dict[Key, list[_Piece]]], piece: _Piece) -> None:
     """Put a piece into the first group of its rate in which its channel is still free then."""
     for group in groups:
-        if group[0].rate_hz == piece.rate_hz and not any(
-            other.key == piece.key and _overlap(other, piece) for other in group
-        ):
-            group.append(piece)
+        of_channel = group.get(piece.key, [])
+        rate_hz = next(iter(group.values()))[0].rate_hz
+        if rate_hz == piece.rate_hz and not any(_overlap(other, piece) for other in of_channel):
+            group.setdefault(piece.key, []).append(piece)
             return
-    groups.append([piece])
+    groups.append({piece.key: [piece]})
 
 
 def _overlap(one: _Piece, other: _Piece) -> bool:
@@ -133,7 +148,8 @@ def _overlap(one: _Piece, other: _Piece) -> bool:
     return second.begins < first.begins + len(first.values) - 0.5
 
 
-def _table(pieces: list[_Piece], header: Header | None, group: str, path: Path) -> Table:
+def _table(found: dict[Key, list[_Piece]], header: Header | None, group: str, path: Path) -> Table:
+    pieces = [piece for of_channel in found.values() for piece in of_channel]
     rate, start_s = pieces[0].rate_hz, min(piece.start_s for piece in pieces)
     rows = _rows(pieces, start_s, whole=header is not None)
     count = max(row + len(piece.values) for row, piece in zip(rows, pieces, strict=True))
@@ -143,15 +159,14 @@ def _table(pieces: list[_Piece], header: Header | None, group: str, path: Path) 
     held = sum(len(piece.values) for piece in pieces)
     if too_few(held, count):
         raise ExchangeError(f"{path}: {count} samples are due, and {held} are there")
-    channels = {piece.key: piece.channel for piece in pieces}
-    keys = list(channels)
-    values = np.full((count, len(keys)), np.nan)
+    columns = {key: k for k, key in enumerate(found)}
+    values = np.full((count, len(columns)), np.nan)
     for row, piece in zip(rows, pieces, strict=True):
-        values[row : row + len(piece.values), keys.index(piece.key)] = piece.values
+        values[row : row + len(piece.values), columns[piece.key]] = piece.values
     return Table(
         file=path,
         kind="UFF 58",
-        channels=tuple(channels.values()),
+        channels=tuple(of_channel[-1].channel for of_channel in found.values()),
         values=values,
         rate_hz=rate,
         start_s=start_s,

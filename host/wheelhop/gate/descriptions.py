@@ -48,13 +48,12 @@ class Description:
 
 def stated(channels: Sequence[Channel]) -> Description:
     """The campaign as its files describe it."""
-    return Description("", "as described", _as_is(len(channels)))
+    return Description("", "as described", Places())
 
 
 def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
     """Mistakes that all runs share."""
-    n = len(channels)
-    same = _as_is(n)
+    n, same = len(channels), Places()
     for factor in FACTORS:
         if abs(np.log(factor)) > np.log(1.2):  # within a hand-held speed there is no mistake
             yield Description("speed", "", same, speed=float(factor))
@@ -74,36 +73,32 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
         of_kind = [i for i, point in enumerate(points) if point[0] == letter]
         if 1 < len(of_kind) < n:
             names = tuple(channels[i].name for i in of_kind)
-            yield Description("polarity", "are", _inverted(n, of_kind), names)
+            yield Description("polarity", "are", _inverted(of_kind), names)
     late = [point[0] == "A" for point in points]
     if any(late) and not all(late):
         # A left side that is late is no sign of a clock: sides may meet a track at other times.
-        names = tuple(c.name for c, is_late in zip(channels, late, strict=True) if is_late)
+        axles = tuple(i for i, is_late in enumerate(late) if is_late)
+        names = tuple(channels[i].name for i in axles)
         for delay in DELAYS_S:
-            lags = tuple(delay * is_late for is_late in late)
+            places = _moved(axles, axles, delay)
             words = f"the axles are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}"
-            yield Description("out-of-step", words, Places(same.order, same.gain, lags), names)
+            yield Description("out-of-step", words, places, names)
     for i, unit in product(range(n), ALONE if n > 2 else ()):
-        gain = tuple(CONSTANT[unit] if k == i else 1.0 for k in range(n))
-        yield Description("units", unit, Places(same.order, gain), (channels[i].name,))
+        scaled = Places((i,), (i,), (CONSTANT[unit],), (0.0,))
+        yield Description("units", unit, scaled, (channels[i].name,))
     if n > 2:  # of two it cannot be told which one is inverted
         for i in range(n):
-            yield Description("polarity", "is", _inverted(n, [i]), (channels[i].name,))
+            yield Description("polarity", "is", _inverted([i]), (channels[i].name,))
     for i, point in enumerate(points):
         other = point.translate(str.maketrans("AB", "BA"))
         if len(point) == 2 and other in points:
-            order = list(range(n))
-            order[i] = points.index(other)
             where = "on the axle" if point[0] == "B" else "on the body"
-            yield Description(
-                "misplaced", where, Places(tuple(order), (1.0,) * n), (channels[i].name,)
-            )
+            places = _moved((i,), (points.index(other),))
+            yield Description("misplaced", where, places, (channels[i].name,))
     for i, j in combinations(range(n), 2):
         if "body" not in (points[i], points[j]):
-            order = list(range(n))
-            order[i], order[j] = j, i
             names = (channels[i].name, channels[j].name)
-            yield Description("swapped", "", Places(tuple(order), (1.0,) * n), names)
+            yield Description("swapped", "", _moved((i, j), (j, i)), names)
 
 
 def all_matches(drives: Sequence[Drive], descriptions: Sequence[Description]) -> list[list[Match]]:
@@ -136,22 +131,25 @@ def drivable(campaign: Campaign) -> bool:
     return any(run.speed_m_s > 0 for run in campaign.runs)
 
 
-def _as_is(n: int) -> Places:
-    return Places(tuple(range(n)), (1.0,) * n)
+def _moved(columns: Sequence[int], order: Sequence[int], late_s: float = 0.0) -> Places:
+    m = len(columns)
+    return Places(tuple(columns), tuple(order), (1.0,) * m, (late_s,) * m)
 
 
-def _inverted(n: int, which: Sequence[int]) -> Places:
-    return Places(tuple(range(n)), tuple(-1.0 if i in which else 1.0 for i in range(n)))
+def _inverted(which: Sequence[int]) -> Places:
+    m = len(which)
+    return Places(tuple(which), tuple(which), (-1.0,) * m, (0.0,) * m)
 
 
 def _renamed(points: Sequence[str], renamed: dict[str, str]) -> Places | None:
     """The places if every named point sat at the one whose name it becomes; None if one is
     missing, or none changes."""
-    order = list(range(len(points)))
+    sources: dict[int, int] = {}
     for i, point in enumerate(points):
         if point[0] in "AB" and len(point) == 2:
             other = "".join(renamed.get(letter, letter) for letter in point)
             if other not in points:
                 return None
-            order[i] = points.index(other)
-    return None if order == list(range(len(points))) else Places(tuple(order), (1.0,) * len(order))
+            if points.index(other) != i:
+                sources[i] = points.index(other)
+    return _moved(tuple(sources), tuple(sources.values())) if sources else None

@@ -10,7 +10,7 @@ axle follows the front one after a wheelbase.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -44,12 +44,20 @@ BROAD = 1 / 3
 
 @dataclass(frozen=True)
 class Places:
-    """Which predicted column each recorded one holds, (c,), with which gain, (c,), and how much
-    too late, s, (c,); empty if all are in step."""
+    """Of which channels the campaign says something wrong, (m,): the recorded ones among `columns`
+    hold the predicted ones of `order`, with which gain, and how much too late, s."""
 
-    order: tuple[int, ...]
-    gain: tuple[float, ...]
+    columns: tuple[int, ...] = ()
+    order: tuple[int, ...] = ()
+    gain: tuple[float, ...] = ()
     late_s: tuple[float, ...] = ()
+
+    def of(self, column: int) -> tuple[int, float]:
+        """The predicted column that a recorded one holds, and with which gain."""
+        if column not in self.columns:
+            return column, 1.0
+        k = self.columns.index(column)
+        return self.order[k], self.gain[k]
 
 
 @dataclass(frozen=True)
@@ -92,7 +100,7 @@ class Nominal:
         self.values = values
         self.grid_hz = np.arange(STEP_HZ, 2 * campaign.band_hz[1], STEP_HZ)
         unknown = {
-            f"channel.{c.name}.{axis}": 0.0
+            f"{c.key}.{axis}": 0.0
             for c in campaign.channels
             if c.point == "body"
             for axis in ("x_m", "y_m")
@@ -150,21 +158,17 @@ class OnWaves:
         predicted, measured = self._predicted(speeds_m_s, rate)
         frequency = speeds_m_s[:, None] * np.arange(1, HARMONICS + 1) / self.pitch_m
         total = max(float(self.spectra.power.sum()), 1e-300)
-        r = predicted[:, :, [place.order for place in places]]
-        r *= np.array([place.gain for place in places])
-        late_s = np.array([place.late_s or np.zeros(len(place.order)) for place in places])
-        if late_s.any():
-            r *= np.exp(-2j * np.pi * frequency[..., None, None] * late_s)
-        along = ((r.conj() @ measured) * r).sum(axis=3).real  # |r|² |q|²: (v, k, p)
-        reach = np.sqrt(np.maximum(along, 0.0)).sum(axis=1)  # Σ |r| |q|
-        size = np.maximum((np.abs(r) ** 2).sum(axis=(1, 3)), 1e-300)
-        share = np.minimum(reach**2 / size / 2 / total, MOST)
-        found = []
-        for p, best in enumerate(share.argmax(axis=0)):
-            explained, gain = float(share[best, p]), float(reach[best, p] / size[best, p])
-            likely = _log_likelihood(self.spectra, explained)
-            found.append(Match(explained, gain, float(speeds_m_s[best]), likely))
-        return found
+        stated = _AsStated(predicted, measured, frequency)
+        found: dict[int, Match] = {}
+        for some in _alike(places, predicted.shape[2]):
+            along, size = stated.but([places[i] for i in some])
+            reach = np.sqrt(np.maximum(along, 0.0)).sum(axis=1)  # Σ |r| |q|: (v, p)
+            share = np.minimum(reach**2 / size / 2 / total, MOST)
+            for p, (i, best) in enumerate(zip(some, share.argmax(axis=0), strict=True)):
+                explained, gain = float(share[best, p]), float(reach[best, p] / size[best, p])
+                likely = _log_likelihood(self.spectra, explained)
+                found[i] = Match(explained, gain, float(speeds_m_s[best]), likely)
+        return [found[i] for i in range(len(places))]
 
     def predicted_power(self, speed: float = 1.0) -> float:
         """Mean square, m²/s⁴, summed over channels, that the track should cause in band at the
@@ -212,10 +216,8 @@ class Passing:
         for place in places:
             correlation = np.zeros(len(lag))
             for front, rear in self.pairs:
-                f, r = place.order[front], place.order[rear]
-                correlation += (
-                    np.sign(place.gain[f] * place.gain[r]) * cross[:, r, f] / len(self.pairs)
-                )
+                (f, front_gain), (r, rear_gain) = place.of(front), place.of(rear)
+                correlation += np.sign(front_gain * rear_gain) * cross[:, r, f] / len(self.pairs)
             best = int(np.argmax(correlation))
             share = min(max(float(correlation[best]), 0.0) ** 2, MOST)
             likely = -self.spectra.resolved * float(np.log1p(-share))
@@ -237,6 +239,45 @@ class Passing:
         size = np.sqrt(np.maximum(power[:, :, None] * power[:, None, :], 1e-300))
         scaled = self.spectra.lines / size / len(self.spectra.frequency_hz)
         return np.asarray(scaled.reshape(len(scaled), -1))
+
+
+class _AsStated:
+    """How lines r (v, k, c), as predicted, lie along what is measured, a spectral matrix (v, k,
+    c, c), at some frequencies (v, k), Hz: as stated, and with some channels in other places.
+
+    Another place adds d to r in the m channels that it concerns, so that r*Mr grows by
+    2 Re d*Mr + d*Md, and no matrix larger than (m, m) is needed for each.
+    """
+
+    def __init__(self, r: ComplexArray, measured: ComplexArray, frequency_hz: Array) -> None:
+        self._r, self._measured, self._frequency_hz = r, measured, frequency_hz
+        self._product = (measured @ r[..., None])[..., 0]
+        self._along = (r.conj() * self._product).sum(axis=2).real
+        self._size = (np.abs(r) ** 2).sum(axis=(1, 2))
+
+    def but(self, places: Sequence[Places]) -> tuple[Array, Array]:
+        """|r|² |q|², (v, k, p), and Σ |r|², (v, p), of places with equally many columns."""
+        columns = np.array([place.columns for place in places], dtype=np.intp)
+        order = np.array([place.order for place in places], dtype=np.intp)
+        late_s = np.array([place.late_s for place in places])
+        turn = np.exp(-2j * np.pi * self._frequency_hz[..., None, None] * late_s)
+        was = self._r[:, :, columns]
+        now = self._r[:, :, order] * np.array([place.gain for place in places]) * turn
+        d = now - was
+        among = self._measured[:, :, columns[:, :, None], columns[:, None, :]]
+        grown = 2 * (d.conj() * self._product[:, :, columns]).sum(axis=3)
+        grown += (d.conj()[..., None, :] @ among @ d[..., None])[..., 0, 0]
+        size = self._size[:, None] + (np.abs(now) ** 2 - np.abs(was) ** 2).sum(axis=(1, 3))
+        return self._along[..., None] + grown.real, np.maximum(size, 1e-300)
+
+
+def _alike(places: Sequence[Places], channels: int) -> Iterator[list[int]]:
+    """The numbers of places with equally many columns, so few at a time that they take no more
+    memory than a spectral matrix of all channels."""
+    for width in {len(place.columns): None for place in places}:
+        of_it = [i for i, place in enumerate(places) if len(place.columns) == width]
+        step = channels**2 // max(width, 1) ** 2
+        yield from (of_it[k : k + step] for k in range(0, len(of_it), step))
 
 
 def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | None:

@@ -19,6 +19,7 @@ from wheelhop.identify.quarter_car import (
     compliance,
     on_wheels,
     other_suspensions,
+    rigid_inertia,
     wheel_hop_hz,
 )
 from wheelhop.identify.sections import Sections
@@ -28,7 +29,7 @@ from wheelhop.identify.statespace import StateSpace, balanced_reduction, of_frac
 from wheelhop.identify.steps import DampedSinusoids, fit_damped_sinusoids, incremental_model
 from wheelhop.identify.steps_file import StepResponses, read_steps
 from wheelhop.identify.structure import Structure, Suspensions, suspensions
-from wheelhop.identify.study import Car, Variant, car_of, car_of_steps, study
+from wheelhop.identify.study import Car, Variant, WheelHop, car_of, car_of_steps, study
 from wheelhop.identify.thesis import Row, thesis_rows
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "Suspensions",
     "TransferMatrix",
     "Variant",
+    "WheelHop",
     "Wheels",
     "balanced_reduction",
     "best",
@@ -73,6 +75,7 @@ __all__ = [
     "polynomials",
     "read_steps",
     "relaxed",
+    "rigid_inertia",
     "spectra",
     "state_space",
     "study",

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from wheelhop.identify import published
-from wheelhop.identify.quarter_car import Struts, Wheels, on_wheels
+from wheelhop.identify.quarter_car import Struts, Wheels, inertia_at_points, on_wheels
 from wheelhop.identify.statespace import StateSpace
 from wheelhop.identify.steps import refine
 
@@ -30,8 +30,8 @@ MOST = np.array([0.65, 1.2, 1.2, 20.0, 200.0, 0.5])
 
 STEP_TIME_S: Array = np.arange(76, dtype=float) * 0.02  # footnote 9 of chapter 2
 STEP_FORCE_N = 1000.0
-STATIC_COUNTS = 5.0
-"""G₁₁(0) counts as this many numbers of Table 2.1: modes that ours lacks do not bear on it."""
+WEIGHTS = np.array([5.0] + [1.0] * 12)
+"""Of the `differences`. G₁₁(0) counts five times: modes that ours lacks do not bear on it."""
 
 
 @dataclass(frozen=True)
@@ -50,20 +50,38 @@ class EquivalentVehicle:
 
     def body(self) -> StateSpace:
         """S: forces at the four points to their displacements, the wheels held, N to m."""
-        struts = Struts(*published.TABLE_2_2["old"])
-        mass = published.SPRUNG_MASS_KG
-        x, y = np.repeat([self.front, self.front - 1.0], 2), np.array([0.5, -0.5, 0.5, -0.5])
-        shape = np.column_stack([np.ones(4), x, y, [1, -1, -1, 1]])  # heave, pitch, roll, twist
-        stiffness = self.twist_stiffness * struts.stiffness.sum()
-        modal = stiffness / self.twist_omega**2
-        m = np.diag([mass, mass * self.pitch_radius**2, mass * self.roll_radius**2, modal])
+        struts, stiffness = Struts(*published.TABLE_2_2["old"]), self._twist_N_m
+        shape, inertia = self._motions, self._inertia
+        m = np.diag(inertia)
         k = shape.T @ np.diag(struts.stiffness) @ shape + np.diag([0, 0, 0, stiffness])
-        loss = 2 * self.twist_zeta * self.twist_omega * modal
+        loss = 2 * self.twist_zeta * self.twist_omega * inertia[3]
         c = shape.T @ np.diag(struts.damping) @ shape + np.diag([0, 0, 0, loss])
         inverse = np.linalg.inv(m)
         a = np.block([[np.zeros((4, 4)), np.eye(4)], [-inverse @ k, -inverse @ c]])
         b = np.vstack([np.zeros((4, 4)), inverse @ shape.T])
         return StateSpace(a, b, np.hstack([shape, np.zeros((4, 4))]), np.zeros((4, 4)))
+
+    def sprung_kg(self) -> Array:
+        """The body's inertia at the four points (4, 4)."""
+        return inertia_at_points(self._motions, self._inertia)
+
+    @property
+    def _motions(self) -> Array:
+        """Heave, pitch, roll and twist of the four points (4, 4)."""
+        x, y = np.repeat([self.front, self.front - 1.0], 2), np.array([0.5, -0.5, 0.5, -0.5])
+        return np.column_stack([np.ones(4), x, y, [1, -1, -1, 1]])
+
+    @property
+    def _inertia(self) -> Array:
+        """Of these motions (4,)."""
+        mass, modal = published.SPRUNG_MASS_KG, self._twist_N_m / self.twist_omega**2
+        return np.array([mass, mass * self.pitch_radius**2, mass * self.roll_radius**2, modal])
+
+    @property
+    def _twist_N_m(self) -> float:
+        """The frame's stiffness against twist."""
+        struts = Struts(*published.TABLE_2_2["old"])
+        return self.twist_stiffness * float(struts.stiffness.sum())
 
 
 def step_responses(body: StateSpace) -> Array:
@@ -83,20 +101,24 @@ def ground_to_body(body: StateSpace, front_mass_kg: float | None = None) -> Stat
     return on_wheels(body, old, new, wheels(front_mass_kg))
 
 
+def differences(vehicle: EquivalentVehicle) -> Array:
+    """From the printed numbers, relative (13,): G₁₁(0), then the twelve of Table 2.1."""
+    body = vehicle.body()
+    responses = step_responses(body)
+    static = published.G_11_STATIC[0] / published.G_11_STATIC[1]
+    found = [np.array([ground_to_body(body).static()[0, 0] / static - 1.0])]
+    for printed in map(np.array, published.TABLE_2_1.values()):
+        fitted = refine(STEP_TIME_S, responses, *printed.T, starts_at_rest=False)
+        found.append((np.column_stack([fitted.sigma, fitted.omega]) / printed - 1.0).ravel())
+    return np.concatenate(found)
+
+
 @cache
 def equivalent_vehicle() -> EquivalentVehicle:
-    """The vehicle nearest to the printed numbers, by least squares of the relative differences."""
-    static = published.G_11_STATIC[0] / published.G_11_STATIC[1]
+    """The vehicle nearest to the printed numbers, by least squares of the `differences`."""
 
     def off(numbers: Array) -> Array:
-        body = EquivalentVehicle(*numbers.tolist()).body()
-        responses = step_responses(body)
-        here = ground_to_body(body).static()[0, 0]
-        rest = [np.array([STATIC_COUNTS * (here / static - 1.0)])]
-        for printed in map(np.array, published.TABLE_2_1.values()):
-            found = refine(STEP_TIME_S, responses, *printed.T, starts_at_rest=False)
-            rest.append((np.column_stack([found.sigma, found.omega]) / printed - 1.0).ravel())
-        return np.concatenate(rest)
+        return WEIGHTS * differences(EquivalentVehicle(*numbers.tolist()))
 
     found = optimize.least_squares(off, FIRST, bounds=(LEAST, MOST), diff_step=1e-4)
     return EquivalentVehicle(*found.x.tolist())

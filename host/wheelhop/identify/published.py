@@ -47,7 +47,12 @@ TABLE_2_2 = {"old": (25e3, 30e3, 500.0, 750.0), "new": (23.6e3, 34.9e3, 620.0, 7
 TABLE_2_3 = {"front": (45.0, 250e3, 50.0), "rear": (50.0, 275e3, 60.0)}
 """Unsprung mass, kg, tyre stiffness, N/m, and damping, N·s/m, of the same car."""
 
+FIGURE_2_19_KG = (60.0, 65.0)
+"""Unsprung masses, front and rear, of the same car in the caption of figure 2.19."""
+
 SPRUNG_MASS_KG = 548.0
+FRONT_SHARE = 0.5
+"""Of its weight: section 2.11 calls the two ends "almost equal"."""
 
 TABLE_2_4 = ((33.75, 14.3, 13.2), (45.0, 12.4, 11.8), (56.25, 11.1, 10.9))
 """Unsprung mass, kg; wheel hop by (2.27) and from the poles of G_red, Hz."""
@@ -57,6 +62,9 @@ G_RED = (
     np.array([1.0, 2.9e1, 6.2e3, 7.6e4, 2.8e6, 1.3e7, 2.5e8]),
 )
 """Appendix A.4: numerator and denominator of the reduced G11, highest power first."""
+
+PEAKS_HZ = (1.8, 2.6, 10.3)
+"""Section 2.8: peaks of |G_red|."""
 
 G_11_STATIC = (4.1e60, 5.4e60)
 """Appendix A.4: last coefficients of numerator and denominator of the full G11."""
@@ -75,7 +83,8 @@ ATV = {
 spring and not at the wheel (Table 4.1)."""
 
 ATV_MASS_KG = 220.0
-"""Of the same vehicle without its driver, of 75 kg (chapter 4)."""
+"""Of the same vehicle without its driver, who has 65 kg in section 4.1.2 and 75 in
+4.3.1."""
 
 TABLE_5_3 = {"front": (15.0, 40e3, 200.0), "rear": (12.5, 40e3, 200.0)}
 TABLE_5_4 = {"old": (10.5e3, 6.5e3, 630.0, 590.0), "new": (12.6e3, 7.8e3, 630.0, 590.0)}
@@ -83,8 +92,11 @@ H_RED = (
     np.array([-0.1, 46.7, -4.6e3, 1.9e5, 3.9e7, -3.2e8, 1.1e10, -8.3e11]),
     np.array([1.0, 75.1, 9.6e3, 4e5, 2.4e7, 4.9e8, 1.4e10, 1e11, 1.5e12]),
 )
-"""Appendix D.2.2: the reduced H_n,11 (its sign: errata 5)."""
+"""Appendix D.2.2: the reduced H_n,11. A wheel that rises lowers the body: the sign is wrong."""
+H_RED_ORDER = 10
+"""The same text calls it of tenth order."""
 H_N_11_STATIC = (-4.2e105, 7.9e105)
 
 TABLE_D_1 = {"pitch": 3.03, "bounce": 4.93, "roll": 4.95, "wheel hop": 10.56, "twist": 26.49}
-"""Simple estimates of the modes, Hz."""
+"""Simple estimates of the modes, Hz, under the names that they have there: `thesis.simple_modes`
+has others."""

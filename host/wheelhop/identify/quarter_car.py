@@ -5,11 +5,13 @@ Other suspensions act as the force D_n (Y - X) + D_o X: the new strut, and the o
 which S contains. Each wheel is m s² Y = D_n (X - Y) + D_t (U - Y) on the ground's height U. Closing
 these loops in state space gives X = G U without inverting a matrix of polynomials: thesis 2.16,
 2.18 and 2.25 at once, and 5.16, 5.21 and 5.23 with S = H D_o⁻¹. Raising the ground raises the
-body: the published H_n has the opposite sign, for 5.23 takes B of 5.22 as chapter 2 does not.
+body. The published H_n has the opposite sign: B of 5.22 was taken as positive there, as the check
+after 2.25 has it, which says that B = I for a tyre that does not yield, where 2.21 gives -I.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 from wheelhop.identify.statespace import StateSpace
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,40 @@ def _closed(s: StateSpace, old: Struts, new: Struts, wheels: Wheels | None) -> S
     a = np.vstack([body, rate_y, momentum])
     b = np.vstack([s.b @ force_u, rate_y_u, momentum_u])
     return StateSpace(a, b, from_x, np.zeros((4, 4)))
+
+
+def free_motion(
+    s: StateSpace, old: Struts, new: Struts, wheels: Wheels
+) -> tuple[ComplexArray, ComplexArray]:
+    """Poles (k,), rad/s, of the modes of :func:`on_wheels` that oscillate, one of each conjugate
+    pair, and how B1 to B4 and A1 to A4 move in them (k, 8)."""
+    system = on_wheels(s, old, new, wheels)
+    pole, vector = np.linalg.eig(system.a)
+    oscillates = (pole.imag > 0.0) & (-pole.real < np.abs(pole))
+    vector = vector[:, oscillates]
+    shape = np.vstack([system.c @ vector, vector[s.order : s.order + 4]]).T
+    return np.asarray(pole[oscillates], complex), np.asarray(shape, complex)
+
+
+def inertia_at_points(motions: Array, inertia: Array) -> Array:
+    """M (4, 4), kg, with ẋᵀ M ẋ / 2 the kinetic energy of a body whose points B1 to B4 move by x.
+
+    Its four motions, with `inertia` (4,) each, move the points by the columns of `motions` (4, 4).
+    """
+    inverse = np.linalg.inv(motions)
+    return np.asarray(inverse.T @ (inertia[:, None] * inverse))
+
+
+def rigid_inertia(positions: Array, inertia: Sequence[float]) -> Array:
+    """The same of a rigid body with its points at `positions` (4, 2), (x, y) from its centre of
+    mass, m; `inertia` is its mass, kg, and its inertia in pitch and in roll, kg m².
+
+    It cannot twist. If it is seen to, by a frame that bends or by noise, this counts as though all
+    its mass moved as its points do.
+    """
+    x, y = positions.T
+    motions = np.column_stack([np.ones(4), -x, y, [1.0, -1.0, -1.0, 1.0]])
+    return inertia_at_points(motions, np.array([*inertia, inertia[0]]))
 
 
 def wheel_hop_hz(mass_kg: float, tyre_N_m: float, strut_N_m: float) -> float:

@@ -11,9 +11,25 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
 from wheelhop.identify.matrix import TransferMatrix
-from wheelhop.identify.quarter_car import Struts, Wheels, compliance, on_wheels
+from wheelhop.identify.quarter_car import (
+    Struts,
+    Wheels,
+    compliance,
+    corners,
+    free_motion,
+    on_wheels,
+    rigid_inertia,
+)
 from wheelhop.identify.statespace import StateSpace, of_fractions
 from wheelhop.identify.steps import DampedSinusoids
+from wheelhop.vehicle import (
+    CORNERS,
+    axle_name,
+    body_inertia,
+    corner_position,
+    kinetic_shares,
+    wheels,
+)
 
 Array = NDArray[np.float64]
 
@@ -22,22 +38,59 @@ VARIED = tuple(f"{end}{what}" for end in ("front-", "rear-", "") for what in QUA
 """What a study may vary: of front, rear or both suspensions and wheels."""
 
 
+@dataclass(frozen=True)
+class WheelHop:
+    """A mode in which the wheels move: natural frequency |λ|/2π, Hz, and damping ratio −Re λ/|λ|,
+    below 1."""
+
+    frequency_hz: float
+    damping_ratio: float
+
+
 @dataclass(frozen=True, eq=False)
 class Car:
-    """An identified body, N to m, on suspensions and wheels; `identified_on` are the suspensions
-    held in `body`, if they are others."""
+    """An identified body, N to m, on suspensions and wheels.
+
+    `sprung_kg` (4, 4) is the body's inertia at its four points (`rigid_inertia`): by it modes of
+    the body and of the wheels are told apart. `identified_on` are the suspensions held in `body`,
+    if they are others.
+    """
 
     body: StateSpace
     struts: Struts
     wheels: Wheels
+    sprung_kg: Array
     identified_on: Struts | None = None
 
-    def ground_to_body(self, varied: str | None = None, factor: float = 1.0) -> StateSpace:
-        """G(s), one number of `VARIED` times `factor`. Raises CampaignError for another name."""
-        struts, wheels = self.struts, self.wheels
-        if varied is not None:
-            struts, wheels = _changed(struts, wheels, varied, factor)
-        return on_wheels(self.body, self.identified_on or self.struts, struts, wheels)
+    def varied(self, varied: str, factor: float) -> Car:
+        """The same body, one number of `VARIED` times `factor`. Raises CampaignError for another
+        name."""
+        struts, wheels = _changed(self.struts, self.wheels, varied, factor)
+        return replace(self, struts=struts, wheels=wheels, identified_on=self._held)
+
+    def ground_to_body(self) -> StateSpace:
+        """G(s), from the ground under the wheels to the body (4, 4)."""
+        return on_wheels(self.body, self._held, self.struts, self.wheels)
+
+    def wheel_hops(self, end: str) -> tuple[WheelHop, ...]:
+        """Modes of the wheels at one end, "front" or "rear", that oscillate, by frequency.
+
+        Their shape tells them: wheels have more of the kinetic energy than the body has, and
+        those at this end more than those at the other. None is left where damping is so strong
+        that the wheels creep back.
+        """
+        pole, shape = free_motion(self.body, self._held, self.struts, self.wheels)
+        mass = np.zeros((8, 8))
+        mass[:4, :4], mass[4:, 4:] = self.sprung_kg, np.diag(corners(self.wheels.mass_kg))
+        share = kinetic_shares(shape, mass)
+        front, rear = share[:, 4:6].sum(axis=1), share[:, 6:].sum(axis=1)
+        here, there = (front, rear) if end == "front" else (rear, front)
+        hops = sorted(pole[(front + rear > 0.5) & (here > there)].tolist(), key=abs)
+        return tuple(WheelHop(abs(one) / (2 * np.pi), -one.real / abs(one)) for one in hops)
+
+    @property
+    def _held(self) -> Struts:
+        return self.identified_on or self.struts
 
 
 def _changed(struts: Struts, wheels: Wheels, varied: str, factor: float) -> tuple[Struts, Wheels]:
@@ -64,28 +117,31 @@ def car_of(model: TransferMatrix, values: Mapping[str, float]) -> Car:
     """
     if model.inputs != (0, 1, 2, 3) or model.outputs != (0, 1, 2, 3):
         raise CampaignError("a study needs a transfer matrix of all four axle and body points")
-    struts, wheels = _struts(values), _wheels(values)
+    struts, wheels, sprung = _struts(values), _wheels(values), _sprung(values)
     if model.suspensions is None:
-        return Car(compliance(of_fractions(model.sections, model.theta), struts), struts, wheels)
+        body = compliance(of_fractions(model.sections, model.theta), struts)
+        return Car(body, struts, wheels, sprung)
     ratio, front_s, rear_s = model.suspensions.value
     front = struts.front_N_m
     fitted = Struts(front, ratio * front, front_s * front, rear_s * ratio * front)
-    return Car(of_fractions(model.sections, model.theta / front), fitted, wheels)
+    return Car(of_fractions(model.sections, model.theta / front), fitted, wheels, sprung)
 
 
 def car_of_steps(fitted: DampedSinusoids, values: Mapping[str, float]) -> Car:
     """The body that answered steps of force at its four points, on the suspensions of vehicle.toml
     as it was then, and its wheels.
 
-    Raises CampaignError for fewer points, or responses that do not begin at rest.
+    Raises CampaignError for fewer points, responses that do not begin at rest, or a vehicle that is
+    no full car.
     """
     if len(fitted.residues) != 16:
         raise CampaignError("a study needs the responses of four points to forces at all four")
+    sprung = _sprung(values)
     body = fitted.transfer(4, 4)
     if np.abs(body.d).max() > 1e-9 * np.abs(body.static()).max():
         raise CampaignError("a study needs step responses that begin at rest: leave out --no-rigid")
     at_rest = replace(body, d=np.zeros((4, 4)))
-    return Car(at_rest, _struts(values), _wheels(values))
+    return Car(at_rest, _struts(values), _wheels(values), sprung)
 
 
 def _struts(values: Mapping[str, float]) -> Struts:
@@ -104,12 +160,21 @@ def _wheels(values: Mapping[str, float]) -> Wheels:
     )
 
 
+def _sprung(values: Mapping[str, float]) -> Array:
+    if wheels(values) != CORNERS:
+        raise CampaignError("a study needs a full car: leave `model` out of vehicle.toml")
+    positions = np.array([corner_position(values, corner) for corner in CORNERS])
+    return rigid_inertia(positions, body_inertia(values))
+
+
 @dataclass(frozen=True, eq=False)
 class Variant:
-    """One curve of a study: G from the ground under one wheel to the body above it."""
+    """One curve of a study: G from the ground under one wheel to the body above it, and the wheel
+    hops of that wheel's axle."""
 
     factor: float
     system: StateSpace
+    wheel_hops: tuple[WheelHop, ...]
 
     @property
     def static(self) -> float:
@@ -120,12 +185,6 @@ class Variant:
         """Response (len(time_s),) to the ground stepping up by 1 m."""
         return self.system.step(time_s)[:, 0, 0]
 
-    def wheel_hop_hz(self) -> float:
-        """Frequency of the fastest pole that oscillates with ζ < 0.5."""
-        poles = self.system.poles()
-        rings = poles[(poles.imag > 0) & (-poles.real < 0.5 * np.abs(poles))]
-        return float(np.abs(rings).max() / (2 * np.pi)) if len(rings) else float("nan")
-
 
 def study(car: Car, varied: str, factors: Sequence[float], corner: int = 0) -> list[Variant]:
     """One variant for each factor; `corner` 0..3 is the wheel whose ground moves.
@@ -134,11 +193,12 @@ def study(car: Car, varied: str, factors: Sequence[float], corner: int = 0) -> l
     """
     out = []
     for factor in factors:
-        system = car.ground_to_body(varied, factor).part(corner, corner)
+        changed = car.varied(varied, factor)
+        system = changed.ground_to_body().part(corner, corner)
         if (system.poles().real >= 0).any():
             raise CampaignError(
                 f"with {varied} × {factor:g} the identified body is unstable: the runs do not fix"
                 " it well enough for that change; take a lower order or a smaller change"
             )
-        out.append(Variant(factor, system))
+        out.append(Variant(factor, system, changed.wheel_hops(axle_name(corner))))
     return out

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from wheelhop.files import made_folder
 from wheelhop.identify import published
 from wheelhop.identify.equivalent import equivalent_vehicle, wheels
 from wheelhop.identify.figure import draw_study
-from wheelhop.identify.quarter_car import Struts, Wheels, compliance
+from wheelhop.identify.quarter_car import Struts, Wheels, compliance, rigid_inertia
 from wheelhop.identify.study import Car, Variant, study
 from wheelhop.identify.synthetic import thesis_matrix
 
@@ -24,7 +26,8 @@ CHAPTER_2 = {
 def racing_car() -> Car:
     """Chapter 2's car on its new suspensions, its body that of the equivalent vehicle."""
     old, new = (Struts(*published.TABLE_2_2[key]) for key in ("old", "new"))
-    return Car(equivalent_vehicle().body(), new, wheels(), old)
+    vehicle = equivalent_vehicle()
+    return Car(vehicle.body(), new, wheels(), vehicle.sprung_kg(), old)
 
 
 def stiffened() -> dict[str, list[Variant]]:
@@ -32,7 +35,12 @@ def stiffened() -> dict[str, list[Variant]]:
     from the ground under a wheel to the body above it."""
     old = Struts(*published.TABLE_5_4["old"])
     on = Wheels(*zip(published.TABLE_5_3["front"], published.TABLE_5_3["rear"], strict=True))
-    car = Car(compliance(thesis_matrix(), old), old, on)
+    atv = published.ATV
+    ahead, half = atv["cg_to_front_axle_m"], atv["track_width_m"] / 2
+    x = np.repeat([ahead, ahead - atv["wheelbase_m"]], 2)
+    positions = np.column_stack([x, [half, -half, half, -half]])
+    inertia = [atv[key] for key in ("mass_kg", "pitch_inertia_kg_m2", "roll_inertia_kg_m2")]
+    car = Car(compliance(thesis_matrix(), old), old, on, rigid_inertia(positions, inertia))
     ends = {"front": 0, "rear": 2}
     return {end: study(car, "stiffness", (1.0, 1.2), corner) for end, corner in ends.items()}
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
-from wheelhop.files import claimed, write_text
+from wheelhop.files import cache_folder, claimed, write_text
 from wheelhop.logger.error import LoggerError
 
 PURPOSE = "emulated logger"
@@ -17,7 +15,7 @@ PURPOSE = "emulated logger"
 def announced(url: str) -> Iterator[None]:
     """Let `emulated_ports` find this port while the block runs. Raises LoggerError if another
     emulated logger is there already."""
-    folder = _folder()
+    folder = cache_folder()
     folder.mkdir(parents=True, exist_ok=True)
     with claimed(folder, PURPOSE, LoggerError):
         write_text(folder / PURPOSE, url, LoggerError)
@@ -29,7 +27,7 @@ def announced(url: str) -> Iterator[None]:
 
 def emulated_ports() -> list[str]:
     """The port of the emulated logger, if one runs; what a killed one has left does not count."""
-    folder = _folder()
+    folder = cache_folder()
     try:
         url = (folder / PURPOSE).read_text(encoding="utf-8")
     except OSError:
@@ -39,7 +37,3 @@ def emulated_ports() -> list[str]:
             return []
     except LoggerError:
         return [url]
-
-
-def _folder() -> Path:
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "wheelhop"

@@ -9,6 +9,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+from wheelhop.files import TABLE, read_bytes
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.port import find_ports
 
@@ -152,7 +153,7 @@ def check_hex(file: Path) -> None:
     the sum of all 0 modulo 256; type 1 ends the file.
     """
     try:
-        lines = file.read_text(encoding="ascii").split()
+        lines = read_bytes(file, LoggerError, TABLE).decode("ascii").split()
     except UnicodeDecodeError:
         raise LoggerError(f"{file}: not a .hex file, but something binary") from None
     except OSError as error:

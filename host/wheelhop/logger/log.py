@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import NUMBERS, check_room
 from wheelhop.logger.block import (
     BLOCK_BYTES,
     FIELDS,
@@ -219,7 +220,7 @@ class Log:
         Where triggers were late, rows are the signal at equal steps of time, and there are more of
         them than scans; with `by_number` they are the scans as they are.
 
-        Raises LoggerError where the header is damaged, or where gaps would fill the memory.
+        Raises LoggerError where the header is damaged, or where they would fill the memory.
         """
         settings = self.settings
         stop = self.due if stop is None else min(stop, self.due)
@@ -229,6 +230,7 @@ class Log:
         )
         gaps = [gap for gap in self.gaps if gap.first < stop and gap.first + gap.scans > first]
         self._check_believable(gaps, first, stop)
+        check_room(Path(self.name), NUMBERS * (stop - first) * len(channels), LoggerError)
         values = np.empty((stop - first, len(channels)))
         for gap in gaps:
             values[max(gap.first - first, 0) : gap.first + gap.scans - first] = np.nan

@@ -21,6 +21,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import check_plain
 from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, MAGIC, SUMMARY, SUPPLY, crcs
 from wheelhop.logger.error import LoggerError
 
@@ -164,14 +165,11 @@ class Survey:
 
 
 def open_source(source: Path | bytes) -> BinaryIO:
-    """Return what a log is read from. Raises LoggerError where it cannot be read twice."""
+    """Return what a log is read from: a file or a medium. Raises LoggerError for all else."""
     if isinstance(source, bytes):
         return io.BytesIO(source)
-    file = source.open("rb", buffering=0)
-    if not file.seekable():
-        file.close()
-        raise LoggerError(f"{source}: is a stream: save it in a file first")
-    return file
+    check_plain(source, LoggerError, medium=True)
+    return source.open("rb", buffering=0)
 
 
 def read_bytes(file: BinaryIO, size: int) -> bytearray:

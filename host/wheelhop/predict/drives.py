@@ -142,6 +142,15 @@ def read_effects(texts: Sequence[str], library: Mapping[str, Effect]) -> tuple[C
     return tuple(chosen)
 
 
+def absolute(text: str) -> str:
+    """A track's word, the path of a survey in it the one that leads there from anywhere."""
+    name, *pairs = text.split(":")
+    split = [pair.partition("=") for pair in pairs]
+    return ":".join(
+        [name, *(f"file={Path(v).resolve()}" if k == "file" else f"{k}{e}{v}" for k, e, v in split)]
+    )
+
+
 def _numbers(word: Word, text: str) -> dict[str, float]:
     """The values of an effect's parameters."""
     numbers: dict[str, float] = {}

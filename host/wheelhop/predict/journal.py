@@ -11,15 +11,19 @@ import json
 import os
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, as_completed
+from functools import partial
 from pathlib import Path
+from platform import node
 from typing import Any, Protocol
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import check_target, claimed, replacing, sync_folder
+from wheelhop.files import TABLE, check_target, claimed, read_bytes, replacing, sync_folder
+from wheelhop.formats.parquet import read_table
 from wheelhop.predict.sweep import Row
+from wheelhop.predict.trouble import Trouble
 from wheelhop.predict.workers import Workers
 
 SWEEP = b"wheelhop.sweep"
@@ -38,8 +42,15 @@ class Points(Protocol):
 
     def __len__(self) -> int: ...
 
+    def name(self, number: int) -> str:
+        """What a user calls a point."""
+
+    def files(self, number: int) -> str:
+        """Differs where a file differs that a point depends on. Raises OSError."""
+
     def rows(self, number: int) -> list[Row]:
-        """What is found at a point: rows of texts, numbers and None, the same texts in all."""
+        """What is found at a point: rows of texts, numbers and None, the same texts in all.
+        Raises Trouble, OSError or MemoryError where nothing is."""
 
 
 def run_sweep(
@@ -51,7 +62,8 @@ def run_sweep(
     """Compute what is missing of a sweep and write its table.
 
     Any `concurrent.futures.Executor` does the work. Returns how many points were computed now, and
-    all rows. Raises CampaignError if the table, or the journal, belongs to another sweep.
+    all rows. Raises CampaignError if the table, or the journal, belongs to another sweep, and if a
+    computer had trouble with a point that may pass: then all others are in the journal.
     """
     check_target(table, CampaignError)
     journal = table.with_name(f"{table.name}.journal")
@@ -66,12 +78,22 @@ def run_sweep(
             if not done and file.tell() == 0:
                 _append(file, {"sweep": mark})
                 sync_folder(table.parent)
-            futures = {executor.submit(sweep.rows, number): number for number in missing}
+            futures = {
+                executor.submit(partial(_rows, sweep, sweep.files(number)), number): number
+                for number in missing
+            }
+            troubles: list[Trouble] = []
+
+            def keep(number: int, rows: list[Row]) -> None:
+                done[number] = rows
+                _append(file, {"point": number, "rows": rows})
+
             try:
                 for future in as_completed(futures):
-                    number = futures[future]
-                    done[number] = future.result()
-                    _append(file, {"point": number, "rows": done[number]})
+                    try:
+                        keep(futures[future], future.result())
+                    except Trouble as error:
+                        troubles.append(error)
                     progress(f"{len(done)} of {len(sweep)} {sweep.things}")
             except BrokenExecutor:
                 raise CampaignError(
@@ -79,14 +101,38 @@ def run_sweep(
                     " perhaps: the same command goes on from here; --jobs 1 takes less"
                 ) from None
             except BaseException:
-                if not isinstance(executor, Workers):  # those end where their block does
-                    for future in futures:
+                for future, number in futures.items():
+                    if not isinstance(executor, Workers):  # those end where their block does
                         future.cancel()
+                    there = future.done() and not future.cancelled() and not future.exception()
+                    if there and number not in done:
+                        keep(number, future.result())
                 raise
+        if troubles:
+            raise CampaignError(
+                f"{journal}: {len(troubles)} of {len(sweep)} {sweep.things} are not done for"
+                f" trouble that may pass, the first: {troubles[0]}; mend it, and the same command"
+                " goes on from here"
+            )
         rows = [row for number in range(len(sweep)) for row in done[number]]
         _write_table(table, rows, mark)
         journal.unlink()
     return len(missing), rows
+
+
+def _rows(points: Points, files: str, number: int) -> list[Row]:
+    """The rows of a point, computed from the very `files` that its table is of. Raises Trouble
+    where this computer has others or none, and for all else that may pass."""
+    place = f"{node()}: {points.name(number)}"
+    try:
+        rows = points.rows(number) if points.files(number) == files else []
+        wrong = any(row.get("problem") for row in rows)
+        if rows and not (wrong and points.files(number) != files):
+            return rows
+    except (Trouble, OSError, MemoryError) as error:
+        what = str(error) or type(error).__name__
+        raise Trouble(f"{place}: {what}") from None
+    raise Trouble(f"{place}: this computer does not see the same files there as the command does")
 
 
 def _append(file: Any, line: dict[str, Any]) -> None:
@@ -99,7 +145,7 @@ def _read_journal(journal: Path, mark: str) -> dict[int, list[Row]]:
     """Finished points; a line that was being written when the program ended is cut off."""
     if not journal.exists():
         return {}
-    data = journal.read_bytes()
+    data = read_bytes(journal, CampaignError, TABLE)
     whole = data[: data.rfind(b"\n") + 1]
     try:
         lines = [json.loads(line) for line in whole.splitlines()]
@@ -133,7 +179,7 @@ def _column(values: list[str | float | None]) -> pa.Array:
 
 def _read_table(table: Path, mark: str) -> list[Row]:
     try:
-        found = pq.read_table(table)
+        found = read_table(table, CampaignError)
     except (pa.ArrowException, OSError):
         found = None
     if found is None or (found.schema.metadata or {}).get(SWEEP) != mark.encode():

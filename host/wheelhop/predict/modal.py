@@ -23,6 +23,7 @@ from wheelhop.vehicle import (
     axle_name,
     axles,
     behind_m,
+    kinetic_shares,
     static_tyre_load,
     wheels,
 )
@@ -141,7 +142,7 @@ def modes(model: Model, name: str, uncertainty: Mapping[str, float]) -> Modes:
         numbers,
         pole,
         shape,
-        _kinetic(system, shape),
+        kinetic_shares(shape, system.mass),
         _shares(shape, system.stiffness, change[2], numbers, SPRINGS),
         _shares(shape, system.damping, change[1], numbers, DAMPERS),
         by_frequency,
@@ -253,12 +254,6 @@ def _form(shape: ComplexArray, matrix: Array) -> ComplexArray:
 def _forms(shape: ComplexArray, matrices: Array) -> ComplexArray:
     """xᵀ A x (k, p) of every mode and matrix (p, n, n)."""
     return np.asarray(np.einsum("ki,pij,kj->kp", shape, matrices, shape))
-
-
-def _kinetic(system: System, shape: ComplexArray) -> Array:
-    """What each coordinate has of xᴴ M x."""
-    each = (np.conj(shape) * (shape @ system.mass)).real
-    return np.asarray(each / each.sum(axis=1, keepdims=True))
 
 
 def _shares(

@@ -8,7 +8,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +15,12 @@ import numpy as np
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.course import Course
 from wheelhop.effects import Effect, load_effects
+from wheelhop.files import Source, digest
 from wheelhop.predict.case import Case
-from wheelhop.predict.drives import Word, read_drives, read_effects
+from wheelhop.predict.drives import Word, absolute, read_drives, read_effects
+from wheelhop.predict.identity import identity
 from wheelhop.predict.ride import Ride, ride
+from wheelhop.predict.trouble import lasting
 from wheelhop.vehicle import Vehicle, changed
 
 SPEED = "speed"
@@ -58,8 +60,9 @@ class Axis:
 class Sweep:
     """What is swept, as plain data that any worker anywhere can begin with.
 
-    `tracks` and `effects` are words as on the command line, `library` the file with effects of
-    one's own. Points are numbered with the last axis changing fastest.
+    `tracks` and `effects` are words as on the command line, `library` the text of a file with
+    effects of one's own; however a survey's path is spelt, it is kept as the one that leads there
+    from anywhere. Points are numbered with the last axis changing fastest.
     """
 
     vehicle: Vehicle
@@ -69,8 +72,11 @@ class Sweep:
     axes: tuple[Axis, ...]
     seconds: float
     seed: int
-    library: Path | None = None
+    library: Source | None = None
     things = "points"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tracks", tuple(map(absolute, self.tracks)))
 
     def __len__(self) -> int:
         return math.prod(len(axis.values) for axis in self.axes)
@@ -114,31 +120,47 @@ class Sweep:
         try:
             case = self.case(number)
         except CampaignError as error:
-            return [{"run": "", "speed_kmph": None, **point, **empty, "problem": str(error)}]
+            return [
+                {
+                    "run": "",
+                    "speed_kmph": None,
+                    **point,
+                    **empty,
+                    "problem": lasting(error, self.name(number)),
+                }
+            ]
         rows: list[Row] = []
         for place, drive in enumerate(case.drives):
             row: Row = {"run": drive.id, "speed_kmph": drive.speed_kmph, **point}
             try:
                 rows.append({**row, **vars(ride(case, place)), "problem": ""})
             except CampaignError as error:
-                rows.append({**row, **empty, "problem": str(error)})
+                rows.append({**row, **empty, "problem": lasting(error, self.name(number))})
         return rows
+
+    def name(self, number: int) -> str:
+        """What a user calls a point."""
+        return ", ".join(f"{name} = {value:g}" for name, value in self.point(number).items())
+
+    def files(self, number: int) -> str:
+        """Differs where a file differs that a point depends on: they are the same for all."""
+        words = [Word.parse(text, "--tracks").options for text in self.tracks]
+        files = [Path(str(options["file"])) for options in words if "file" in options]
+        own = [] if self.library is None else [self.library.digest]
+        return " ".join([*map(digest, files), *own])
 
     @property
     def fingerprint(self) -> str:
         """Differs where anything differs that the results depend on, files included."""
-        files = [] if self.library is None else [self.library]
-        files += [drive.file for drive in self.case(0).drives if drive.file is not None]
         known = asdict(replace(self, library=None))
-        known["wheelhop"] = version("wheelhop")
-        known["files"] = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
+        known |= {"wheelhop": identity(), "files": self.files(0)}
         return hashlib.sha256(json.dumps(known, sort_keys=True).encode()).hexdigest()
 
 
 @cache
-def _library(file: Path | None) -> Mapping[str, Effect]:
+def _library(source: Source | None) -> Mapping[str, Effect]:
     """Read once in each process: looking for installed effects takes longer than a run."""
-    return load_effects(file)
+    return load_effects(source)
 
 
 def _ids(effects: Sequence[str]) -> set[str]:

@@ -94,7 +94,7 @@ def _channels(campaign: Campaign, step: Step) -> Document:
     """Places that were estimated, by channel."""
     found = {}
     for channel in campaign.channels:
-        prefix = f"channel.{channel.name}."
+        prefix = f"{channel.key}."
         own = {
             name.removeprefix(prefix): value
             for name, value in step.parameters.items()

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 
 from wheelhop.files import write_text
+from wheelhop.report.pdf import write_pdf
 
 
 def write_page(path: Path, name: str, body: Iterable[str]) -> None:
-    """Write a page with the report's style."""
+    """Write a page with the report's style; where the file's name ends in .pdf, printed into it.
+    Raises InputError."""
+    if path.suffix.lower() == ".pdf":
+        with tempfile.TemporaryDirectory() as other:
+            page = Path(other) / "report.html"
+            write_page(page, name, body)
+            write_pdf(page, path)
+        return
     style = (files(__package__) / "style.css").read_text(encoding="utf-8")
     parts = [
         "<!doctype html>",

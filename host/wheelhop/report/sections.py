@@ -160,7 +160,7 @@ def axle_driven(road: Step, axles: Step) -> str:
         figure(
             tables.heat_map([axles]) + heat_legend(),
             "Residual / noise floor, runs × channels of the body, in band; the axles’ own noise is"
-            " part of the floor. * held out.",
+            " part of the floor, what is folded into their records is not. * held out.",
         ),
         bullets(describe(axles.comparison.breakdown)),
     )

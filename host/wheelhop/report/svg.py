@@ -99,7 +99,8 @@ def _formula(latex: str) -> str:
     except ValueError:
         return f"<code>{escape(latex)}</code>"
     name = f"eq{hashlib.sha256(latex.encode()).hexdigest()[:12]}"
-    return _embedded(file.getvalue(), name, latex, keep_size=True)
+    on_any_paper = file.getvalue().replace(COLOURS["paper"], "none")
+    return _embedded(on_any_paper, name, latex, keep_size=True)
 
 
 def _embedded(svg: str, name: str, description: str, *, keep_size: bool) -> str:

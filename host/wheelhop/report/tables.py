@@ -285,5 +285,9 @@ def ladder_table(steps: Sequence[Step]) -> str:
             ]
         )
     rows.append(["noise floor", percent(floor.error_fit), percent(floor.error_validate), "1"])
+    if floor.beside_noise:
+        least = percent(floor.expected_fit), percent(floor.expected_validate)
+        times = significant(floor.expected / floor.error)
+        rows.append([f"a right model may leave, with {floor.beside_noise}", *least, times])
     headings = ["model", "E, runs fitted", "E, runs held out", "residual / floor, all runs"]
     return table(headings, rows, "lrrr")

@@ -24,12 +24,12 @@ def headline(diagnosis: Diagnosis) -> str:
         shown = "" if diagnosis.grounds.shows_all else " that these runs could show"
         return (
             f"Nothing is missing{shown}: the baseline model explains the records"
-            " down to the sensors’ noise."
+            f" down to {diagnosis.ladder[-1].left_to}."
         )
     effects = {effect.id: effect for effect in diagnosis.ladder[-1].rung.model.effects}
     accepted = [effects[name] for name in verdict if name != "unknown"]
     if not accepted:
-        return "Something is missing, and no effect of the library explains it."
+        return "Something is missing, and no effect of the library is confirmed as its cause."
     sentences = [missing(accepted)]
     if diagnosis.grounds.cramped:
         sentences.append(
@@ -37,7 +37,9 @@ def headline(diagnosis: Diagnosis) -> str:
             " likely."
         )
     elif verdict[-1] == "unknown":
-        sentences.append("Something more is missing that no effect of the library explains.")
+        sentences.append(
+            "Something more is missing, and no effect of the library is confirmed as its cause."
+        )
     return " ".join(sentences)
 
 
@@ -53,8 +55,10 @@ def comparison_headline(steps: Sequence[Step]) -> str:
 
 def chain_words(road: Step, axles: Step) -> str:
     """What the two comparisons say together: on which side of the axle the model fails."""
-    ratios = f"{significant(over_floor(axles), 2)} times its floor"
-    start = f"With the measured axle motion driving the body the error is {ratios}"
+    start = (
+        f"With the measured axle motion driving the body the error is {percent(axles.rung.error)},"
+        f" where a right model may leave {percent(axles.expected)}"
+    )
     if not fails(road):
         side = "; with the road driving the wheels nothing fails either"
         return f"{start}{side if not fails(axles) else ''}."
@@ -70,8 +74,8 @@ def chain_words(road: Step, axles: Step) -> str:
 
 
 def fails(step: Step) -> bool:
-    """Whether the error is above the floor by more than the floor's own uncertainty."""
-    return over_floor(step) > 1.0 + 2.0 * step.comparison.floor.tolerance
+    """Whether the error is above what a right model leaves by more than that is uncertain."""
+    return step.rung.error > step.expected * (1.0 + 2.0 * step.comparison.floor.tolerance)
 
 
 def over_floor(step: Step) -> float:

@@ -78,7 +78,7 @@ def moved_by(model: Model, run_id: str, measured: Sequence[Channel]) -> list[obj
 
 def calibrations(model: Model, channels: Iterable[Channel]) -> dict[str, float]:
     """By how much gains and corners of sensors are not what they are believed to be."""
-    names = [f"channel.{c.name}.{what}" for c in channels for what in ("gain", "corner")]
+    names = [f"{c.key}.{what}" for c in channels for what in ("gain", "corner")]
     return {name: model.values[name] for name in names if name in model.values}
 
 

@@ -72,15 +72,17 @@ class Response:
 
     ``record`` is (n, n_channels) at the run's samples, in the channels' order and units; NaN
     columns are not predicted. ``position_m`` (n,) is the x of the front axle at each sample, None
-    when the track is unknown. ``doubt`` (count, n_channels) is the noise of every in-band datum
-    about the model per that of the sensors, where what drives the model is uncertain itself; None
-    where it is not.
+    when the track is unknown. Where measured axles drive the model, ``noise_ratio`` (count,
+    n_channels) is the noise that all sensors together make of every in-band datum about the model,
+    per that of the datum's own sensor, and ``doubt`` the same with motion folded into the axles'
+    records; None where nothing of the kind drives it.
     """
 
     run_id: str
     record: Array
     position_m: Array | None
     doubt: Array | None = None
+    noise_ratio: Array | None = None
 
 
 class RunSimulator:

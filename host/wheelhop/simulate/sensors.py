@@ -40,7 +40,7 @@ def miscalibrated(
 ) -> Array:
     """Readings (n, c) as they come out where gains and corners are not what the calibration says:
     "channel.B1.gain" and "channel.B1.corner" are by how much more they really are, relative."""
-    if not any(f"channel.{c.name}.gain" in values for c in channels):
+    if not any(f"{c.key}.gain" in values for c in channels):
         return readings
     gain, corner = _errors(channels, values)
     spectrum = fft.rfft(readings, axis=0) * _undone_wrongly(
@@ -53,7 +53,7 @@ def recalibrated(
     readings: Array, rate_hz: float, channels: Sequence[Channel], values: Values
 ) -> Array:
     """Readings (n, c) set right: the opposite of `miscalibrated`."""
-    if not any(f"channel.{c.name}.gain" in values for c in channels):
+    if not any(f"{c.key}.gain" in values for c in channels):
         return readings
     gain, corner = _errors(channels, values)
     spectrum = fft.rfft(readings, axis=0) / _undone_wrongly(
@@ -64,7 +64,7 @@ def recalibrated(
 
 def _errors(channels: Sequence[Channel], values: Values) -> tuple[Array, Array]:
     gain, corner = (
-        np.array([values.get(f"channel.{c.name}.{what}", 0.0) for c in channels])
+        np.array([values.get(f"{c.key}.{what}", 0.0) for c in channels])
         for what in ("gain", "corner")
     )
     return gain, corner

@@ -55,7 +55,8 @@ class Envelope:
     @property
     def nbytes(self) -> int:
         """Memory its table takes, in bytes."""
-        return self._height.nbytes + 8 * len(self._height)  # with the areas, should they be asked
+        areas = 8 * len(self._height)  # should they be asked
+        return self._height.nbytes + areas + self._split_cell.nbytes + self._split_at.nbytes
 
     def height(self, x: ArrayLike) -> Array:
         """h at x, both in metres, any shape. Raises ValueError outside the tabulated range."""

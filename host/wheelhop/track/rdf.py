@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from math import inf, isfinite
 from pathlib import Path
 
 import numpy as np
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import replacing
+from wheelhop.files import read_text, replacing
 from wheelhop.track.track import Array
 
 LENGTHS_M = {
@@ -68,7 +69,7 @@ def read_rdf(path: Path) -> tuple[Array, Array, Array | None]:
     tracks has k = 2, right and left, and no places. Heights that are missing are NaN.
 
     Raises CampaignError for another kind of road, a table that is cut off or no grid, and
-    unknown units; OSError, UnicodeDecodeError.
+    unknown units; and for a file that cannot be read.
     """
     blocks = _blocks(path)
     unit = blocks.get("UNITS", _Block()).values.get("LENGTH", "")
@@ -121,7 +122,7 @@ def write_rdf(file: Path, x_m: Array, y_m: Array, height_m: Array) -> None:
 def _blocks(path: Path) -> dict[str, _Block]:
     blocks: dict[str, _Block] = {}
     block = _Block()
-    for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), start=1):
+    for number, line in enumerate(read_text(path, CampaignError).split("\n"), start=1):
         text = re.split(r"[$!]", line)[0].strip()
         heading = re.fullmatch(r"\[(\w+)\]|\((\w+)\)", text)
         if heading:
@@ -145,7 +146,7 @@ def _table(path: Path, blocks: dict[str, _Block], name: str, widths: tuple[int, 
     if len(block.rows) < 2:
         raise CampaignError(f"{path}: [{name}] has {len(block.rows)} rows; two at least are needed")
     said = block.values.get(f"NUMBER_OF_{name}")
-    if said is not None and said.isdigit() and int(said) != len(block.rows):
+    if said is not None and said != str(len(block.rows)):
         raise CampaignError(
             f"{path}: [{name}] has {len(block.rows)} rows, and NUMBER_OF_{name} = {said}: cut off?"
         )
@@ -160,8 +161,7 @@ def _table(path: Path, blocks: dict[str, _Block], name: str, widths: tuple[int, 
 def _grid(path: Path, blocks: dict[str, _Block]) -> tuple[Array, Array, Array]:
     """Stations, places across and heights of nodes on a grid, NaN where there is no node."""
     table = _table(path, blocks, "NODES", (4,))
-    shift = [float(blocks.get("OFFSET", _Block()).values.get(axis, "0")) for axis in "XYZ"]
-    nodes = table[:, 1:] + shift
+    nodes = table[:, 1:] + [_offset(path, blocks, axis) for axis in "XYZ"]
     (x, row), (y, column) = (_lines(nodes[:, axis]) for axis in (0, 1))
     if len(x) * len(y) > 4 * len(nodes) or min(len(x), len(y)) < 2:
         raise CampaignError(
@@ -170,7 +170,23 @@ def _grid(path: Path, blocks: dict[str, _Block]) -> tuple[Array, Array, Array]:
         )
     height = np.full((len(x), len(y)), np.nan)
     height[row, column] = nodes[:, 2]
+    other = np.flatnonzero(height[row, column] != nodes[:, 2])
+    if len(other):
+        number = blocks["NODES"].rows[other[0]][0]
+        raise CampaignError(f"{path}: line {number}: another node at this x and y has another z")
     return x, y, height
+
+
+def _offset(path: Path, blocks: dict[str, _Block], axis: str) -> float:
+    """How far all nodes are to be moved along an axis, in the file's unit."""
+    said = blocks.get("OFFSET", _Block()).values.get(axis, "0")
+    try:
+        offset = float(said)
+    except ValueError:
+        offset = inf
+    if not isfinite(offset):
+        raise CampaignError(f"{path}: [OFFSET] {axis} = {said}: must be a number")
+    return offset
 
 
 def _lines(values: Array) -> tuple[Array, np.ndarray[tuple[int], np.dtype[np.intp]]]:

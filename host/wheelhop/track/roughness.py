@@ -58,7 +58,8 @@ def roughness(height: Array, step_m: float) -> Roughness:
     """Fit a straight line to log S over log Ω of heights (n, k), m, at equal steps.
 
     The spectrum is first averaged over third-octaves, so that each octave counts alike (ISO 8608,
-    annex B, smooths it for the same reason). Raises ValueError for fewer than 64 stations.
+    annex B, smooths it for the same reason). Raises ValueError for fewer than 64 stations, for a
+    piece that has too few waves, and for ground without unevenness.
     """
     if len(height) < 64:
         raise ValueError(f"{len(height)} stations; a spectrum takes 64 or more")
@@ -70,7 +71,12 @@ def roughness(height: Array, step_m: float) -> Roughness:
     there = np.bincount(octave) > 0
     # A power law's mean over a band is a power law's value where the mean of the logarithms is.
     x = (np.bincount(octave, np.log(wave[inside])) / count)[there]
-    y = np.log((np.bincount(octave, power[inside] * wave[inside]) / count)[there]) - x
+    mean = (np.bincount(octave, power[inside] * wave[inside]) / count)[there]
+    if len(mean) < 2:
+        raise ValueError(f"{len(height)} stations {step_m:g} m apart: too short for a spectrum")
+    if not (mean > 0.0).all():
+        raise ValueError("has no unevenness of which there is a spectrum")
+    y = np.log(mean) - x
     slope, level = np.polyfit(x, y, 1)
     station = np.arange(len(height))
     flat = height - np.polynomial.polynomial.polyval(

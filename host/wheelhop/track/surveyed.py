@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import csv
 from abc import abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 
 from wheelhop.campaign import CampaignError
+from wheelhop.files import read_text
 from wheelhop.track.opencrg import read_opencrg
 from wheelhop.track.rdf import read_rdf
 from wheelhop.track.track import Array, Track
 
 _COLUMNS = ("x_m", "right_m", "left_m")
-_HIGHEST_M = 100.0  # no test track is higher, but damaged binary files are
+HIGHEST_M = 100.0
+"""No test track is higher, but damaged binary files are."""
+NEAREST_M = 1e-6
+"""Least distance of stations: as well as the path of a wheel is known."""
 
 
 def read_survey(file: str) -> Track:
@@ -27,27 +33,30 @@ def read_survey(file: str) -> Track:
     """
     path = Path(file)
     suffix, y = path.suffix.lower(), None
-    try:
-        if suffix == ".crg":
-            grid = read_opencrg(path)
-            x, heights, y = grid.u_m, grid.height_m, grid.v_m
-            reason = "damaged, probably by an end-of-line conversion"
-        elif suffix == ".rdf":
-            x, heights, y = read_rdf(path)
-            reason = "look at LENGTH in [UNITS]"
-        else:
-            x, heights, y = _read_csv(path)
-            reason = "heights must be in metres"
-    except OSError as error:
-        raise CampaignError(f"{path}: {error.strerror}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise CampaignError(f"{path}: not a file of text in UTF-8") from error
+    if suffix == ".crg":
+        grid = read_opencrg(path)
+        x, heights, y = grid.u_m, grid.height_m, grid.v_m
+        reason = "damaged, probably by an end-of-line conversion"
+    elif suffix == ".rdf":
+        x, heights, y = read_rdf(path)
+        reason = "look at LENGTH in [UNITS]"
+    else:
+        x, heights, y = _read_csv(path)
+        reason = "heights must be in metres"
     _refuse_absurd(heights, path, reason)
+    with np.errstate(over="ignore"):  # to infinity, which is refused
+        x = x - x[0]
+    near = np.flatnonzero(~(np.diff(x) >= NEAREST_M))
+    if len(near) or not np.isfinite(x[-1]):
+        first = int(near[0]) + 2 if len(near) else len(x)
+        raise CampaignError(
+            f"{path}: station {first}: x, m, must increase by {NEAREST_M:g} at least"
+        )
     heights = _fill(heights, path)
     heights = heights - heights[0].mean()
     if y is None:
-        return WheelPaths(path, x - x[0], heights)
-    return SurveyedGrid(path, x - x[0], heights, y)
+        return WheelPaths(path, x, heights)
+    return SurveyedGrid(path, x, heights, y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,40 +144,39 @@ def _fill(height: Array, path: Path) -> Array:
 
 def _refuse_absurd(height: Array, path: Path, reason: str) -> None:
     worst = float(np.nanmax(np.abs(height), initial=0.0))
-    if worst > _HIGHEST_M:
+    if worst > HIGHEST_M:
         raise CampaignError(f"{path}: a height of {worst:.3g} m: {reason}")
 
 
 def _read_csv(path: Path) -> tuple[Array, Array, Array | None]:
     """Stations (n,), heights (n, k), and the places (k,) of a grid's columns; without places they
     are right and left. In a grid an empty cell is a height nobody measured, NaN."""
-    with path.open(newline="", encoding="utf-8-sig") as lines:
-        table = csv.reader(lines)
-        header = [name.strip() for name in next(table, [])]
-        places = _places(header, path)
-        names = _COLUMNS if places is None else header
-        missing = [name for name in names if name not in header]
-        if missing:
-            raise CampaignError(
-                f"{path}: no column {missing[0]}; needed are x_m, left_m, right_m, or, for a grid,"
-                " x_m and the y of each column in metres"
-            )
-        columns = [header.index(name) for name in names]
-        rows: list[list[float]] = []
-        for row in table:
-            try:
-                values = [
-                    np.nan if places is not None and column and not row[column].strip()
-                    else float(row[column]) for column in columns
-                ]  # fmt: skip
-            except (ValueError, IndexError):
-                values = [np.inf]
-            known = [value for value in values if places is None or not np.isnan(value)]
-            if not np.isfinite(known).all() or len(known) < 2:
-                raise CampaignError(f"{path}: line {table.line_num} needs a number in each column")
-            if rows and values[0] <= rows[-1][0]:
-                raise CampaignError(f"{path}: line {table.line_num}: x_m must increase")
-            rows.append(values)
+    table = _rows(path)
+    header = [name.strip() for name in next(table, (1, []))[1]]
+    places = _places(header, path)
+    names = _COLUMNS if places is None else header
+    missing = [name for name in names if name not in header]
+    if missing:
+        raise CampaignError(
+            f"{path}: no column {missing[0]}; needed are x_m, left_m, right_m, or, for a grid,"
+            " x_m and the y of each column in metres"
+        )
+    columns = [header.index(name) for name in names]
+    rows: list[list[float]] = []
+    for line, row in table:
+        try:
+            values = [
+                np.nan if places is not None and column and not row[column].strip()
+                else float(row[column]) for column in columns
+            ]  # fmt: skip
+        except (ValueError, IndexError):
+            values = [np.inf]
+        known = [value for value in values if places is None or not np.isnan(value)]
+        if not np.isfinite(known).all() or len(known) < 2:
+            raise CampaignError(f"{path}: line {line} needs a number in each column")
+        if rows and values[0] <= rows[-1][0]:
+            raise CampaignError(f"{path}: line {line}: x_m must increase")
+        rows.append(values)
     if len(rows) < 2:
         raise CampaignError(f"{path}: {len(rows)} stations; a profile needs at least two")
     data = np.array(rows)
@@ -176,6 +184,16 @@ def _read_csv(path: Path) -> tuple[Array, Array, Array | None]:
         return data[:, 0], data[:, 1:], None
     order = np.argsort(places)
     return data[:, 0], data[:, 1:][:, order], places[order]
+
+
+def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """The rows of a CSV file, each with the line where it ends."""
+    table = csv.reader(StringIO(read_text(path, CampaignError), newline=""))
+    try:
+        for row in table:
+            yield table.line_num, row
+    except csv.Error as error:
+        raise CampaignError(f"{path}: line {table.line_num}: {error}") from None
 
 
 def _places(header: list[str], path: Path) -> Array | None:

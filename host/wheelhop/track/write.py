@@ -10,7 +10,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.files import replacing
 from wheelhop.track.track import Array
 
-RECORD = 80  # bytes, to whose multiple OpenCRG pads its data
+RECORD = 80  # bytes, to whose multiple OpenCRG pads its data with NaN
 EVEN = 1e-6  # of the spacing
 
 
@@ -59,7 +59,7 @@ def write_opencrg(file: Path, u_m: Array, v_m: Array, height_m: Array) -> None:
         "$" * RECORD,
     ]
     data = np.ascontiguousarray(height_m, ">f8").tobytes()
-    data += b"\0" * (-len(data) % RECORD)
+    data += np.full(-len(data) % RECORD // 8, np.nan, ">f8").tobytes()
     with replacing(file, CampaignError) as draft:
         draft.write_bytes("\n".join(header).encode("ascii") + b"\n" + data)
 

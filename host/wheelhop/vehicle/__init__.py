@@ -1,7 +1,15 @@
 """Vehicles: their numbers and their equations of motion."""
 
 from wheelhop.vehicle.aboard import ABOARD, node_of, on_mounts, place_of
-from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Law, System, between
+from wheelhop.vehicle.assembly import (
+    Assembly,
+    Body,
+    Coordinate,
+    Law,
+    System,
+    between,
+    kinetic_shares,
+)
 from wheelhop.vehicle.component import component, inputs_of, is_component
 from wheelhop.vehicle.flexible_frame import car_on_frame, frame_values
 from wheelhop.vehicle.full_car import (
@@ -64,6 +72,7 @@ __all__ = [
     "ground",
     "inputs_of",
     "is_component",
+    "kinetic_shares",
     "motions",
     "mounted",
     "node_of",

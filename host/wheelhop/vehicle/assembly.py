@@ -127,6 +127,13 @@ class System:
         return float(np.abs(self.poles()).max())
 
 
+def kinetic_shares(shape: NDArray[np.complex128], mass: Array) -> Array:
+    """What each coordinate has (k, n) of the kinetic energy xᴴ M x of modes x, `shape` (k, n), with
+    the mass matrix (n, n): 1 in all. Where masses are coupled a share may be below 0."""
+    each = (np.conj(shape) * (shape @ mass)).real
+    return np.asarray(each / each.sum(axis=1, keepdims=True))
+
+
 @dataclass
 class Assembly:
     """Collects parts, then makes the :class:`System`. The motions of the rigid body, of "heave",

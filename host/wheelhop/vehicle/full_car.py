@@ -95,5 +95,5 @@ def _output(values: Mapping[str, float], channel: Channel, drive: Drive) -> Row 
         return ((1.0, axle(channel.corner)),) if drive == "road" else None
     if channel.x_m is not None and channel.y_m is not None:
         return ((1.0, Body(channel.x_m, channel.y_m)),)
-    key = f"channel.{channel.name}"
+    key = channel.key
     return ((1.0, Body(values[f"{key}.x_m"], values[f"{key}.y_m"])),)

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import re
 import time
 from contextlib import asynccontextmanager
+from importlib.resources import files
 from threading import Thread
 from typing import TYPE_CHECKING
 
-from fastapi import FastAPI, HTTPException
+from fastapi import FastAPI, HTTPException, Response
 from fastapi.middleware.gzip import GZipMiddleware
 from fastapi.responses import FileResponse
+from jinja2 import DictLoader
 from nicegui import ui
+from nicegui.client import templates
 
 from wheelhop.workbench.bench import Workbench
+from wheelhop.workbench.guard import NONCE
 from wheelhop.workbench.out_view import REPORT_ADDRESS
-from wheelhop.workbench.page import lay_out
+from wheelhop.workbench.page import OWN, OWN_FILES, lay_out
 from wheelhop.workbench.takeaway import REPORT
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 AHEAD_S = 2.0
+FRAME = "index.html"
 REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """A report may have come with somebody's campaign: it shows, and does nothing."""
 PATIENCE_S = 3600.0
@@ -37,11 +43,19 @@ def make_app(bench: Workbench, far: bool) -> FastAPI:
         yield
         bench.close()
 
-    app = FastAPI(lifespan=lifespan)
+    app = FastAPI(lifespan=lifespan, openapi_url=None)
+    _mark_scripts()
 
-    @ui.page("/")
+    @ui.page("/", language="en-US")
     def index() -> None:
         lay_out(bench)
+
+    @app.get(f"{OWN}/{{name}}")
+    def own(name: str) -> Response:
+        if name not in OWN_FILES:
+            raise HTTPException(404, "there is no such file")
+        room, kind = OWN_FILES[name]
+        return Response((files(room) / name).read_bytes(), media_type=kind)
 
     @app.get(REPORT_ADDRESS)
     def report() -> FileResponse:
@@ -60,6 +74,18 @@ def make_app(bench: Workbench, far: bool) -> FastAPI:
         gzip_middleware_factory=GZipMiddleware if far else None,
     )
     return app
+
+
+def _mark_scripts() -> None:
+    """Give the scripts in the frame of the framework's pages the nonce of each answer; what is put
+    into that frame is not marked."""
+    environment = templates.env
+    assert environment.loader is not None
+    frame, _, _ = environment.loader.get_source(environment, FRAME)
+    marked = re.sub(
+        r"<script(?! nonce)", f"<script nonce=\"{{{{ request.scope['{NONCE}'] }}}}\"", frame
+    )
+    environment.loader = DictLoader({FRAME: marked})
 
 
 def _load_ahead() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError, read_campaign
-from wheelhop.files import claimed
+from wheelhop.files import Source, claimed
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.recorder import Recorder
 from wheelhop.workbench.session import unread
@@ -20,13 +20,14 @@ EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 class Workbench:
-    """At most one campaign at a time; its folder is claimed as long as it is open."""
+    """At most one campaign at a time; its folder is claimed as long as it is open. The file with
+    effects of the user's own is read once; raises CampaignError if it cannot be."""
 
     def __init__(self, effects_file: Path | None = None) -> None:
         self.desk: Desk | None = None
         self.recorder = Recorder()
         self._draft: Draft | None = None
-        self._effects_file = effects_file
+        self._effects = None if effects_file is None else Source.read(effects_file, CampaignError)
         self._claims = ExitStack()
 
     @property
@@ -50,7 +51,7 @@ class Workbench:
             self._claims = claims
         elif self.desk is not None:
             self.desk.close()
-        self.desk = Desk(campaign, self._effects_file)
+        self.desk = Desk(campaign, self._effects)
         self._draft = None
 
     def clear(self) -> None:

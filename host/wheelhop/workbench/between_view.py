@@ -6,7 +6,7 @@ from nicegui import ui
 
 from wheelhop.campaign import ComponentCampaign
 from wheelhop.workbench.desk import Desk
-from wheelhop.workbench.view import Looking
+from wheelhop.workbench.view import Looking, drawn
 
 WHY = (
     "Fitted to what the axles and the body did, knowing nothing of what the vehicle is made of."
@@ -27,7 +27,7 @@ class BetweenView:
             self._start.props("no-caps unelevated")
             ui.label(WHY).classes("soft")
         self._start.set_visibility(not self._on_rig)
-        self._body = ui.html("", sanitize=False)
+        self._body = drawn()
 
     def show(self) -> None:
         """Bring it up to date."""
@@ -35,5 +35,5 @@ class BetweenView:
         self._start.set_enabled(desk.job is None)
         if desk.between is not self._seen or self._on_rig:
             self._seen = desk.between
-            html = ON_RIG if self._on_rig else desk.between.html if desk.between else ""
-            self._body.set_content(html)
+            body = ON_RIG if self._on_rig else desk.between.html if desk.between else ""
+            self._body.set_content(body)

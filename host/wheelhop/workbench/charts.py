@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 Options = dict[str, Any]
+Window = tuple[float, float]
+"""From where to where something is looked at, per cent of it."""
+WHOLE: Window = (0.0, 100.0)
 
 MEASURED, BEFORE, AFTER, FLOOR = "#8d95a0", "#c8540a", "#0b66a8", "#6f7782"
 """As in the report: told apart by every kind of colour vision. Readable on white and on black."""
@@ -49,17 +52,25 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One set of axes with what stands on them; a logarithmic one if it says so."""
+    """One set of axes with what stands on them; a logarithmic one if it says so. At `joins`, places
+    along x, one record ends and the next one begins."""
 
     x_name: str
     y_name: str
     lines: Sequence[Line]
     log: bool = False
     band: float = 0.0  #: half the height of a grey band about zero
+    joins: Sequence[float] = ()
 
 
-def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]) -> Options:
-    """Panels below each other, `heights` in per cent; those in `zoom` pan and zoom together."""
+def chart(
+    panels: Sequence[Panel],
+    heights: Sequence[float],
+    zoom: Sequence[int],
+    window: Window | None = None,
+) -> Options:
+    """Panels below each other, `heights` in per cent; those in `zoom` pan and zoom together, and
+    show the `window`: without one, what they showed before."""
     total, gap = sum(heights), 9.0
     room = 100.0 - 6.0 - gap * len(panels)
     lines = {line.name: line for panel in panels for line in panel.lines}
@@ -78,7 +89,10 @@ def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]
         "yAxis": [],
         "series": [],
         "dataZoom": [
-            {"type": "inside", "xAxisIndex": list(zoom), "filterMode": "filter"},
+            {
+                **{"type": "inside", "xAxisIndex": list(zoom), "filterMode": "filter"},
+                **({} if window is None else {"start": window[0], "end": window[1]}),
+            },
         ],
         "aria": {"enabled": True},
     }
@@ -90,15 +104,26 @@ def chart(panels: Sequence[Panel], heights: Sequence[float], zoom: Sequence[int]
         )
         top += share + gap
         _add_axes(options, panel, i)
-        for line in panel.lines:
-            options["series"].append(_series(line, i))
-        if panel.band > 0 and panel.lines:
-            options["series"][-1]["markArea"] = {
-                "silent": True,
-                "itemStyle": {"color": INK, "opacity": 0.18},
-                "data": [[{"yAxis": -panel.band}, {"yAxis": panel.band}]],
-            }
+        series = [_series(line, i, window or WHOLE) for line in panel.lines]
+        if series:
+            series[-1] |= _marks(panel)
+        options["series"] += series
     return options
+
+
+def _marks(panel: Panel) -> Options:
+    """What lies behind the curves; an empty list, too, takes away what was there before."""
+    band = [[{"yAxis": -panel.band}, {"yAxis": panel.band}]] if panel.band > 0 else []
+    return {
+        "markArea": {
+            **{"silent": True, "itemStyle": {"color": INK, "opacity": 0.18}, "data": band},
+        },
+        "markLine": {
+            **{"silent": True, "symbol": "none", "label": {"show": False}},
+            "lineStyle": {"color": INK, "type": "solid", "opacity": 0.5},
+            "data": [{"xAxis": float(x)} for x in panel.joins],
+        },
+    }
 
 
 def _add_axes(options: Options, panel: Panel, index: int) -> None:
@@ -106,12 +131,12 @@ def _add_axes(options: Options, panel: Panel, index: int) -> None:
     soft = {"lineStyle": {"color": INK}}
     grid = {"lineStyle": {"color": INK, "opacity": 0.18}}
     labels: Options = {"hideOverlap": True, "color": INK}
+    x = np.concatenate([np.zeros(0), *(np.asarray(line.x, float) for line in panel.lines)])
+    ends = [float(f"{end:.{DIGITS}g}") for end in (x.min(), x.max())] if len(x) else [0.0, 1.0]
     if panel.log:
         labels[":formatter"] = LABEL
     else:  # a record ends anywhere, and its end is no number to read
-        ends = [np.asarray(line.x)[0] for line in panel.lines if len(np.asarray(line.x))]
-        begins_round = all(float(x).is_integer() for x in ends)
-        labels |= {"showMinLabel": begins_round, "showMaxLabel": False}
+        labels |= {"showMinLabel": float(ends[0]).is_integer(), "showMaxLabel": False}
     options["xAxis"].append(
         {
             "gridIndex": index,
@@ -121,8 +146,8 @@ def _add_axes(options: Options, panel: Panel, index: int) -> None:
             "nameGap": 22,
             "axisLabel": labels,
             "axisLine": soft,
-            "min": "dataMin",
-            "max": "dataMax",
+            "min": ends[0],  # not of the points drawn: of a long curve these are not all
+            "max": ends[1],
             "splitLine": grid,
         }
     )
@@ -154,7 +179,7 @@ def _decades(panel: Panel) -> Options:
     return {"min": 10.0**bottom, "max": 10.0 ** max(top, bottom + 1)}
 
 
-def _series(line: Line, index: int) -> Options:
+def _series(line: Line, index: int, window: Window) -> Options:
     count = len(np.asarray(line.y))
     style: Options = {"color": line.colour, "width": line.width if count <= MOST else 1.0}
     if line.dashed:
@@ -167,7 +192,7 @@ def _series(line: Line, index: int) -> Options:
         "symbol": "none",
         "lineStyle": style,
         "itemStyle": {"color": line.colour},
-        "data": line.points(0, count),
+        "data": line.points(*(int(count * percent / 100) for percent in window)),
     }
 
 
@@ -200,13 +225,20 @@ def _extremes(y: Array, first: int, last: int, most: int) -> NDArray[np.intp]:
     return np.concatenate([ends.T.ravel(), np.arange(first + count * step, last)])
 
 
-def power_density(values: ArrayLike, rate_hz: float) -> tuple[Array, Array]:
-    """Frequencies, Hz, and Welch's estimate with three half-overlapping Hann windows, unit²/Hz."""
-    values = np.asarray(values, np.float64)
-    length = max(8, len(values) // 2)
+def power_density(records: Sequence[ArrayLike], rate_hz: float) -> tuple[Array, Array]:
+    """Frequencies, Hz, and Welch's estimate of the power density, unit²/Hz, of records (n,).
+
+    Half-overlapping Hann windows, three of them in the shortest record; none goes across the end of
+    a record. Each record counts by its length.
+    """
+    arrays = [np.asarray(record, np.float64) for record in records]
+    length = max(8, min(map(len, arrays)) // 2)
     window = np.hanning(length)
-    starts = range(0, len(values) - length + 1, max(1, length // 2))
-    spectra = [np.abs(np.fft.rfft(values[i : i + length] * window)) ** 2 for i in starts]
-    power: Array = 2 * np.mean(spectra, axis=0) / (rate_hz * (window**2).sum())
+    powers = []
+    for values in arrays:
+        starts = range(0, len(values) - length + 1, max(1, length // 2))
+        spectra = [np.abs(np.fft.rfft(values[i : i + length] * window)) ** 2 for i in starts]
+        powers.append(np.mean(spectra, axis=0))
+    mean: Array = np.average(powers, axis=0, weights=[len(values) for values in arrays])
     frequency: Array = np.fft.rfftfreq(length, 1 / rate_hz).astype(np.float64)
-    return frequency[1:], power[1:]
+    return frequency[1:], 2 * mean[1:] / (rate_hz * (window**2).sum())

@@ -13,16 +13,17 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError
-from wheelhop.files import InputError
-from wheelhop.workbench.order import GiveWay, Order, obey_orders
+from wheelhop.files import InputError, Source, away_from_here
+from wheelhop.workbench.order import GiveWay, Order, how_it_ended, obey_orders
+from wheelhop.workbench.results import Made, Results
 from wheelhop.workbench.session import (
     Choice,
     Session,
     first_session,
+    made_of,
     read_session,
     toggled,
     without,
@@ -34,6 +35,7 @@ from wheelhop.workbench.shown import (
     Climbed,
     Concluded,
     Converging,
+    Diagnosed,
     Done,
     Findings,
     Law,
@@ -52,61 +54,74 @@ if TYPE_CHECKING:
 @dataclass
 class Job:
     """What the worker is at: a title, the line it said last, since when (s), whether it diagnoses,
-    whether it is so long that another wish ends it, and the error E its fit is at."""
+    whether it is so long that another wish ends it, what its results are made of, and the error E
+    its fit is at."""
 
     title: str
     line: str
     since_s: float
     diagnosing: bool
     long: bool
+    made: Made
     error: float = float("nan")
 
 
 class Desk:
     """One campaign on the workbench.
 
-    `rungs` lead to the model chosen as far as they are fitted; `rankings` are by the effects the
-    model ranked against had; `errors` are E after every iteration of the last fits; `notice` is a
-    line the user should read, an error or what was written.
+    `rungs` lead to the model chosen as far as they are fitted; `errors` are E after every iteration
+    of the last fits; `notice` is a line the user should read, an error or what was written.
     """
 
-    def __init__(self, campaign: Campaign, effects_file: Path | None) -> None:
+    def __init__(self, campaign: Campaign, effects_file: Source | None) -> None:
         self.campaign = campaign
         self.effects_file = effects_file
         self.version = 0
         self.notice = ""
         self.findings: tuple[tuple[str, str], ...] = ()
-        self.criticism: tuple[tuple[str, str], ...] = ()
         self.cards: dict[str, Card] = {}
         self.rungs: tuple[Rung, ...] = ()
-        self.rankings: dict[tuple[str, ...], Ranking] = {}
-        self.law: Law | None = None
-        self.between: AxleToBody | None = None
         self.job: Job | None = None
         self.errors: tuple[float, ...] = ()
         self.baseline_took_s = 0.0
-        self._session = self._read()
+        session = self._read()
+        self._choice = session.choice
+        self._results = Results(session.diagnoses)
+        self._made = self._made_now()
         self._past: list[Choice] = []
         self._future: list[Choice] = []
         self._process: SpawnProcess | None = None
         self._orders: Connection | None = None
         self._next: Order | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._effects_before: tuple[Path | None, tuple[str, ...]] | None = None
-        if self._session.ranking:
-            self.rankings[()] = Ranking((), self._session.ranking, {})
+        self._effects_before: tuple[Source | None, tuple[str, ...]] | None = None
 
     # What the user decides.
 
     @property
     def choice(self) -> Choice:
         """Data and model as they are chosen."""
-        return self._session.choice
+        return self._choice
 
     @property
-    def session(self) -> Session:
-        """The choice and the last diagnosis."""
-        return self._session
+    def ranking(self) -> Ranking | None:
+        """The effects ranked on the data chosen, as far as that has come."""
+        return self._results.ranking(self._made)
+
+    @property
+    def diagnosis(self) -> Diagnosed | None:
+        """The last diagnosis of the data chosen that came to its end."""
+        return self._results.diagnosis(self._made)
+
+    @property
+    def law(self) -> Law | None:
+        """The force found missing beside the model chosen."""
+        return self._results.beside(Law, self._made)
+
+    @property
+    def between(self) -> AxleToBody | None:
+        """What was identified between axle and body, beside the model chosen."""
+        return self._results.beside(AxleToBody, self._made)
 
     @property
     def can_undo(self) -> bool:
@@ -153,7 +168,10 @@ class Desk:
 
     def set_role(self, run: str, role: str) -> None:
         """Fit a run, or hold it out."""
-        self._choose(replace(self.choice, roles={**self.choice.roles, run: role}))
+        own = {item.id: item.role for item in self.campaign.runs}
+        roles = {**self.choice.roles, run: role}
+        changed = {run: role for run, role in roles.items() if role != own[run]}
+        self._choose(replace(self.choice, roles=changed))
 
     def undo(self) -> None:
         """The choice before the last change."""
@@ -169,18 +187,17 @@ class Desk:
 
     def diagnose(self) -> None:
         """Find out which effects are missing."""
-        self.rankings = {}
         self._work(diagnose=True)
 
-    def use_effects(self, file: Path) -> None:
-        """Load effects of the user's own, who has seen the file and wants it to run."""
+    def use_effects(self, file: Source) -> None:
+        """Load effects of the user's own, who has seen this text and wants it to run."""
         self._effects_before = self.effects_file, tuple(self.cards)
         self.effects_file = file
+        self._made = self._made_now()
         self._work()
 
     def find_law(self) -> None:
         """Find the force that is missing beside the effects in the model."""
-        self.law = None
         self._work(law=True)
 
     def identify(self) -> None:
@@ -193,7 +210,7 @@ class Desk:
         self._work(write=what)
 
     def cancel(self) -> None:
-        """Give up the work that is going on; what is shown stays."""
+        """Give up the work that is going on; what it has found stays."""
         self._next = None
         self._stop()
         self._changed("given up")
@@ -220,14 +237,13 @@ class Desk:
         self._take(choice)
 
     def _take(self, choice: Choice) -> None:
-        data = choice.data() == self.choice.data()
-        kept = self._session if data else Session()
-        if not data:
-            self.rankings = {}
-        self.law = self.between = None
-        self._session = replace(kept, choice=choice)
+        self._choice = choice
+        self._made = self._made_now()
         self._work()
         self._keep()
+
+    def _made_now(self) -> Made:
+        return made_of(self.campaign, self.choice, self.effects_file), self.choice.added
 
     def _work(
         self, diagnose: bool = False, law: bool = False, axles: bool = False, write: str = ""
@@ -255,7 +271,7 @@ class Desk:
         wishes |= {"identifying": order.axles, f"writing {order.write}": bool(order.write)}
         title = next((title for title, wish in wishes.items() if wish), "fitting")
         long = order.diagnose or order.law
-        self.job = Job(title, "starting", time.monotonic(), order.diagnose, long)
+        self.job = Job(title, "starting", time.monotonic(), order.diagnose, long, self._made)
         self.errors = ()
         self._loop = asyncio.get_running_loop()
         self._orders.send(order)
@@ -265,7 +281,8 @@ class Desk:
         context = get_context("spawn")
         here, there = context.Pipe()
         self._process = context.Process(target=obey_orders, args=(there,), daemon=True)
-        self._process.start()
+        with away_from_here():
+            self._process.start()
         there.close()
         self._orders = here
         threading.Thread(target=self._listen, args=(here,), daemon=True).start()
@@ -286,12 +303,15 @@ class Desk:
 
     def _lost(self, orders: Connection) -> None:
         """The worker is gone without having been told to go."""
-        if orders is self._orders:
+        if orders is self._orders and (process := self._process) is not None:
+            process.join(5.0)
+            line = how_it_ended(process.exitcode)
             self._stop()
-            self._changed("the process that computes has ended, out of memory perhaps: try again")
+            self._changed(line)
 
     def _stop(self) -> None:
         process, self._process, self._orders, self.job = self._process, None, None, None
+        self._results = self._results.stopped()
         if process is not None:
             process.kill()
             process.join(5.0)
@@ -307,25 +327,19 @@ class Desk:
                 if not self.job.long:
                     self.errors = (*self.errors, error)
             case Findings(found):
-                self.findings, self.criticism = found, ()
+                self.findings = found
             case Library(cards):
                 self._take_cards(cards)
             case Climbed(rungs):
                 self._climbed(rungs)
-            case Ranking():
-                self._ranked(message)
-            case Concluded(verdict, found):
-                self.criticism = found
-                rows = self.rankings[()].rows
-                self._session = replace(self._session, verdict=verdict, ranking=rows)
-                self._keep()
-            case Law():
-                self.law = message
-            case AxleToBody():
-                self.between = message
+            case Ranking() | Concluded() | Law() | AxleToBody():
+                self._results = self._results.heard(self.job.made, message)
+                if isinstance(message, Concluded):
+                    self._keep()
             case Refused(line):
                 if self._effects_before is not None:  # it was the user's file that failed
                     self.effects_file, self._effects_before = self._effects_before[0], None
+                    self._made = self._made_now()
                 self._finished(line)
             case Done(line):
                 self._finished(line)
@@ -344,13 +358,9 @@ class Desk:
         if not self.baseline_took_s:
             self.baseline_took_s = time.monotonic() - self.job.since_s
 
-    def _ranked(self, found: Ranking) -> None:
-        old = self.rankings.get(found.beside)
-        traces = found.traces if old is None else {**old.traces, **found.traces}
-        self.rankings[found.beside] = replace(found, traces=traces)
-
     def _finished(self, line: str) -> None:
         self.job = None
+        self._results = self._results.stopped()
         self.notice = line or self.notice
         if self._next is not None:
             order, self._next = self._next, None
@@ -377,7 +387,8 @@ class Desk:
         return session
 
     def _keep(self) -> None:
+        session = Session(self.choice, self._results.diagnoses)
         try:
-            write_session(self.campaign, self._session, f"wheelhop {version('wheelhop')}")
+            write_session(self.campaign, session, f"wheelhop {version('wheelhop')}")
         except InputError as error:
             self.notice = f"the session is not kept: {error}"

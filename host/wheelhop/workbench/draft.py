@@ -8,15 +8,18 @@ import tempfile
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
 from wheelhop.campaign.recorded import read_recording
-from wheelhop.campaign.tracks import KINDS
-from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
-from wheelhop.files import InputError, read_text, remove, write_text
-from wheelhop.formats import Map, Pick, draft_mapping, read, read_mapping
-from wheelhop.formats.places import likely_point
-from wheelhop.logger.recording import Recording
+from wheelhop.campaign.tracks import KINDS, is_steady
+from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
+from wheelhop.files import InputError, remove
+from wheelhop.files.units import to_si
+from wheelhop.formats import Map, Pick, draft_mapping, parse_mapping, read
+from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
 from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, RECORDER_WORDS, known
@@ -44,7 +47,8 @@ class Column:
 
 @dataclass
 class Piece:
-    """A stretch of a recording that may become a run."""
+    """A stretch of a recording that may become a run. `whole` and `steady` are from when to when
+    all of the drive that was found lasts, and its steady part, s; empty where none was found."""
 
     file: Path
     from_s: float
@@ -56,12 +60,17 @@ class Piece:
     speed_kmph: float | None = None
     kind: str = "unknown"
     track: dict[str, float | None] = field(default_factory=dict)
+    whole: list[float] = field(default_factory=list)
+    steady: list[float] = field(default_factory=list)
 
     def choose(self, kind: str) -> None:
-        """Another kind of track; what it shares with the last one stays."""
+        """Another kind of track; what it shares with the last one stays. Ends that nobody has moved
+        become those of the steady part on a track that goes on alike, else of all of the drive."""
         numbers = {key: value for key, value in KINDS[kind].items() if not isinstance(value, str)}
         self.kind = kind
         self.track = {key: self.track.get(key, value) for key, value in numbers.items()}
+        if [self.from_s, self.to_s] in (self.whole, self.steady):
+            self.from_s, self.to_s = self.steady if is_steady(kind) else self.whole
 
 
 class Draft:
@@ -101,11 +110,23 @@ class Draft:
         self.files = sorted({*self.files, file})
 
     def _look_at(self, file: Path) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            written = Path(folder) / "map.toml"
-            written.write_text(draft_mapping(file), encoding="utf-8")
-            self._map = read_mapping(written)
-        self.columns = [_column(pick) for pick in self._map.picks]
+        found = parse_mapping(draft_mapping(file), file)
+        if found.rate_hz is not None:  # a draft's rate is made up
+            raise CampaignError(
+                f"{file}: no column is time: add one, in seconds, or import the file with a mapping"
+                " that says its rate_hz (wheelhop import --draft proposes one)"
+            )
+        self._map = found
+        self.columns = [_column(pick) for pick in found.picks]
+
+    def units(self, column: Column) -> list[str]:
+        """What may be chosen as the unit of a column: what its file says, and accelerations."""
+        return list(dict.fromkeys((self._said(column), column.unit, *UNITS)))
+
+    def _said(self, column: Column) -> str:
+        """The unit in the file that said what the columns are, empty if it said none."""
+        picks = self._map.picks if self._map is not None else ()
+        return next((pick.unit for pick in picks if pick.column == column.key), "")
 
     def read(self) -> None:
         """Read every recording and find the stretches that were driven; what was said of those
@@ -124,14 +145,18 @@ class Draft:
             time_s = recording.time_s
             for i, piece in enumerate(found, start=1):
                 name = _name(file)
+                whole = _ends(time_s, piece.first, piece.last)
+                steady = _ends(time_s, piece.steady_first, piece.steady_last)
                 new = Piece(
                     file,
-                    float(time_s[piece.first]),
-                    float(time_s[piece.last - 1]),
+                    whole[0],
+                    whole[1],
                     piece.rms,
                     id=name if len(found) == 1 else f"{name}-{i}",
                     role="validate" if len(self.pieces) % 3 == 2 else "fit",
                     speed_kmph=_speed_in(file.stem),
+                    whole=whole,
+                    steady=steady,
                 )
                 new.choose(_track_in(file.stem))
                 self.pieces.append(new)
@@ -144,11 +169,22 @@ class Draft:
         if not used:
             raise CampaignError(f"{file.name}: no column has a place: say where each sensor sits")
         picks = tuple(
-            Pick(c.key, name=c.place if c.place in POINTS else c.name, unit=c.unit, point=c.place)
-            for c in used
+            Pick(
+                column.key,
+                name=column.place if column.place in POINTS else column.name,
+                # Unless the user has chosen another one, every file is in the unit it says.
+                unit="" if column.unit == self._said(column) else column.unit,
+                point=column.place,
+            )
+            for column in used
         )
         assert self._map is not None
-        return read(file, replace(self._map, picks=picks))
+        recording = read(file, replace(self._map, picks=picks))
+        for column, channel in zip(used, recording.channels, strict=True):
+            if channel.unit != ACCELERATION:
+                unit = column.unit if to_si(column.unit)[0] == channel.unit else channel.unit
+                raise CampaignError(f"{file.name}: column {column.name} {_no_unit(unit)}")
+        return recording
 
     def new_piece(self, file: Path) -> Piece:
         """One more stretch of a recording: its middle fifth."""
@@ -177,24 +213,14 @@ class Draft:
                     like = replace(like, averaging_s=averaging_ms * 1e-3)
                 noise = self.recorder["noise_rms_m_s2"]
                 new_campaign(folder, title, like, {}, vehicle, self.constants, noise)
-            for piece in taken:
-                self._add(folder, piece)
+            add_runs(folder, [self._run(piece) for piece in taken])
         except BaseException:
             remove([path for path in (folder, *sorted(folder.rglob("*"))) if path not in before])
             raise
 
     def join(self, folder: Path) -> None:
         """Add the runs to the campaign that is in the folder, all or none. Raises InputError."""
-        taken, made = self._taken(folder), []
-        toml = folder / "campaign.toml"
-        before = read_text(toml, CampaignError)
-        try:
-            for piece in taken:
-                made.append(self._add(folder, piece))
-        except BaseException:
-            write_text(toml, before, CampaignError)
-            remove(made)
-            raise
+        add_runs(folder, [self._run(piece) for piece in self._taken(folder)])
 
     def gaps(self) -> list[str]:
         """What has to be filled in before there is a campaign, run by run, then of the vehicle."""
@@ -223,14 +249,13 @@ class Draft:
             raise CampaignError(f"still needed: {'; '.join(gaps)}")
         return taken
 
-    def _add(self, folder: Path, piece: Piece) -> Path:
+    def _run(self, piece: Piece) -> tuple[Recording, NewRun]:
         assert piece.speed_kmph is not None  # there is no gap
         recording = cut(self.recordings[piece.file], piece.from_s, piece.to_s)
         numbers = {key: value for key, value in piece.track.items() if value is not None}
         track: dict[str, str | float] = {"kind": piece.kind, **numbers}
         source = f"from {piece.file.name}"
-        new = NewRun(piece.id, piece.role, piece.speed_kmph, track, source)
-        return add_run(folder, recording, new)
+        return recording, NewRun(piece.id, piece.role, piece.speed_kmph, track, source)
 
     def _vehicle_text(self, name: str) -> str:
         for question in QUESTIONS:
@@ -247,6 +272,11 @@ class Draft:
             if value is not None
         }
         return vehicle_toml(known(name, given), better)
+
+
+def _ends(time_s: NDArray[np.float64], first: int, last: int) -> list[float]:
+    """From when to when, to the centisecond that a page shows, so that showing moves nothing."""
+    return [round(float(time_s[first]), 2), round(float(time_s[last - 1]), 2)]
 
 
 def _short(words: str) -> str:
@@ -275,5 +305,11 @@ def _name(file: Path) -> str:
 
 def _column(pick: Pick) -> Column:
     name = pick.name or str(pick.column)
-    unit = pick.unit if pick.unit in UNITS else UNITS[0]
-    return Column(pick.column, name, unit, pick.point or likely_point(name) or NOT_USED)
+    return Column(pick.column, name, pick.unit, pick.point or NOT_USED)
+
+
+def _no_unit(unit: str) -> str:
+    """What is wrong with a unit of a channel that shall be an acceleration, and what to do."""
+    if not unit:
+        return f"does not say its unit: choose it, or '{NOT_USED}'"
+    return f"is in {unit}, no unit of acceleration: choose its unit, or '{NOT_USED}'"

@@ -24,6 +24,6 @@ def folder() -> Path | None:
 def picture_of(effect: str) -> str:
     """The address of an effect's picture; "" if it has none, as an effect of the user's own."""
     pictures = folder()
-    if pictures is None or not (pictures / f"{effect}.png").is_file():
+    if pictures is None or effect not in {path.stem for path in pictures.glob("*.png")}:
         return ""
     return f"{ADDRESS}/{effect}.png"

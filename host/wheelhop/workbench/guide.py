@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Awaitable, Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.files import InputError, make_folder
 from wheelhop.files.words import label_of, unit_of
 from wheelhop.vehicle.estimate import estimate
-from wheelhop.workbench.draft import PLACES, TRACKS, UNITS, Draft, Piece
+from wheelhop.workbench.draft import PLACES, TRACKS, Draft, Piece
 from wheelhop.workbench.kept import drop, keep
 from wheelhop.workbench.questions import (
     FIELD_WORDS,
@@ -25,6 +26,7 @@ from wheelhop.workbench.questions import (
     known,
 )
 from wheelhop.workbench.stretches import stretches_html
+from wheelhop.workbench.view import Words, html
 
 FIELD = "dense outlined"
 LOOK_S = 0.5
@@ -65,9 +67,7 @@ class Guide:
         button.on("dragover.prevent", js_handler="() => {}")
         button.on("drop.prevent", js_handler=DROPPED.replace("ID", str(upload.id)))
         with button:
-            ui.html(
-                "<strong>Drop recordings here, or press to choose them</strong>", sanitize=False
-            )
+            html("<strong>Drop recordings here, or press to choose them</strong>")
             ui.label(TAKEN)
         self._busy = ui.label("Reading the recordings.").classes("soft").props('role="status"')
         self._anew = ui.button("Begin anew", on_click=self._forget)
@@ -168,10 +168,11 @@ class Guide:
     def _show_columns(self) -> None:
         draft = self._draft
         with self._columns:
-            ui.html("What the columns are", sanitize=False, tag="h3")
+            Words("What the columns are", "h3")
             ui.label(
                 "As guessed from the names in your files: change what is wrong. A column that is no"
-                " vertical acceleration of axle or body is not used."
+                " vertical acceleration of axle or body is not used, and one in another unit cannot"
+                " be."
             ).classes("soft")
             with ui.element("div").classes("bench-columns"):
                 for column in draft.columns:
@@ -179,18 +180,20 @@ class Guide:
                         ui.label(column.name).classes("bench-name")
                         words = {place: PLACE_WORDS.get(place, place) for place in PLACES}
                         place = ui.select(words, label="sits at").bind_value(column, "place")
-                        unit = ui.select(list(UNITS), label="unit").bind_value(column, "unit")
+                        units = {unit: unit or "not said" for unit in draft.units(column)}
+                        unit = ui.select(units, label="unit").bind_value(column, "unit")
                     for element in (place, unit):
                         element.props(FIELD).on_value_change(self._read)
 
     def _show_runs(self) -> None:
         self._drawn = {}
         with self._runs:
-            ui.html("Which stretches were driven, and over what", sanitize=False, tag="h3")
-            ui.html(
-                "<p class='soft'>Drag the ends to where the speed was steady (arrow keys move them,"
-                " too). Runs that are held out judge the model that was fitted to the others.</p>",
-                sanitize=False,
+            Words("Which stretches were driven, and over what", "h3")
+            html(
+                "<p class='soft'>A bar below marks the steady part of each drive, between the ways"
+                " onto the track and off it: on a track that goes on alike it becomes the run. Drag"
+                " the ends to change that (arrow keys move them, too). Runs that are held out judge"
+                " the model that was fitted to the others.</p>",
             )
             for file in self._draft.recordings:
                 self._show_file(file)
@@ -199,7 +202,7 @@ class Guide:
         recording = self._draft.recordings[file]
         about = f"{len(recording.channels)} channels, {recording.rate_hz:g} Hz"
         ui.label(f"{file.name}: {about}").classes("bench-name")
-        drawing = ui.html("", sanitize=False)
+        drawing = html()
 
         def moved(event: GenericEventArguments) -> None:
             found = event.args["detail"]
@@ -239,6 +242,10 @@ class Guide:
                 bound.append(end.props(FIELD).classes("short"))
             for element in bound:
                 element.on_value_change(draw)
+            for words, ends in (("steady part", piece.steady), ("whole drive", piece.whole)):
+                if piece.steady != piece.whole:
+                    button = ui.button(words, on_click=partial(_take, piece, ends))
+                    button.props("flat dense no-caps")
             speed = ui.number("speed, km/h", min=0.1).bind_value(piece, "speed_kmph")
             speed.props(FIELD).classes("short")
             roles = {"fit": "fitted", "validate": "held out"}
@@ -265,11 +272,10 @@ class Guide:
         with self._vehicle:
             if any(not recording.averaging_s for recording in draft.recordings.values()):
                 self._show_recorder()
-            ui.html("What you know of the vehicle", sanitize=False, tag="h3")
-            ui.html(
+            Words("What you know of the vehicle", "h3")
+            html(
                 "<p class='soft'>Four numbers are needed; leave empty what you do not know. The"
                 " rest is estimated, with a wide uncertainty, and the fit finds it.</p>",
-                sanitize=False,
             )
             with ui.element("div").classes("bench-numbers"):
                 for question in QUESTIONS:
@@ -284,12 +290,11 @@ class Guide:
 
     def _show_recorder(self) -> None:
         """What the files do not say of the instrument."""
-        ui.html("What you know of the recorder", sanitize=False, tag="h3")
-        ui.html(
+        Words("What you know of the recorder", "h3")
+        html(
             "<p class='soft'>Its data sheet tells; leave empty what you do not know. A recorder"
             " that averages between two samples weakens the top of the band, and the model does the"
             " same if it is told. Accelerations count upwards.</p>",
-            sanitize=False,
         )
         with ui.element("div").classes("bench-numbers"):
             for key, words in RECORDER_WORDS.items():
@@ -300,11 +305,11 @@ class Guide:
         draft.target = draft.target or str(_free(Path.home()))
         with self._end:
             if draft.into is not None:
-                ui.html("Take them", sanitize=False, tag="h3")
+                Words("Take them", "h3")
                 button = ui.button("Add these runs to the campaign", on_click=self._finish)
                 button.props("no-caps unelevated")
                 return
-            ui.html("Where to keep it", sanitize=False, tag="h3")
+            Words("Where to keep it", "h3")
             with ui.row().classes("bench-controls"):
                 ui.input("title").bind_value(draft, "title").props(FIELD)
                 folder = ui.input("new folder").bind_value(draft, "target")
@@ -325,6 +330,10 @@ class Guide:
             return
         await run.io_bound(drop, draft)
         await self._done(folder)
+
+
+def _take(piece: Piece, ends: list[float]) -> None:
+    piece.from_s, piece.to_s = ends
 
 
 TYPICAL = {q.name: None for q in QUESTIONS} | {

@@ -6,7 +6,6 @@ import json
 from contextlib import ExitStack
 from dataclasses import asdict
 from hashlib import sha256
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -14,22 +13,23 @@ from wheelhop.files import InputError, claimed, make_folder, read_text, remove, 
 from wheelhop.workbench.draft import Column, Draft, Piece
 
 FILE = "draft.json"
+MOST = 100  # drafts of new campaigns at a time
 
 
 def draft_folder(into: Path | None, claims: ExitStack) -> Path:
     """Where a draft and its recordings are kept: one folder for every campaign that is open, else
-    the first that no other workbench has; `claims` holds it."""
+    the first that no other workbench has; `claims` holds it. Raises InputError if none is free."""
     home = Path.home() / "wheelhop" / "drafts"
     if into is not None:
         return home / f"{into.name}-{sha256(str(into.resolve()).encode()).hexdigest()[:8]}"
-    for number in count(1):
+    for number in range(1, MOST + 1):
         folder = home / f"new-{number}"
         try:
             claims.enter_context(claimed(folder, "draft"))
-        except InputError:
-            continue
-        return folder
-    raise AssertionError
+            return folder
+        except InputError as error:
+            refused = error
+    raise refused
 
 
 def keep(draft: Draft) -> None:

@@ -12,6 +12,7 @@ from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.guide import Guide
 from wheelhop.workbench.record_view import RecordView
+from wheelhop.workbench.view import Words, html
 
 ON_RIG = "<p class='soft'>Recordings of a rig are added to campaign.toml by hand.</p>"
 
@@ -21,7 +22,7 @@ class LogInView:
 
     def __init__(self, bench: Workbench, desk: Desk) -> None:
         if isinstance(desk.campaign, ComponentCampaign):
-            ui.html(ON_RIG, sanitize=False)
+            html(ON_RIG)
             return
 
         async def done(folder: Path) -> None:
@@ -31,10 +32,10 @@ class LogInView:
                 desk.say(str(error))
 
         with ui.element("section"):
-            ui.html("Record with the logger", sanitize=False, tag="h2")
+            Words("Record with the logger", "h2")
             recording = ui.element("div")
         with ui.element("section"):
-            ui.html("More runs for this campaign", sanitize=False, tag="h2")
+            Words("More runs for this campaign", "h2")
             guide = Guide(bench.draft, done, desk.say)
         with recording:
             RecordView(bench.recorder, desk.campaign.folder, guide.take)

@@ -9,12 +9,12 @@ from nicegui import ui
 
 from wheelhop.files.words import chance, percent, signed
 from wheelhop.report.page import bullets
-from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
+from wheelhop.workbench.charts import AFTER, MEASURED, WHOLE, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
 from wheelhop.workbench.own_effects import OwnEffects
 from wheelhop.workbench.shown import Card, Law, Ranking, Row, Trace, Verdict
-from wheelhop.workbench.view import Looking, acting, verbatim
+from wheelhop.workbench.view import Looking, acting, drawn, html, verbatim
 
 SHOWN_S = 2.5
 """So much of a run is drawn on a card, around the largest signature."""
@@ -24,6 +24,7 @@ WORKING = (
     "Every effect of the library is tried; the ranking fills in below. You may look elsewhere"
     " meanwhile, or press Stop above."
 )
+STOPPED = "Stopped before the end: this is what was found until then."
 COLUMNS = {
     "screened": "error E expected with the effect, to first order",
     "confirmed": "E reached in full simulation, fitted with the vehicle",
@@ -37,7 +38,8 @@ NONE = (
     " not have shown it.</p>"
 )
 UNKNOWN = (
-    "<h3>unknown</h3><p>Something is at work that no effect of the library explains.</p>"
+    "<h3>unknown</h3><p>Something is at work, and no effect of the library is confirmed as its"
+    " cause.</p>"
     "<p>Look where it fails: the band and the motion say where to search. Or let the force that is"
     " missing be found in free form, as a curve and as a formula: that takes a minute or more.</p>"
     '<p><button class="primary" data-act="law">Find the missing force</button></p>'
@@ -57,38 +59,39 @@ class MissingView:
             self._start = ui.button("Find out what is missing", on_click=desk.diagnose)
             self._start.props("no-caps unelevated")
             self._hint = ui.label().classes("soft")
-        self._verdict = acting("", self._act)
-        self._law = ui.html("", sanitize=False)
+        self._verdict = acting(html(), self._act)
+        self._law = drawn()
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
-                self._table = acting("", self._act)
+                self._table = acting(html(), self._act)
                 OwnEffects(desk)
             self._aside = ui.element("aside").classes("card")
             with self._aside:
-                self._card = acting("", self._act)
+                self._card = acting(drawn(), self._act)
                 self._chart = ui.echart({}).classes("bench-trace")
 
     def show(self) -> None:
         """Bring it up to date."""
         desk = self._desk
-        ranking = self._ranking()
+        ranking, diagnosis = desk.ranking, desk.diagnosis
         diagnosing = desk.job is not None and desk.job.diagnosing
         self._start.set_enabled(not diagnosing)
-        seen = (ranking, desk.session.verdict, desk.choice, diagnosing, desk.cards != {})
+        seen = (ranking, diagnosis, desk.choice, diagnosing, desk.cards != {})
         if seen != self._seen:
             self._seen = seen
             self._verdict.set_content("" if diagnosing else self._verdict_html())
             self._table.set_content(self._table_html(ranking) if ranking else "")
-            self._hint.set_text(WORKING if diagnosing else "" if ranking else BEFORE)
+            found = "" if diagnosis else STOPPED if ranking else BEFORE
+            self._hint.set_text(WORKING if diagnosing else found)
         self._law.set_content(_law_html(desk.law) if desk.law is not None else "")
         self._show_card(ranking)
 
-    def _ranking(self) -> Ranking | None:
-        """That of the baseline: it names what is missing first."""
-        return self._desk.rankings.get(())
+    @property
+    def _verdict_now(self) -> Verdict | None:
+        return self._desk.diagnosis.verdict if self._desk.diagnosis else None
 
     def _verdict_html(self) -> str:
-        verdict = self._desk.session.verdict
+        verdict = self._verdict_now
         if verdict is None:
             return ""
         missing = [e for e in verdict.effects if e not in ("none", "unknown")]
@@ -117,7 +120,7 @@ class MissingView:
     def _row(self, number: int, row: Row) -> str:
         name = escape(row.effect)
         button = f'<button data-act="card" data-effect="{name}">{name}</button>'
-        verdict = self._desk.session.verdict
+        verdict = self._verdict_now
         accepted = verdict is not None and row.effect in verdict.effects
         kind = " class=accepted" if accepted else ""
         numbers = (row.screened, row.confirmed, row.held_out)
@@ -129,7 +132,7 @@ class MissingView:
 
     def _show_card(self, ranking: Ranking | None) -> None:
         rows = {row.effect: row for row in ranking.rows} if ranking else {}
-        verdict = self._desk.session.verdict
+        verdict = self._verdict_now
         nothing = verdict is not None and verdict.effects == ("none",)
         chosen = self._looking.effect or ("" if nothing else next(iter(rows), ""))
         row, card = rows.get(chosen), self._desk.cards.get(chosen)
@@ -190,8 +193,8 @@ class MissingView:
                 self._looking.go("model")
             case "law":
                 desk.find_law()
-            case "add all" if desk.session.verdict is not None:
-                for effect in desk.session.verdict.effects:
+            case "add all" if self._verdict_now is not None:
+                for effect in self._verdict_now.effects:
                     if effect not in ("none", "unknown"):
                         desk.add(effect)
                 self._looking.go("model")
@@ -243,4 +246,4 @@ def _trace_chart(trace: Trace) -> dict[str, object]:
         Line("residual", time, trace.residual[part], MEASURED, 2.0),
         Line("its signature", time, trace.signature[part], AFTER),
     ]
-    return chart([Panel("time, s", trace.unit, lines)], (100,), (0,))
+    return chart([Panel("time, s", trace.unit, lines)], (100,), (0,), WHOLE)

@@ -9,7 +9,7 @@ from nicegui import ui
 
 from wheelhop.workbench.charts import AFTER, FLOOR, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
-from wheelhop.workbench.view import Looking, acting
+from wheelhop.workbench.view import Looking, Words, acting, drawn, html
 
 WAITING = "<p class='soft'>The model is being fitted; its numbers stand here after that.</p>"
 CONVERGES = (
@@ -25,13 +25,13 @@ class ModelView:
         self._desk, self._looking = desk, looking
         self._seen: object = None
         self._drawn: object = None
-        self._chips = acting("", self._act)
+        self._chips = acting(html(), self._act)
         with ui.element("div") as self._fit:
-            ui.html("<h3>How the fit converges</h3>", sanitize=False)
+            Words("How the fit converges", "h3")
             self._chart = ui.echart({}).classes("bench-trace")
             self._chart.props('aria-label="error against iteration"')
-            ui.html(f"<p class='soft'>{CONVERGES}</p>", sanitize=False)
-        self._body = ui.html(WAITING, sanitize=False)
+            html(f"<p class='soft'>{CONVERGES}</p>")
+        self._body = drawn(WAITING)
 
     def show(self) -> None:
         """Bring it up to date."""

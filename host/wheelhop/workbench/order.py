@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from wheelhop.files import Source
 from wheelhop.workbench.session import Choice
 
 
@@ -16,11 +17,12 @@ from wheelhop.workbench.session import Choice
 class Order:
     """What to work out: the models that lead to a choice, a diagnosis too (`diagnose`), the force
     that is missing beside the effects chosen (`law`), or what lies between axle and body (`axles`);
-    and what to write into the folder, a name of `takeaway`."""
+    and what to write into the folder, a name of `takeaway`. `effects_file` is the text of the
+    user's own effects."""
 
     folder: Path
     choice: Choice
-    effects_file: Path | None = None
+    effects_file: Source | None = None
     diagnose: bool = False
     law: bool = False
     axles: bool = False
@@ -49,6 +51,18 @@ def obey_orders(orders: Connection) -> None:
             return
         if isinstance(order, Order):  # who is told to give way may have finished
             worker.obey(order)
+
+
+def how_it_ended(status: int | None) -> str:
+    """In a line, how that process ended by itself, from its exit status."""
+    if status is not None and -status == getattr(signal, "SIGKILL", None):
+        how = "was killed by the system, for lack of memory most likely: leave runs out, or close"
+        return f"the process that computes {how} other programs, and try again"
+    if status is not None and status < 0:
+        how = f"was ended by signal {-status} ({signal.strsignal(-status)})"
+    else:
+        how = f"ended with status {status}"
+    return f"the process that computes {how}: the terminal of the workbench may say why; try again"
 
 
 def _give_way() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 from html import escape
+from pathlib import Path
 
 from nicegui import ui
 
@@ -21,7 +22,7 @@ from wheelhop.workbench.takeaway import (
     commands,
     script,
 )
-from wheelhop.workbench.view import Looking, verbatim
+from wheelhop.workbench.view import Looking, html, verbatim
 
 REPORT_ADDRESS = "/report"
 WRITTEN = {
@@ -40,10 +41,9 @@ class OutView:
         self._desk = desk
         self._seen: object = None
         folder = desk.campaign.folder.resolve()
-        ui.html(
+        html(
             f"<p>Files are written into <code>{escape(str(folder))}</code>. The session itself is"
             f" kept there too, in <code>{FILE}</code>: the workbench opens where you left it.</p>",
-            sanitize=False,
         )
         with ui.row().classes("bench-controls"):
             self._buttons = [
@@ -54,7 +54,7 @@ class OutView:
             for button in self._buttons:
                 button.props("no-caps outline")
             self._open = ui.link("Look at the report", REPORT_ADDRESS, new_tab=True)
-        self._commands = ui.html("", sanitize=False)
+        self._commands = html()
 
     def show(self) -> None:
         """Bring it up to date."""
@@ -62,18 +62,25 @@ class OutView:
         self._open.set_visibility((desk.campaign.folder / REPORT).is_file())
         for button in self._buttons:
             button.set_enabled(desk.job is None)
-        if desk.choice != self._seen:
-            self._seen = desk.choice
-            lines = commands(desk.campaign, desk.choice)
+        if (seen := (desk.choice, desk.effects_file)) != self._seen:
+            self._seen = seen
+            lines = commands(desk.campaign, desk.choice, self._effects)
             body = verbatim("\n".join(lines))
             self._commands.set_content(
                 f"<h2>The same from the command line</h2>{body}{_left(desk.choice)}"
             )
 
+    @property
+    def _effects(self) -> Path | None:
+        """The file of the user's own effects, which commands and scripts name."""
+        source = self._desk.effects_file
+        return None if source is None else source.path
+
     def _script(self) -> None:
         desk = self._desk
         try:
-            write_text(desk.campaign.folder / SCRIPT, script(desk.campaign, desk.choice))
+            text = script(desk.campaign, desk.choice, self._effects)
+            write_text(desk.campaign.folder / SCRIPT, text)
             desk.say(f"script: {desk.campaign.folder / SCRIPT}")
         except InputError as error:
             desk.say(str(error))

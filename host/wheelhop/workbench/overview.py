@@ -14,7 +14,7 @@ from wheelhop.report.heat import heat_class, heat_legend, heat_words
 from wheelhop.track import make_track
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.shown import Rung
-from wheelhop.workbench.view import Looking, acting
+from wheelhop.workbench.view import Looking, acting, html
 
 PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
 PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
@@ -39,22 +39,23 @@ class Overview:
         self._seen: object = None
         self._on_rig = isinstance(desk.campaign, ComponentCampaign)
         with ui.element("div").classes("" if self._on_rig else "bench-split"):
-            self._plan = acting("", self._act)
+            self._plan = acting(html(), self._act)
             with ui.element("div"):
-                self._runs = acting("", self._act)
-        self._findings = ui.html("", sanitize=False)
+                self._runs = acting(html(), self._act)
+        self._findings = html()
 
     def show(self) -> None:
         """Bring it up to date."""
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
-        seen = (rung, desk.choice, desk.findings, desk.criticism, self._first)
+        criticism = desk.diagnosis.findings if desk.diagnosis else ()
+        seen = (rung, desk.choice, desk.findings, criticism, self._first)
         if seen == self._seen:
             return
         self._seen = seen
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
         self._runs.set_content(self._table(rung) + heat_legend() + WORDS)
-        found = (*desk.findings, *desk.criticism)
+        found = (*desk.findings, *criticism)
         items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
         heading = "<h2>Before you believe it</h2>"
         self._findings.set_content(f"<section>{heading}<ul>{items}</ul></section>" if found else "")
@@ -64,8 +65,8 @@ class Overview:
         run = runs[int(data["run"])] if "run" in data else None
         match data["act"]:
             case "look":
-                self._looking.run = int(data["run"]) if "run" in data else self._looking.run
-                self._looking.channel = int(data["channel"]) if "channel" in data else None
+                places = {key: int(data[key]) for key in ("run", "channel") if key in data}
+                self._looking.compared = self._looking.compared.at(**places)
                 self._looking.go("compare")
             case "leave run" if run is not None:
                 desk.toggle_run(run.id)

@@ -1,21 +1,19 @@
-"""Effects of the user's own: a file is shown, and runs only after he has said so."""
+"""Effects of the user's own: a file is shown, and the text shown runs only after he said so."""
 
 from __future__ import annotations
 
-from html import escape
 from pathlib import Path
 
 from nicegui import ui
 
 from wheelhop.campaign import CampaignError
-from wheelhop.files import InputError, read_text
+from wheelhop.files import InputError, Source
 from wheelhop.workbench.desk import Desk
-from wheelhop.workbench.view import verbatim
+from wheelhop.workbench.view import Words, html, verbatim
 
-SHOWN = 20_000  # characters
 ASKED = (
     "An effect is a program: it may do on this computer whatever you may. Load it if you wrote it,"
-    " or trust who did. This is what would run:"
+    " or trust who did. These {lines} lines are what would run:"
 )
 
 
@@ -32,23 +30,38 @@ class OwnEffects:
             ui.label("docs/writing-an-effect.md says how to write one.").classes("soft")
 
     def _ask(self) -> None:
-        file = Path(self._file.value.strip()).expanduser()
-        try:
-            text = read_text(file, CampaignError)
-        except InputError as error:
-            self._desk.say(str(error))
+        shown = self._read(Path(self._file.value.strip()).expanduser())
+        if shown is None:
             return
-        more = "\n…" if len(text) > SHOWN else ""
         with ui.dialog() as dialog, ui.card().classes("bench-dialog"):
-            ui.html(escape(str(file)), sanitize=False, tag="h3")
-            ui.label(ASKED)
-            ui.html(verbatim(text[:SHOWN] + more), sanitize=False)
+            Words(str(shown), "h3")
+            ui.label(ASKED.format(lines=shown.text.rstrip().count("\n") + 1))
+            html(verbatim(visible(shown.text)))
 
             def load() -> None:
                 dialog.close()
-                self._desk.use_effects(file)
+                now = self._read(shown.path)
+                if now == shown:
+                    self._desk.use_effects(shown)
+                elif now is not None:
+                    self._desk.say(f"{shown}: has changed since it was shown: look at it again")
 
             with ui.row().classes("bench-controls"):
                 ui.button("Load it", on_click=load).props("no-caps unelevated")
                 ui.button("Leave it", on_click=dialog.close).props("no-caps outline autofocus")
         dialog.open()
+
+    def _read(self, file: Path) -> Source | None:
+        try:
+            return Source.read(file, CampaignError)
+        except InputError as error:
+            self._desk.say(str(error))
+            return None
+
+
+def visible(text: str) -> str:
+    """The text with escapes for characters that do not show, or that show others elsewhere (bidi
+    controls: Boucher and Anderson, "Trojan Source", CVE-2021-42574)."""
+    return "".join(
+        c if c.isprintable() or c in "\n\t" else c.encode("unicode_escape").decode() for c in text
+    )

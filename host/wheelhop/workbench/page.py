@@ -6,7 +6,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from html import escape
-from importlib.resources import files
 from math import isfinite
 
 from nicegui import ui
@@ -22,7 +21,7 @@ from wheelhop.workbench.model_view import ModelView
 from wheelhop.workbench.out_view import OutView
 from wheelhop.workbench.overview import Overview
 from wheelhop.workbench.vehicle_view import VehicleView
-from wheelhop.workbench.view import Looking, View
+from wheelhop.workbench.view import Looking, View, Words, html
 from wheelhop.workbench.where_view import WhereView
 
 LOOK_S = 0.25
@@ -41,6 +40,14 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("vehicle", "Vehicle", VehicleView),
     ("out", "Take away", OutView),
 )
+OWN = "/own"
+OWN_FILES = {
+    "style.css": ("wheelhop.report", "text/css"),
+    "workbench.css": ("wheelhop.workbench", "text/css"),
+    "playback.js": ("wheelhop.workbench", "text/javascript"),
+    "stretches.js": ("wheelhop.workbench", "text/javascript"),
+}
+"""The page's styles and scripts: the package they are in, and their kind."""
 ASLEEP = "asleep"
 """Of panels that are not looked at. They keep their size: a chart that is shown again would else be
 laid out and drawn anew."""
@@ -51,12 +58,9 @@ TABS = ((LOG_IN, "Record"), *((key, label) for key, label, _ in VIEWS))
 
 def lay_out(bench: Workbench) -> None:
     """Build the page for one tab of a browser: the campaign on the bench, or how to get one."""
-    for room, name in (("wheelhop.report", "style.css"), ("wheelhop.workbench", "workbench.css")):
-        ui.add_css((files(room) / name).read_text(encoding="utf-8"))
-    for name in ("playback.js", "stretches.js"):
-        script = (files("wheelhop.workbench") / name).read_text(encoding="utf-8")
-        ui.add_head_html(f"<script>{script}</script>")
-    ui.add_head_html("<script>document.documentElement.lang = 'en'</script>")
+    for name, (_, kind) in OWN_FILES.items():
+        style = f'<link rel="stylesheet" href="{OWN}/{name}">'
+        ui.add_head_html(style if kind == "text/css" else f'<script src="{OWN}/{name}"></script>')
     ui.colors(primary=AFTER)
     if bench.desk is None:
         from wheelhop.workbench.start import Start  # it knows every format of recordings
@@ -95,8 +99,8 @@ class Page:
     def _top(self) -> None:
         desk = self._desk
         with ui.element("div"):
-            ui.html(escape(desk.campaign.title), sanitize=False, tag="h1")
-            self._figures = ui.html("", sanitize=False)
+            Words(desk.campaign.title, "h1")
+            self._figures = html()
         with ui.element("div").classes("bench-work"):
             self._work = ui.label().props('role="status" aria-live="polite"')
             self._cancel = ui.button("Stop", on_click=self._give_up).props("outline dense no-caps")

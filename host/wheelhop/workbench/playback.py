@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Run
 from wheelhop.track import make_track
 from wheelhop.workbench.shown import Rung, Samples, Shape, Signals
+from wheelhop.workbench.view import html
 
 SIDES = {"left": ("1", "3"), "right": ("2", "4")}
 """The points of either side, front and rear."""
@@ -42,14 +43,14 @@ class Playback:
     def __init__(self) -> None:
         with ui.element("section").classes("playback-section") as self.section:
             self._words = ui.label().classes("soft")
-            self._parts = ui.html(PARTS, sanitize=False)
+            self._parts = html(PARTS)
 
     def show(self, run: Run, rung: Rung | None, side: str) -> None:
         """Have a run ready to be played, as a rung models it."""
         scene = None if rung is None else scene_of(run, rung, side)
         self._parts.set_visibility(scene is not None)
         if scene is None:
-            self._words.set_text("Nothing to play back: no model of this run yet, or no position.")
+            self._words.set_text("Nothing to play back: it takes one run, its model and its place.")
             return
         times = scene["exaggeration"]
         size = "to scale" if times == 1 else f"drawn {times} times as large as they were"

@@ -17,7 +17,7 @@ from wheelhop.logger.live import CLIPPED, CODES, Live
 from wheelhop.workbench.charts import AFTER, INK, points
 from wheelhop.workbench.recorder import FOLDER, Made, Recorder
 from wheelhop.workbench.sessions import Kind, kinds
-from wheelhop.workbench.view import acting
+from wheelhop.workbench.view import acting, drawn, html
 
 LOOK_S = 0.25
 SHOWN_S = 10.0
@@ -41,7 +41,7 @@ class RecordView:
             self._port: Any = ui.select({"": NO_PORT}, label="logger", value="").props("dense")
             self._folder = ui.input("folder for recordings", value=str(folder / FOLDER))
             self._folder.props("dense outlined").classes("bench-path")
-        self._steps = ui.html("", sanitize=False)
+        self._steps = html()
         with ui.row().classes("bench-controls"):
             self._start = ui.button("Start recording", on_click=self._begin)
             self._start.props("no-caps unelevated")
@@ -58,9 +58,9 @@ class RecordView:
             self._chart = (
                 ui.echart({}).classes("bench-live").props('aria-label="all channels, live"')
             )
-            self._health = ui.html("", sanitize=False)
-        self._made = acting("", self._act)
-        self._result = ui.html("", sanitize=False)
+            self._health = html()
+        self._made = acting(html(), self._act)
+        self._result = drawn()
         self._show_steps()
         self.show()
         ui.timer(LOOK_S, self.show)

@@ -16,7 +16,7 @@ from pathlib import Path
 from threading import Event, Thread
 from typing import TYPE_CHECKING
 
-from wheelhop.files import InputError, make_folder
+from wheelhop.files import InputError, away_from_here, make_folder
 from wheelhop.logger.live import Live
 from wheelhop.logger.port import find_ports
 
@@ -116,7 +116,8 @@ class Recorder:
             context = get_context("spawn")
             self._keeps_it, there = context.Pipe()
             self._emulated = context.Process(target=be_a_logger, args=(there,), daemon=True)
-            self._emulated.start()
+            with away_from_here():
+                self._emulated.start()
             there.close()
             line = "the emulated logger does not start"
             if self._keeps_it.poll(ANNOUNCED_S):

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from wheelhop.campaign import CampaignError
 from wheelhop.workbench.bench import Workbench
-from wheelhop.workbench.guard import Guard
+from wheelhop.workbench.guard import EVERYWHERE, LOCAL, Guard, known_as
 
-LOCAL = "127.0.0.1"
+ELSEWHERE = "192.0.2.1"  # TEST-NET-1, RFC 5737: nobody's
 CLIENTS = ("aiohttp", "requests", "tornado")
 """What the page's framework loads for programs that talk to it. Ours are browsers."""
 
@@ -44,7 +44,7 @@ def serve(
     with _bound(host, port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)
-        address = f"http://{host}:{port}/?token={token}"
+        address = f"http://{_reached_at(host)}:{port}/?token={token}"
         tell(f"the workbench is at {address}")
         if browse:
             webbrowser.open(address)
@@ -54,11 +54,9 @@ def serve(
 
             from wheelhop.workbench.app import make_app
 
-        names = {host, "localhost"} if host == LOCAL else {host}
         far = host != LOCAL
-        hosts = frozenset(f"{name}:{port}" for name in names)
         config = uvicorn.Config(
-            Guard(make_app(bench, far), token, hosts),
+            Guard(make_app(bench, far), token, known_as(host), port),
             log_level="warning",
             timeout_graceful_shutdown=1,
             ws_per_message_deflate=far,
@@ -76,6 +74,19 @@ def _without(packages: tuple[str, ...]) -> Iterator[None]:
     finally:
         for name in hidden:
             del sys.modules[name]
+
+
+def _reached_at(host: str) -> str:
+    """The address by which others reach a server that listens on `host`: that of the interface to
+    the network where it listens on all."""
+    if host != EVERYWHERE:
+        return host
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((ELSEWHERE, 9))  # sends nothing: it only chooses the interface
+        except OSError:
+            return LOCAL
+        return str(probe.getsockname()[0])
 
 
 def _bound(host: str, port: int) -> socket.socket:

@@ -1,16 +1,19 @@
-"""What the user decided and what a diagnosis found, kept in the campaign's folder: session.toml."""
+"""What the user decided and what diagnoses found, kept in the campaign's folder: session.toml."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from wheelhop.campaign import Campaign, CampaignError, Run
+from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, Run
 from wheelhop.campaign.common import Entry
-from wheelhop.files import InputError, Table, read_toml, to_toml, write_text
-from wheelhop.workbench.shown import Row, Verdict
+from wheelhop.campaign.paths import named_by
+from wheelhop.campaign.read import CONSTANTS_FILE
+from wheelhop.files import InputError, Source, Table, digest, read_toml, to_toml, write_text
+from wheelhop.workbench.shown import Diagnosed, Row, Verdict
 
 FILE = "session.toml"
 ROLES = ("fit", "validate")
@@ -55,13 +58,55 @@ class Choice:
         return replace(campaign, runs=runs, channels=tuple(campaign.channels[i] for i in kept))
 
 
+def made_of(campaign: Campaign, choice: Choice, effects_file: Source | None = None) -> str:
+    """A key that differs where anything differs that a diagnosis is made of: the runs taken, their
+    recordings and roles and how they were driven; the channels; the vehicle; the constants of the
+    sensors; effects of one's own. The effects added do not count: a diagnosis adds its own."""
+    runs = [
+        (
+            *(run.id, choice.roles.get(run.id, run.role), run.speed_m_s, run.course),
+            *(run.track.kind, _contents(run.track.values), _digest(run.file)),
+        )
+        for run in campaign.runs
+        if run.id not in choice.without_runs
+    ]
+    channels = [c for c in campaign.channels if c.name not in choice.without_channels]
+    files = [campaign.vehicle_file, campaign.folder / CONSTANTS_FILE]
+    if isinstance(campaign, ComponentCampaign):
+        files += [campaign.mount_file] if campaign.mount_file else []
+    else:
+        files += _beside(campaign.vehicle_file)
+    settings = (campaign.sample_rate_hz, campaign.band_hz, campaign.averaging_s, campaign.noise_rms)
+    own = None if effects_file is None else effects_file.digest
+    known = (settings, channels, runs, [_digest(file) for file in files], own)
+    return hashlib.sha256(repr(known).encode()).hexdigest()
+
+
+def _contents(values: Mapping[str, float | str]) -> list[tuple[str, float | str]]:
+    """A track's values; of a file what is in it, wherever the campaign's folder lies."""
+    return sorted((k, _digest(Path(str(v))) if k == "file" else v) for k, v in values.items())
+
+
+def _beside(vehicle: Path) -> list[Path]:
+    try:
+        return list(named_by(vehicle))
+    except InputError:  # nothing can be fitted then, and the fit says why
+        return []
+
+
+def _digest(file: Path) -> str:
+    try:
+        return digest(file)
+    except (OSError, InputError):
+        return "not there"
+
+
 @dataclass(frozen=True)
 class Session:
-    """A choice and the last diagnosis of its data, if there was one."""
+    """A choice, and what diagnoses came to, by what each was made of."""
 
     choice: Choice = field(default_factory=Choice)
-    verdict: Verdict | None = None
-    ranking: tuple[Row, ...] = ()
+    diagnoses: Mapping[str, Diagnosed] = field(default_factory=dict)
 
 
 def read_session(campaign: Campaign) -> Session:
@@ -84,9 +129,7 @@ def read_session(campaign: Campaign) -> Session:
         tuple(name for name in top.texts("without_channels") if name in channels),
         {run: roles.text(run, choices=ROLES) for run in roles.values if run in runs},
     )
-    verdict = _verdict(top.table("diagnosis")) if "diagnosis" in top else None
-    rows = top.tables("ranking", "effect") if "ranking" in top else []
-    return Session(choice, verdict, tuple(map(_row, rows)))
+    return Session(choice, _diagnoses(top, campaign, choice))
 
 
 def first_session(campaign: Campaign) -> Session:
@@ -118,7 +161,7 @@ def _too_many(runs: Sequence[Entry | Run]) -> tuple[str, ...]:
 
 def write_session(campaign: Campaign, session: Session, written_by: str) -> None:
     """Replace the session's file, whole or not at all; raises CampaignError where it cannot be."""
-    choice, verdict = session.choice, session.verdict
+    choice = session.choice
     document: dict[str, Any] = {
         "format": 1,
         "written_by": written_by,
@@ -127,17 +170,40 @@ def write_session(campaign: Campaign, session: Session, written_by: str) -> None
         "without_channels": list(choice.without_channels),
         "role": dict(choice.roles),
     }
-    if verdict is not None:
-        document["diagnosis"] = {k: _plain(v) for k, v in asdict(verdict).items()}
-        document["ranking"] = [
-            {k: _plain(v) for k, v in asdict(row).items() if v is not None}
-            for row in session.ranking
-        ]
+    document["diagnosis"] = [
+        {
+            "made_of": key,
+            **_plain(found.verdict),
+            "finding": [{"severity": how, "text": text} for how, text in found.findings],
+            "ranking": [_plain(row) for row in found.ranking],
+        }
+        for key, found in session.diagnoses.items()
+    ]
     write_text(campaign.folder / FILE, to_toml(document), CampaignError)
 
 
-def _plain(value: object) -> object:
-    return list(value) if isinstance(value, tuple) else value
+def _plain(item: Verdict | Row) -> dict[str, object]:
+    values = {key: value for key, value in asdict(item).items() if value is not None}
+    return {key: list(v) if isinstance(v, tuple) else v for key, v in values.items()}
+
+
+def _diagnoses(top: Table, campaign: Campaign, choice: Choice) -> dict[str, Diagnosed]:
+    if isinstance(top.values.get("diagnosis"), dict):  # before there could be several
+        rows = _tables(top, "ranking", "effect")
+        found = Diagnosed(_verdict(top.table("diagnosis")), tuple(map(_row, rows)))
+        return {made_of(campaign, choice): found}
+    return {
+        table.text("made_of"): Diagnosed(
+            _verdict(table),
+            tuple(map(_row, _tables(table, "ranking", "effect"))),
+            tuple((t.text("severity"), t.text("text")) for t in _tables(table, "finding", "text")),
+        )
+        for table in _tables(top, "diagnosis", "headline")
+    }
+
+
+def _tables(table: Table, key: str, name_key: str) -> list[Table]:
+    return table.tables(key, name_key) if key in table else []
 
 
 def _verdict(table: Table) -> Verdict:

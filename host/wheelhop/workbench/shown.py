@@ -163,6 +163,16 @@ class AxleToBody:
     html: str
 
 
+@dataclass(frozen=True)
+class Diagnosed:
+    """What a diagnosis came to: its verdict, the ranking, and what it found that is to be known
+    before one believes it: (severity, sentence with remedy)."""
+
+    verdict: Verdict
+    ranking: tuple[Row, ...]
+    findings: tuple[tuple[str, str], ...] = ()
+
+
 # What the worker says, in the order in which it may come.
 
 

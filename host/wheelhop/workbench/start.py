@@ -10,6 +10,7 @@ from wheelhop.files import InputError
 from wheelhop.workbench.bench import Workbench, examples
 from wheelhop.workbench.guide import Guide
 from wheelhop.workbench.record_view import RecordView
+from wheelhop.workbench.view import Words, html
 
 LOOK_S = 0.5
 WORDS = (
@@ -26,23 +27,23 @@ class Start:
         self._bench = bench
         self._reading = ""
         with ui.element("header").classes("bench-head"):
-            ui.html("wheelhop workbench", sanitize=False, tag="h1")
+            Words("wheelhop workbench", "h1")
         self._notice = ui.label().classes("bench-notice").props('role="status"')
         self._notice.set_visibility(False)
         with ui.element("div").classes("bench-main"):
             with ui.element("section"):
-                ui.html("From recordings to what the model is missing", sanitize=False, tag="h2")
-                ui.html(f"<p>{WORDS}</p>", sanitize=False)
+                Words("From recordings to what the model is missing", "h2")
+                html(f"<p>{WORDS}</p>")
                 guide = Guide(bench.draft, self.put, self._say)
             with ui.element("section"):
-                ui.html("Open a campaign that is there", sanitize=False, tag="h2")
+                Words("Open a campaign that is there", "h2")
                 with ui.row().classes("bench-controls"):
                     self._folder = ui.input("its folder").props("dense outlined")
                     self._folder.classes("bench-path").on("keydown.enter", self._open)
                     ui.button("Open", on_click=self._open).props("no-caps unelevated")
                 self._list_examples()
             with ui.element("section"):
-                ui.html("Record with the logger", sanitize=False, tag="h2")
+                Words("Record with the logger", "h2")
                 recording = ui.element("div")
             with recording:
                 RecordView(bench.recorder, Path.home() / "wheelhop", guide.take)
@@ -69,7 +70,7 @@ class Start:
         found = examples()
         if not found:
             return
-        ui.html("Examples to look at:", sanitize=False, tag="p").classes("soft")
+        Words("Examples to look at:", "p").classes("soft")
         with ui.row():
             for folder in found:
                 ui.button(folder.name, on_click=lambda folder=folder: self.put(folder)).props(

@@ -15,17 +15,23 @@ TICKS = 8
 
 
 def stretches_html(recording: Recording, pieces: Sequence[tuple[int, Piece]]) -> str:
-    """The rms of all channels in steps of `LEVEL_S`, the numbered pieces as bands over it."""
+    """The rms of all channels in steps of `LEVEL_S`, the numbered pieces as bands over it, and a
+    bar below for the steady part of each."""
     time_s = recording.time_s
     first, last = float(time_s[0]), float(time_s[-1])
     bands = "".join(_band(number, piece, first, last) for number, piece in pieces)
+    bars = "".join(
+        f'<span class="steady" style="{_across(piece.steady, first, last)}"></span>'
+        for _, piece in pieces
+        if piece.steady
+    )
     line, largest = _level(recording)
     unit = escape(recording.channels[0].unit)
     return (
         f'<p class="soft">rms of all channels against time, up to {largest:.3g} {unit}</p>'
         f'<div class="stretches" data-from="{first:.3f}" data-to="{last:.3f}">'
         f'<svg viewBox="0 0 1000 100" preserveAspectRatio="none" aria-hidden="true">'
-        f'<polyline points="{line}"/></svg>{bands}</div>'
+        f'<polyline points="{line}"/></svg>{bars}{bands}</div>'
         f'<div class="ticks">{_ticks(first, last)}</div>'
     )
 
@@ -42,8 +48,6 @@ def _level(recording: Recording) -> tuple[str, float]:
 
 
 def _band(number: int, piece: Piece, first: float, last: float) -> str:
-    span = last - first
-    left, width = 100 * (piece.from_s - first) / span, 100 * (piece.to_s - piece.from_s) / span
     edges = "".join(
         f'<span class="edge {edge}" data-edge="{edge}" role="slider" tabindex="0"'
         f' aria-label="{words} of {escape(piece.id)}, s" aria-valuemin="{first:.2f}"'
@@ -51,11 +55,17 @@ def _band(number: int, piece: Piece, first: float, last: float) -> str:
         for edge, words, value in (("from", "begin", piece.from_s), ("to", "end", piece.to_s))
     )
     out = "" if piece.taken else " out"
+    place = _across((piece.from_s, piece.to_s), first, last)
     return (
         f'<div class="band{out}" data-piece="{number}" data-from="{piece.from_s:.3f}"'
-        f' data-to="{piece.to_s:.3f}" style="left:{left:.3f}%;width:{width:.3f}%">{edges}'
+        f' data-to="{piece.to_s:.3f}" style="{place}">{edges}'
         f"<span>{number + 1}</span></div>"
     )
+
+
+def _across(ends: Sequence[float], first: float, last: float) -> str:
+    left, right = (100 * (end - first) / (last - first) for end in ends)
+    return f"left:{left:.3f}%;width:{right - left:.3f}%"
 
 
 def _ticks(first: float, last: float) -> str:

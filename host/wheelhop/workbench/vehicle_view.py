@@ -17,7 +17,7 @@ from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.shown import Number
 from wheelhop.workbench.vehicle_drawing import SYMBOLS, drawing
-from wheelhop.workbench.view import Looking
+from wheelhop.workbench.view import Looking, Words, html
 
 SLIDERS = {
     "spring": ("suspension.front.stiffness_N_m", "suspension.rear.stiffness_N_m"),
@@ -32,7 +32,8 @@ FREQUENCY_HZ = np.geomspace(0.3, 30.0, 240)
 HELD = 0.5  # of what the belief leaves open: a number known so much better is held by the data
 NO_RIDE = "A component on a rig has no ride; its numbers stand under “The model”."
 WORDS = (
-    "<p class='soft'>The linear vehicle, effects left out. Above: height of the body over height of"
+    "<p class='soft'>The sliders scale the numbers as they are fitted, or believed while"
+    " nothing is. The linear vehicle, effects left out. Above: height of the body over height of"
     " the ground, all wheels alike. Below: acceleration of the body on waves 1 mm high, met at the"
     " speed chosen: the rear wheels come later.</p>"
 )
@@ -52,17 +53,17 @@ class VehicleView:
             return
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
-                ui.html(drawing(), sanitize=False)
-                self._table = ui.html("<p class='soft'>Reading it.</p>", sanitize=False)
+                html(drawing())
+                self._table = html("<p class='soft'>Reading it.</p>")
             with ui.element("div"):
-                ui.html("<h2>What if</h2>", sanitize=False)
+                Words("What if", "h2")
                 for name in SLIDERS:
                     self._sliders[name] = self._slider(name, -2, 2, 0, 0.05, _times)
                 low, high, first = SPEED_KMPH
                 self._speed = self._slider("speed", low, high, first, 0.5, _kmph)
-                ui.button("Back to nominal", on_click=self._reset).props("flat dense no-caps")
+                ui.button("Back to × 1", on_click=self._reset).props("flat dense no-caps")
                 self._chart = ui.echart({}).classes("bench-ride")
-                ui.html(WORDS, sanitize=False)
+                html(WORDS)
 
     def show(self) -> None:
         """Bring it up to date."""
@@ -71,7 +72,7 @@ class VehicleView:
         rung = self._desk.rungs[-1] if self._desk.rungs else None
         if self._seen is None or rung is not self._seen:
             first, self._seen = self._seen is None, rung or self
-            ui.timer(0.01, self._begin if first else self._show_table, once=True)
+            ui.timer(0.01, self._begin if first else self._renew, once=True)
 
     def _slider(
         self, name: str, low: float, high: float, value: float, step: float, words: Any
@@ -95,13 +96,16 @@ class VehicleView:
             return
         await run.io_bound(ride, found[0], None)  # what computes is loaded outside the page's loop
         self._nominal, self._believed = found
-        self._show_table()
+        await self._renew()
+
+    async def _renew(self) -> None:
+        """Show the numbers as they are fitted by now, and their ride."""
+        self._table.set_content(table(self._nominal, self._believed, self._numbers))
         await self._draw()
 
-    def _show_table(self) -> None:
-        rungs = self._desk.rungs
-        numbers = rungs[-1].numbers if rungs else {}
-        self._table.set_content(table(self._nominal, self._believed, numbers))
+    @property
+    def _numbers(self) -> Mapping[str, Number]:
+        return self._desk.rungs[-1].numbers if self._desk.rungs else {}
 
     def _reset(self) -> None:
         for slider in self._sliders.values():
@@ -110,12 +114,14 @@ class VehicleView:
     async def _draw(self) -> None:
         if not self._nominal:
             return
-        changed = dict(self._nominal)
+        before = fitted(self._nominal, self._numbers)
+        changed = dict(before)
         for name, slider in self._sliders.items():
             for key in changed.keys() & set(SLIDERS[name]):
                 changed[key] *= 2.0**slider.value
         speed = self._speed.value / 3.6
-        both = (("nominal", self._nominal, MEASURED, 2.2), ("with these", changed, AFTER, 1.2))
+        start = "fitted" if self._numbers else "nominal"
+        both = ((start, before, MEASURED, 2.2), ("with these", changed, AFTER, 1.2))
         felt = 1e-3 * (2 * np.pi * FREQUENCY_HZ) ** 2
         upper = [Line(n, FREQUENCY_HZ, ride(v, None), c, w) for n, v, c, w in both]
         lower = [Line(n, FREQUENCY_HZ, felt * ride(v, speed), c, w) for n, v, c, w in both]
@@ -133,6 +139,11 @@ def read(campaign: Campaign) -> tuple[dict[str, float], dict[str, float]]:
 
     vehicle = read_vehicle(campaign.vehicle_file)
     return dict(vehicle.values), dict(vehicle.uncertainty)
+
+
+def fitted(nominal: Mapping[str, float], numbers: Mapping[str, Number]) -> dict[str, float]:
+    """The vehicle's numbers: as fitted where they were, else nominal."""
+    return {k: numbers[k].fitted if k in numbers else value for k, value in nominal.items()}
 
 
 def table(

@@ -8,7 +8,10 @@ from html import escape
 from typing import Protocol
 
 from nicegui import ui
+from nicegui.elements.mixins.text_element import TextElement
 from nicegui.events import GenericEventArguments
+
+from wheelhop.workbench.compared import Compared
 
 ACTED = """(event) => {
   const target = event.target.closest("[data-act]");
@@ -32,14 +35,12 @@ def verbatim(text: str) -> str:
 
 @dataclass
 class Looking:
-    """What one tab of the browser looks at: a run and a channel (indices), an effect; `go` turns
-    to another view."""
+    """What one tab of the browser looks at: what is compared, and an effect; `go` turns to another
+    view."""
 
     go: Callable[[str], None]
-    run: int | None = 0
-    channel: int | None = None
+    compared: Compared = field(default_factory=Compared)
     effect: str = ""
-    seen: dict[str, object] = field(default_factory=dict)
 
 
 class View(Protocol):
@@ -49,11 +50,30 @@ class View(Protocol):
         """Make what is shown fit the desk, if anything it shows has changed."""
 
 
-def acting(content: str, handle: Callable[[dict[str, str]], Awaitable[None] | None]) -> ui.html:
+class Words(TextElement):
+    """Text in an element of its own, such as a heading: no markup, whatever it holds."""
+
+    def __init__(self, text: str, tag: str) -> None:
+        super().__init__(tag=tag, text=text)
+
+
+def html(content: str = "") -> ui.html:
+    """HTML of ours. Names in it are escaped where it is put together, and the browser takes out
+    whatever could run before it is shown."""
+    return ui.html(content, sanitize=True)
+
+
+def drawn(content: str = "") -> ui.html:
+    """HTML with figures of the report's, whose parts that are used twice that would take out.
+    Names are escaped in it, and the page's policy lets nothing in it run."""
+    return ui.html(content, sanitize=False)
+
+
+def acting(element: ui.html, handle: Callable[[dict[str, str]], Awaitable[None] | None]) -> ui.html:
     """HTML of ours whose elements with data-act call `handle` with their data-… values."""
 
     def handled(event: GenericEventArguments) -> Awaitable[None] | None:
         return handle({key: str(value) for key, value in dict(event.args).items()})
 
-    element = ui.html(content, sanitize=False).on("click", handled, js_handler=ACTED)
+    element.on("click", handled, js_handler=ACTED)
     return element.on("keydown", handled, js_handler=PRESSED)

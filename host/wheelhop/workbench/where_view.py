@@ -5,12 +5,10 @@ from __future__ import annotations
 
 from html import escape
 
-from nicegui import ui
-
 from wheelhop.files.words import percent
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.shown import Ranking, Row, Rung
-from wheelhop.workbench.view import Looking, acting
+from wheelhop.workbench.view import Looking, acting, drawn, html
 
 WAITING = "<p class='soft'>The model is being fitted; where it fails is known after that.</p>"
 CHAIN = {
@@ -30,14 +28,14 @@ class WhereView:
     def __init__(self, desk: Desk, looking: Looking) -> None:
         self._desk, self._looking = desk, looking
         self._seen: object = None
-        self._chain = acting("", self._act)
-        self._body = ui.html(WAITING, sanitize=False)
+        self._chain = acting(html(), self._act)
+        self._body = drawn(WAITING)
 
     def show(self) -> None:
         """Bring it up to date."""
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
-        ranking = desk.rankings.get(())
+        ranking = desk.ranking
         if (rung, ranking) != self._seen:
             self._seen = (rung, ranking)
             self._chain.set_content(chain(desk.rungs[0], ranking) if desk.rungs else "")

@@ -7,7 +7,7 @@ all work the process is killed; the next one begins anew.
 
 from __future__ import annotations
 
-import tempfile
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,7 +22,6 @@ from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import Linearity, linearity
 from wheelhop.law import find_law
-from wheelhop.report.pdf import write_pdf
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
@@ -38,7 +37,7 @@ from wheelhop.workbench.shown import (
     Refused,
     Said,
 )
-from wheelhop.workbench.takeaway import FIGURES, MODEL, PDF, REPORT, TABLES
+from wheelhop.workbench.takeaway import FIGURES, MODEL, TABLES
 
 Say = Callable[[Message], None]
 
@@ -79,7 +78,8 @@ class Worker:
         self._work: Work | None = None
 
     def obey(self, order: Order) -> None:
-        """Do what the order says; a mistake in the input is said, not raised."""
+        """Do what the order says; a mistake in the input is said, not raised, and so is a fault of
+        the program or of the user's effects."""
         try:
             work = self._prepared(order)
             self._climb(work, order.choice.added)
@@ -94,6 +94,10 @@ class Worker:
             self._say(Refused(str(error)))
         except _NotWanted:
             self._say(Done(""))
+        except Exception as error:
+            traceback.print_exc()
+            self._work = None  # who knows what it was left like
+            self._say(Refused(_fault(error)))
         finally:
             self._fitting = self._following = None
 
@@ -180,11 +184,6 @@ class Worker:
             write_tables(target, result)
         elif order.write == MODEL:
             result.write_model(target)
-        elif order.write == PDF:
-            with tempfile.TemporaryDirectory() as other:
-                page = Path(other) / REPORT
-                self._report(work, order, page, result)
-                write_pdf(page, target)
         else:
             self._report(work, order, target, result)
         return f"written: {target}"
@@ -220,6 +219,14 @@ class Worker:
             on_the_way = following.choice.added[: len(fitting)] == fitting
             if not on_the_way or _data_of(following) != self._data:
                 raise _NotWanted
+
+
+def _fault(error: Exception) -> str:
+    """What happened, and where, in a line."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    where = f"line {place.lineno} of {Path(place.filename).name}"
+    return f"not finished: {what} ({where}; the workbench's terminal shows the rest): try again"
 
 
 def _data_of(order: Order) -> tuple[object, ...]:

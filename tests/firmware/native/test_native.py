@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE_S
 from tools.firmware_build import ROOT, native_command
 from tools.firmware_fatfs import fetch
 
@@ -42,6 +43,6 @@ def image(tmp_path_factory):
 
 
 def test_parts(program, image):
-    done = subprocess.run([program, *image], capture_output=True, text=True, timeout=300)
+    done = subprocess.run([program, *image], capture_output=True, text=True, timeout=PATIENCE_S)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count(":PASSED") >= 40, done.stdout

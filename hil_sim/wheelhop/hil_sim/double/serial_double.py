@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 from threading import Event, Lock, Thread
 
@@ -14,6 +15,7 @@ from wheelhop.hil_sim.double.wire import Wire
 from wheelhop.hil_sim.signals import Signals, sines
 
 POLL_S = 2e-3  # of the computer's time
+LONGEST_TURN_S = 5 * POLL_S  # of the computer's time that one turn lasts where time may stand still
 
 
 class SerialDouble(Closing):
@@ -24,6 +26,9 @@ class SerialDouble(Closing):
     None: no card. Its time is real time, or `factor` times faster; `clock_ppm` is the error of its
     clock: positive, its seconds are too long. It is on a pseudo-terminal, under the name `link` if
     given, or on TCP if `port` is given (0: any that is free).
+
+    In real time it makes up for what a busy computer has kept from it. At any other `factor` it
+    does not: its time stands still then, so that a slow computer slows it down, too.
     """
 
     def __init__(
@@ -44,6 +49,7 @@ class SerialDouble(Closing):
         self._device = Device(signals or _repeated(one_to_eight), folder, self._faults, acts)
         self._door: Door = PtyDoor(link) if port is None else TcpDoor(port)
         self._speed = factor / (1 + clock_ppm * 1e-6)
+        self._longest_turn_s = inf if factor == 1.0 else LONGEST_TURN_S
         self._to_host, self._from_host = Wire(self._faults, 0), Wire(self._faults, 1)
         self._torn_until_s = 0.0
         self._closing = Event()
@@ -93,10 +99,12 @@ class SerialDouble(Closing):
         self._door.close()
 
     def _serve(self) -> None:
-        start_s = time.monotonic()
+        looked_s, now_s = time.monotonic(), 0.0
         joined = True
         while not self._closing.is_set():
-            now_s = (time.monotonic() - start_s) * self._speed
+            turn_s = time.monotonic() - looked_s
+            looked_s += turn_s
+            now_s += min(turn_s, self._longest_turn_s) * self._speed
             torn = now_s < self._torn_until_s or any(
                 at <= now_s < at + for_s for at, for_s in self._faults.disconnects
             )

@@ -58,7 +58,7 @@ def conclude(
         ladder=tuple(steps),
         next_run=_next_run(workshop, accepted, first, angles),
         explanation=explanation(
-            verdict, steps, last, stands_on, of_the_vehicle(shown, effects), on_bounds
+            verdict, steps, first, last, stands_on, of_the_vehicle(shown, effects), on_bounds
         ),
         limits=shown,
     )

@@ -86,8 +86,8 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
         *_rivals(
             diagnosis.ranking,
             [e.id for e in effects],
-            step.comparison.floor.error_fit,
-            step.comparison.floor.error_validate,
+            step.comparison.floor.expected_fit,
+            step.comparison.floor.expected_validate,
         ),
         *_laws(numbers, effects),
         *_bounds(numbers, effects),
@@ -118,11 +118,12 @@ def refuted(diagnosis: Diagnosis) -> list[Belief]:
 
 
 def _rivals(
-    ranking: Sequence[Ranked], accepted: Sequence[str], floor_fit: float, floor_held_out: float
+    ranking: Sequence[Ranked], accepted: Sequence[str], least_fit: float, least_held_out: float
 ) -> Iterator[Finding]:
     """Effects that come as far as the one accepted: on fitted and on held-out runs there is less
-    power between the two than between the better of them and the floor. A law that leaves more than
-    noise cannot rule out another by less than that."""
+    power between the two than between the better of them and the least that a right model is
+    expected to leave. A law that leaves more than noise cannot rule out another by less than
+    that."""
     own = next((r for r in ranking if [r.effect] == list(accepted)), None)
     if own is None or own.confirmed_error is None or own.validated_error is None:
         return
@@ -132,24 +133,28 @@ def _rivals(
         if other is not own
         and other.confirmed_error is not None
         and other.validated_error is not None
-        and _as_far(other.confirmed_error, own.confirmed_error, floor_fit)
-        and _as_far(other.validated_error, own.validated_error, floor_held_out)
+        and _as_far(other.confirmed_error, own.confirmed_error, least_fit)
+        and _as_far(other.validated_error, own.validated_error, least_held_out)
     }
     if errors:
         names = [own.effect, *errors]
+        others = listed([f"{name} ({percent(e)})" for name, e in errors.items()])
+        expected = f"the {percent(least_held_out)} that a right model may leave"
+        above = own.validated_error > least_held_out
+        beyond = f"the difference is less than what is left beyond {expected}"
+        told = beyond if above else f"that is within {expected}"
         yield Finding(
             "after",
             "either",
             " and ".join(names),
-            f"Held out, {own.effect} leaves {percent(own.validated_error)}, hardly less than"
-            f" {listed([f'{name} ({percent(e)})' for name, e in errors.items()])}: it is further to"
-            f" the floor, {percent(floor_held_out)}.",
+            f"Held out, {own.effect} leaves {percent(own.validated_error)}, about the same as"
+            f" {others}: {told}.",
             f"Read the verdict as {' or '.join(names)}, and record slower and faster runs.",
         )
 
 
-def _as_far(other: float, own: float, floor: float) -> bool:
-    return other**2 - own**2 <= max(own**2 - floor**2, 0.0)
+def _as_far(other: float, own: float, least: float) -> bool:
+    return other**2 - own**2 <= max(own**2 - least**2, 0.0)
 
 
 def _laws(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Finding]:

@@ -173,6 +173,8 @@ def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
 
 def _why_not_believed(candidate: Candidate) -> str:
     if candidate.p >= SIGNIFICANT:
+        if candidate.rung.validation is None:
+            return "not confirmed by its runs, each left out of the fit in turn"
         return "not confirmed by held-out runs"
     if contradicted(candidate.rung, candidate.effect):
         return "its numbers, run by run, are against its nature"
@@ -195,6 +197,15 @@ def _of_the_law(steps: Sequence[Step]) -> str:
     )
 
 
+def _of_what_is_expected(last: Step) -> str:
+    """What is left is no more than a right model may leave, though more than noise."""
+    return (
+        f"{percent(last.rung.error_judging)} is left, {last.over_floor:.2f} times the floor. With"
+        f" {last.comparison.floor.beside_noise} a right model may leave up to"
+        f" {percent(last.expected)}."
+    )
+
+
 def _law_command(step: Step) -> str:
     known = [e.id for e in step.rung.model.effects if not e.is_belief]
     return f"wheelhop law --with {' '.join(known)}" if known else "wheelhop law"
@@ -210,6 +221,7 @@ LEAST_LIKENESS = 0.03
 def explanation(
     verdict: Sequence[str],
     steps: Sequence[Step],
+    first: Look,
     last: Look,
     grounds: Grounds,
     limits: Sequence[Limit],
@@ -219,7 +231,7 @@ def explanation(
     effects that sit on their bounds."""
     lines = []
     if tuple(verdict) == ("none",):
-        lines += _none(steps[0], last, grounds, limits)
+        lines += _none(steps[0], first, last, grounds, limits)
     for before, after in pairwise(steps):
         lines.append(_fall(before, after))
     if on_bounds:
@@ -232,10 +244,10 @@ def explanation(
     if left_over:
         lines.append(
             f"The residual stays at {steps[-1].over_floor:.2f} times the floor and no effect of the"
-            " library explains it:"
+            " library is confirmed as the cause:"
         )
         lines.extend(describe(steps[-1].comparison.breakdown))
-        lines.extend(_nearest(last))
+        lines.extend(_nearest(first, last))
         lines.extend(_held_out_only(steps[-1]))
         lines.append(
             f"{_law_command(steps[-1])} looks for the missing force: where it acts, how it looks,"
@@ -248,6 +260,8 @@ def explanation(
         )
     elif steps[-1].unexplained > 0.0:
         lines.append(_of_the_law(steps))
+    elif steps[-1].comparison.floor.beside_noise:
+        lines.append(_of_what_is_expected(steps[-1]))
     for effect in steps[-1].rung.model.effects:
         if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
             lines.append(f"What to correct in campaign.toml: {remedy}.")
@@ -258,15 +272,17 @@ def explanation(
     return tuple(lines)
 
 
-def _none(baseline: Step, last: Look, grounds: Grounds, limits: Sequence[Limit]) -> list[str]:
+def _none(
+    baseline: Step, first: Look, last: Look, grounds: Grounds, limits: Sequence[Limit]
+) -> list[str]:
     if grounds.more_than_noise:
         return [
             f"The baseline comes to {baseline.over_floor:.3f} times the floor. Noise hardly leaves"
             f" that (p = {grounds.by_chance:.1g}): there is a little more of it than stated, or"
             " something faint is missing that these runs do not name.",
-            *_nearest(last),
+            *_nearest(first, last),
         ]
-    lines = ["The baseline explains the records down to the noise."]
+    lines = [f"The baseline explains the records down to {baseline.left_to}."]
     hardly = [limit.effect for limit in limits if limit.unseen > 0.5]
     if hardly:
         lines.append(
@@ -280,9 +296,9 @@ def caveats(step: Step) -> list[str]:
     if step.rung.update is None or step.above_floor:
         return []
     floor = step.comparison.floor
-    foreseen = step.rung.error_validate / floor.error_validate
-    if foreseen <= 1.0 + 2.0 * floor.tolerance:
+    if step.rung.error_validate <= floor.expected_validate * (1.0 + 2.0 * floor.tolerance):
         return []
+    foreseen = step.rung.error_validate / floor.error_validate
     return [
         f"Held-out runs are foreseen to {foreseen:.2f} times the floor, because the fitted ones do"
         " not tell the vehicle's numbers better: within their uncertainty the same model comes to"
@@ -305,7 +321,7 @@ def _fall(before: Step, after: Step) -> str:
 def _held_out_only(step: Step) -> list[str]:
     """Where only held-out runs show the rest, what would let it be found."""
     floor, rung = step.comparison.floor, step.rung
-    if rung.validation is None or rung.error_fit > floor.error_fit * (1.0 + floor.tolerance):
+    if rung.validation is None or rung.error_fit > floor.expected_fit * (1.0 + floor.tolerance):
         return []
     loudest = max(rung.validation.runs, key=lambda run: run.rss)
     return [
@@ -314,8 +330,9 @@ def _held_out_only(step: Step) -> list[str]:
     ]
 
 
-def _nearest(last: Look) -> list[str]:
-    """The ideas whose first-order signature takes most out of the residual, none of them enough."""
+def _nearest(first: Look, last: Look) -> list[str]:
+    """The ideas whose first-order signature takes most out of the residual, and what came of them:
+    none is in the verdict."""
     left = last.rung.fit.error
     shares = [
         (1.0 - (s.error / left) ** 2, s.variant.effect)
@@ -323,12 +340,25 @@ def _nearest(last: Look) -> list[str]:
         if s.score > 0 and left > 0
     ]
     ideas = [
-        f"{effect.id} ({effect.title}; {100 * share:.0f} %)"
+        f"{effect.id} ({effect.title}; {100 * share:.0f} %, {_came_of(effect.id, first, last)})"
         for share, effect in sorted(shares, key=lambda item: -item[0])[:IDEAS]
         if share > LEAST_LIKENESS
     ]
     if not ideas:
         return ["No effect's signature resembles it."]
     return [
-        f"To first order it resembles most, with the share of it explained: {'; '.join(ideas)}."
+        "To first order it resembles most, with the share of it that each would take:"
+        f" {'; '.join(ideas)}."
     ]
+
+
+def _came_of(effect: str, first: Look, last: Look) -> str:
+    """What became of an idea in full simulation, in a few words."""
+    tried = next((c for c in last.candidates if c.id == effect), None)
+    if tried is not None:
+        why = "it holds" if tried.holds else _why_not_believed(tried)
+        return f"in full {percent(tried.rung.error_judging)} is left: {why}"
+    alone = next((c for c in first.candidates if c.id == effect), None)
+    if alone is not None:
+        return f"alone it leaves {percent(alone.rung.error_judging)}"
+    return "not simulated in full"
