@@ -25,7 +25,7 @@ class SensorPolarity(Effect):
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
         """Any channel inverted ("B3"), any two swapped ("A1/A2")."""
-        return list(_wirings(channels))
+        return list(_wirings([*enumerate(channels)]))
 
     def with_choice(self, choice: str) -> SensorPolarity:
         """This fault in the channel or the pair `choice`."""
@@ -48,7 +48,8 @@ class SensorPolarity(Effect):
         return self.sense(theta, measured, channels, rate_hz)
 
     def _wired(self, acceleration: Array, channels: Sequence[Channel]) -> Array:
-        affected = list(_wirings(channels)[self.channels])
+        numbered = [*enumerate(channels)]
+        affected = list((_wirings(numbered[::-1]) | _wirings(numbered))[self.channels])
         wired = np.array(acceleration)
         if len(affected) == 1:
             wired[:, affected] *= -1.0
@@ -57,11 +58,12 @@ class SensorPolarity(Effect):
         return wired
 
 
-def _wirings(channels: Sequence[Channel]) -> dict[str, tuple[int, ...]]:
-    """The columns that each choice concerns. A choice is what people read, and names may hold any
-    character, so none is ever taken apart; a pair that reads as another choice has one "/" more."""
-    found: dict[str, tuple[int, ...]] = {c.name: (i,) for i, c in enumerate(channels)}
-    for (i, a), (j, b) in combinations(enumerate(channels), 2):
+def _wirings(numbered: Sequence[tuple[int, Channel]]) -> dict[str, tuple[int, ...]]:
+    """The columns that each choice concerns, of channels with the numbers of theirs. A choice is
+    what people read, and names may hold any character, so none is ever taken apart; a pair that
+    reads as another choice has one "/" more."""
+    found: dict[str, tuple[int, ...]] = {c.name: (i,) for i, c in numbered}
+    for (i, a), (j, b) in combinations(numbered, 2):
         between = "/"
         while (choice := f"{a.name}{between}{b.name}") in found:
             between += "/"
