@@ -29,6 +29,12 @@ distributed = pytest.importorskip("distributed")
 WORDS = ["simulate", str(FILE), "--tracks", "washboard/low", "--speed", "9", "--seconds", "2"]
 
 
+@pytest.fixture(autouse=True)
+def compiled(monkeypatch):
+    """That the integrator is compiled first is no news here, whichever test comes first."""
+    monkeypatch.setattr("wheelhop.cli.progress.COMPILED", ())
+
+
 @pytest.fixture
 def scheduler():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None) as made:
