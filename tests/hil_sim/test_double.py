@@ -193,6 +193,7 @@ def test_faster_than_real_time_it_waits_for_a_computer_that_is_busy(monkeypatch)
         monkeypatch.setattr("wheelhop.hil_sim.double.serial_double.time", busy)
         with SerialDouble(factor=factor) as one:
             wait_until(lambda: one.time_s > 0.0)
+            assert one.totals == {}  # said when the turn is over
             assert one.time_s == pytest.approx(10.0 if passes else 0.1)
 
 
