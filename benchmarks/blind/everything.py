@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import firwin2
 
-from benchmarks.blind.folder import Rng, Table, edit, list_channels, records
+from benchmarks.blind.folder import Rng, Table, edit, list_channels, records, scale_tracks
 from tests.truth import CHANNELS, in_band
 
 SHOWS = (1.02, 1.6)
@@ -78,21 +78,12 @@ def _survey(key: str, deviation: float) -> Imperfection:
     def spoil(folder: Path, rng: Rng, amount: float) -> None:
         factors: dict[str, float] = {}
 
-        def one(block: str) -> str:
-            kind = re.search(r'track\.kind = "(\S+)"', block)
-            if kind is None:
-                return block
-            factor = factors.setdefault(kind[1], 1.0 + deviation * amount * rng.normal())
-            return re.sub(
-                rf"(?m)^(track\.{key} = )(\S+)$",
-                lambda found: f"{found[1]}{float(found[2]) * factor:.9g}",
-                block,
-            )
+        def factor(kind: str) -> float:
+            if kind not in factors:
+                factors[kind] = 1.0 + deviation * amount * rng.normal()
+            return factors[kind]
 
-        edit(
-            folder / "campaign.toml",
-            lambda text: "\n[[run]]".join(one(block) for block in text.split("\n[[run]]")),
-        )
+        scale_tracks(folder, key, factor)
 
     return spoil
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -33,4 +34,24 @@ def list_channels(folder: Path, places: Mapping[str, str]) -> None:
     edit(
         folder / "campaign.toml",
         lambda text: text.replace("\n[[run]]", "\n".join(lines) + "\n[[run]]", 1),
+    )
+
+
+def scale_tracks(folder: Path, key: str, factor: Callable[[str], float]) -> None:
+    """Multiply a number of every track by the factor of its kind."""
+
+    def one(block: str) -> str:
+        kind = re.search(r'track\.kind = "(\S+)"', block)
+        times = 1.0 if kind is None else factor(kind[1])
+        if times == 1.0:
+            return block
+        return re.sub(
+            rf"(?m)^(track\.{key} = )(\S+)$",
+            lambda found: f"{found[1]}{float(found[2]) * times:.8g}",
+            block,
+        )
+
+    edit(
+        folder / "campaign.toml",
+        lambda text: "\n[[run]]".join(one(block) for block in text.split("\n[[run]]")),
     )

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import lfilter
 
-from benchmarks.blind.folder import Array, Rng, Table, edit, list_channels, records
+from benchmarks.blind.folder import Array, Rng, Table, edit, list_channels, records, scale_tracks
 from benchmarks.blind.recipes import Recipe
 from benchmarks.blind.strength import Hidden
 from benchmarks.blind.vehicles import Car
@@ -129,19 +129,7 @@ def _surveyed(key: str, factor: float) -> Spoil:
     def spoil(folder: Path, rng: Rng) -> None:
         kind = str(rng.choice(["washboard", "herringbone"]))
 
-        def one(block: str) -> str:
-            if f'track.kind = "{kind}"' not in block:
-                return block
-            return re.sub(
-                rf"(?m)^(track.{key} = )(\S+)$",
-                lambda m: f"{m[1]}{float(m[2]) / factor:.8g}",
-                block,
-            )
-
-        edit(
-            folder / "campaign.toml",
-            lambda t: "\n[[run]]".join(one(b) for b in t.split("\n[[run]]")),
-        )
+        scale_tracks(folder, key, lambda one: 1.0 / factor if one == kind else 1.0)
 
     return spoil
 
