@@ -9,7 +9,7 @@ from wheelhop.diagnose.confirm.in_full import confirm
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import Rung
 from wheelhop.diagnose.screen.first_order import screen
-from wheelhop.diagnose.search.look import Candidate
+from wheelhop.diagnose.search.scored import Candidate
 from wheelhop.diagnose.verdict.ranking import AMBIGUOUS_DEG, Angles
 from wheelhop.effects.dry_friction import DryFriction
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from wheelhop.diagnose.search import look as looking
+from wheelhop.diagnose.search.scored import Scored, Search
 from wheelhop.effects import load_effects
 
 
@@ -67,7 +68,7 @@ def test_where_one_went_astray_the_fitted_runs_say_whether_it_is_fitted_in_full(
     monkeypatch.setattr(looking, "best_form", best_form)
     monkeypatch.setattr(looking, "best_first", best_first)
     monkeypatch.setattr(looking, "at_noise", lambda rung, noise: False)
-    monkeypatch.setattr(looking, "_judged", judged)
+    monkeypatch.setattr(looking, "judged", judged)
     monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))
     rung = SimpleNamespace(fit=SimpleNamespace(cost=100.0, size=50))
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
@@ -98,19 +99,17 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
     is as good as its better fit."""
 
     def item(name, score):
-        effect = SimpleNamespace(id=name)
-        return SimpleNamespace(variant=SimpleNamespace(effect=effect), score=score)
+        return SimpleNamespace(id=name, score=score)
 
     def judged(incumbent, screened, rung, tried):
-        name = screened.variant.effect.id
-        return SimpleNamespace(id=name, holds=name in holding, rung=rung)
+        return SimpleNamespace(id=screened.id, holds=screened.id in holding, rung=rung)
 
     scores = {"play": 49.0, "damper": 43.0, "tyre": 20.0, "skew": 1.0, "lift-off": -1.0}
     items = [item(*pair) for pair in scores.items()]
     chosen, tried = items[-1:], []
 
     def confirm(incumbent, screened, beside):
-        tried.append(screened.variant.effect.id)
+        tried.append(screened.id)
         return incumbent.rung
 
     def confirm_strong(incumbent, start, beside):
@@ -121,12 +120,12 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
     monkeypatch.setattr(looking, "confirm", confirm)
     monkeypatch.setattr(looking, "strong", lambda incumbent, items: [(items[0], "strong play")])
     monkeypatch.setattr(looking, "confirm_strong", confirm_strong)
-    monkeypatch.setattr(looking, "_judged", judged)
+    monkeypatch.setattr(looking, "judged", judged)
     monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))
     rung = SimpleNamespace(model=SimpleNamespace(effects=present), evidence=1.0)
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
-    quiet = {"progress": lambda text: None, "watch": lambda look: None}
-    found = looking._confirm_best(incumbent, items, above_floor, **quiet)
+    search = Search(incumbent.workshop, {}, 4, lambda text: None)
+    found = looking._confirm_best(search, incumbent, Scored(rung, items), above_floor)
     assert tried == simulated
     evidence = {c.id: c.rung.evidence for c in found}
     assert len(evidence) == len(found)
@@ -156,10 +155,10 @@ def test_what_is_free_in_every_run_takes_more_than_a_law_may_leave(
     )
     effect = load_effects()[free]
     screened = SimpleNamespace(variant=SimpleNamespace(effect=effect, parameters=parameters))
-    assert looking._judged(incumbent, screened, rung(left), 30).holds is holds
+    assert looking.judged(incumbent, screened, rung(left), 30).holds is holds
     gain = load_effects()["sensor-gain"]
     screened = SimpleNamespace(variant=SimpleNamespace(effect=gain, parameters=("error",)))
-    assert looking._judged(incumbent, screened, rung(left), 30).holds
+    assert looking.judged(incumbent, screened, rung(left), 30).holds
 
 
 @pytest.mark.parametrize(("second", "formed"), [(1.5, ["seat"]), (0.5, ["seat", "spring"])])
@@ -187,7 +186,7 @@ def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch
         looking, "best_first", lambda rungs, noise: sorted(rungs, key=lambda r: r.error_judging)
     )
     monkeypatch.setattr(
-        looking, "_judged", lambda incumbent, name, rung, tried: candidate(name, rung.error_judging)
+        looking, "judged", lambda incumbent, name, rung, tried: candidate(name, rung.error_judging)
     )
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=1.0), rung=None)
     looking._refit_leaders(incumbent, candidates, True, lambda text: None)

@@ -120,10 +120,10 @@ def test_a_rival_that_is_worse_than_nothing_is_no_measure():
         allowed=0.0,
         comparison=SimpleNamespace(floor=floor),
     )
-    tried = [SimpleNamespace(id=name, rung=r, p=1e-9) for name, r in (("a", final), ("b", spoilt))]
-    look = SimpleNamespace(rung=base, candidates=tried, screened=())
+    last_look = SimpleNamespace(candidates=())
     steps = [SimpleNamespace(over_floor=4.0), last]
-    assert grounds_of(("a", "unknown"), steps, look, look, {}, 1.0).stability > 0.8
+    found = grounds_of(("a", "unknown"), steps, last_look, (base, [spoilt]), 2, 1.0)
+    assert found.stability > 0.8
 
 
 def test_a_law_of_the_right_name_may_leave_what_machines_differ_by():

@@ -1,12 +1,14 @@
 """Exchange: a wrong effect on the ladder makes way for the right one."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY, baseline_of
 from wheelhop.diagnose.score import lead
 from wheelhop.diagnose.search.ladder import fit_with
-from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.search.scored import BASELINE, Scored, Search, ids_of
 from wheelhop.diagnose.search.together import exchange
 
 FEW = ("dry-friction", "digressive-damper", "sensor-gain", "driver-seat")
@@ -26,24 +28,31 @@ def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
     library = {name: LIBRARY[name] for name in FEW}
     wrong = fit_with(base, [library["digressive-damper"], library["sensor-gain"]], quiet)[-1]
 
-    first = exchange(base.workshop, wrong, {}, [], library, quiet)
-    assert first.rung is not None
-    assert {e.id for e in first.rung.model.effects} == {"dry-friction", "sensor-gain"}
+    search = Search(base.workshop, library, 4, quiet)
+    search.best(base.rung)
 
-    second = exchange(base.workshop, first.rung, {}, [], library, quiet)
-    assert second.rung is None
-    assert set(second.stands) == {"dry-friction", "sensor-gain"}
-    for name, stand in second.stands.items():
+    first = exchange(search, wrong)
+    assert first is not None
+    assert ids_of(first) == {"dry-friction", "sensor-gain"}
+
+    assert exchange(search, first) is None
+    for name in ("dry-friction", "sensor-gain"):
         # What the confidence is made of: the best without each effect leaves clearly more.
-        assert name not in {e.id for e in stand.without.model.effects}
-        assert name not in {e.id for e in stand.rival.model.effects}
-        assert first.rung.evidence > stand.rival.evidence
-        assert lead(first.rung, stand.without) >= lead(first.rung, stand.rival) > 0.03
+        without, (rival, *_) = search.stand(first, name)
+        assert name not in ids_of(without) | ids_of(rival)
+        assert first.evidence > rival.evidence
+        assert lead(first, without) >= lead(first, rival) > 0.03
 
-    # A look has tried the library beside friction alone: nothing is simulated in the gain's place.
-    alone = second.stands["sensor-gain"].without
+    # What could stand for each is known: nothing is fitted again.
     told = []
-    looks = [Look(alone, (), (), None)]
-    third = exchange(base.workshop, first.rung, {}, looks, library, told.append)
-    assert told == ["could another effect stand for dry-friction?"]
-    assert third.stands["sensor-gain"].rival is third.stands["sensor-gain"].without
+    assert exchange(replace(search, progress=told.append), first) is None
+    assert told == []
+    # Where the library has been tried beside friction alone, nothing is simulated for the gain.
+    alone = search.table[frozenset(["dry-friction"])].rung
+    others = {k: v for k, v in search.table.items() if k == BASELINE}
+    search = replace(search, progress=told.append, table=others)
+    search.table[ids_of(alone)] = Scored(alone, looked=True)
+    assert exchange(search, first) is None
+    assert "could another effect stand for dry-friction?" in told
+    assert "could another effect stand for sensor-gain?" not in told
+    assert search.stand(first, "sensor-gain")[1] == [search.stand(first, "sensor-gain")[0]]

@@ -1,4 +1,4 @@
-"""What later looks ask of an earlier one, and what it takes to answer."""
+"""What the table knows of a set of effects, and what it takes to answer."""
 
 import gc
 from dataclasses import replace
@@ -13,11 +13,10 @@ from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.score import Rung, log_odds
 from wheelhop.diagnose.screen.first_order import Screened
-from wheelhop.diagnose.search import ladder
-from wheelhop.diagnose.search import look as looking
+from wheelhop.diagnose.search import ladder, scored
 from wheelhop.diagnose.search.ladder import one_more
-from wheelhop.diagnose.search.look import Candidate, Look, reached
-from wheelhop.diagnose.search.together import Exchange
+from wheelhop.diagnose.search.look import stood_on_alone
+from wheelhop.diagnose.search.scored import BASELINE, Candidate, Scored, Search, ids_of
 from wheelhop.effects import load_effects
 from wheelhop.fit import Fit
 from wheelhop.fit.result import Derivatives
@@ -30,10 +29,13 @@ def with_columns(fit: Fit) -> Fit:
     return replace(fit, runs=tuple(runs))
 
 
+def quiet(text):
+    pass
+
+
 def remembered(rung: Rung) -> Rung:
     screened = Screened(None, {}, 0.0, 0.0, 0.0, 0.0, {"0": np.ones(9)}, np.zeros((0, 0)))
-    look = Look(rung, (screened,), (Candidate(screened, rung, 0.0, 1, True),), None)
-    after = look.remembered()
+    after = Scored(rung, (screened,), (Candidate(screened, rung, 0.0, 1, True),)).remembered()
     assert not any(s.contribution for s in (*after.screened, after.candidates[0].screened))
     assert after.rung.judging.has_derivatives == after.candidates[0].rung.judging.has_derivatives
     return after.candidates[0].rung
@@ -56,7 +58,7 @@ def test_a_ladder_goes_on_from_a_rung_it_has_only_remembered(tmp_path):
     """In the workbench an effect may be added to any step of a diagnosis: the derivatives that the
     step no longer holds are made again."""
     campaign = read_campaign(write_small_campaign(tmp_path / "c"))
-    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
+    base = fit_baseline(campaign, read_nominal(campaign), progress=quiet)
     friction, said = load_effects()["dry-friction"], []
     known = one_more(base.workshop, base.rung, friction, said.append)
     without = replace(base.rung, fit=base.rung.fit.without_derivatives)
@@ -71,24 +73,24 @@ def test_a_minimum_reached_by_way_of_another_effect_is_the_effects_own(tmp_path,
     is found, and he is not needed (as a bushing in blind seed 13013, by way of a curved path). What
     it leaves alone is what it is held against others by, and what the ranking says of it."""
     campaign = read_campaign(write_small_campaign(tmp_path / "c"))
-    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
+    base = fit_baseline(campaign, read_nominal(campaign), progress=quiet)
     library = {name: load_effects()[name] for name in ("dry-friction", "driver-seat")}
-    look_truly, looks = ladder.look_at, []
+    look_truly = ladder.look_at
 
-    def look_misled(*arguments):
-        looks.append(look_truly(*arguments))
-        if len(looks) > 1:
-            return looks[-1]
-        (friction,) = looks[0].candidates
+    def look_misled(search, step):
+        seen = look_truly(search, step)
+        if step.added:
+            return
+        (friction,) = seen.candidates
         lost = replace(base.rung, fit=replace(base.rung.fit, model=friction.rung.model))
-        item = next(s for s in looks[0].screened if s.variant.effect.id == "driver-seat")
-        driven = one_more(base.workshop, base.rung, library["driver-seat"], lambda text: None)
+        item = next(s for s in seen.screened if s.id == "driver-seat")
+        driven = one_more(base.workshop, base.rung, library["driver-seat"], quiet)
         seat = replace(friction, screened=item, rung=driven)
         lost = replace(friction, rung=lost, log_odds=0.0, holds=False)
-        return replace(looks[0], candidates=(seat, lost), chosen=seat)
+        search.table[BASELINE] = replace(seen, candidates=(seat, lost), chosen=seat)
 
     monkeypatch.setattr(ladder, "look_at", look_misled)
-    found = ladder.climb(base, library, max_effects=2, progress=lambda text: None)
+    found = ladder.climb(base, library, max_effects=2, progress=quiet)
     assert [step.added for step in found.ladder] == [(), ("driver-seat",), ("dry-friction",)]
     assert found.verdict == ("dry-friction",)
     assert found.confidence > 0.95
@@ -97,53 +99,99 @@ def test_a_minimum_reached_by_way_of_another_effect_is_the_effects_own(tmp_path,
     assert found.ranking[0].reason.startswith("accepted: ")
 
 
-@pytest.mark.parametrize("stays", [("driver-seat",), ("driver-seat", "anti-roll-bar")])
-def test_a_search_that_comes_back_to_where_it_stood_ends(tmp_path, monkeypatch, stays):
+@pytest.fixture
+def searched(tmp_path):
+    """A search that knows its baseline, with friction and a driver in its library."""
+    campaign = read_campaign(write_small_campaign(tmp_path / "c"))
+    base = fit_baseline(campaign, read_nominal(campaign), progress=quiet)
+    library = {name: load_effects()[name] for name in ("dry-friction", "driver-seat")}
+    search = Search(base.workshop, library, 2, quiet)
+    search.best(base.rung)
+    return search
+
+
+def test_of_two_models_of_a_set_the_better_one_is_known(searched):
+    """A better one forgets what was screened beside the other; one in the same minimum, or a worse
+    one, does not, and what is handed out is the better one, with derivatives."""
+    base = searched.table[BASELINE].rung
+    friction = one_more(searched.workshop, base, searched.effects["dry-friction"], quiet)
+    fitted = friction.fit
+    worse = replace(friction, fit=replace(fitted, cost=1.01 * fitted.cost))
+    ids = ids_of(friction)
+    assert searched.best(worse) is worse
+    searched.table[ids] = replace(searched.table[ids], looked=True)
+    assert searched.best(friction) is friction
+    assert searched.table[ids].rung is friction and not searched.table[ids].looked
+    again = replace(friction, fit=replace(fitted, cost=0.9999 * fitted.cost))
+    searched.table[ids] = replace(searched.table[ids], looked=True)
+    assert searched.best(again) is again  # its derivatives are there
+    assert searched.table[ids].rung is friction and searched.table[ids].looked
+    assert searched.best(worse) is friction
+    bare = replace(friction, fit=fitted.without_derivatives)
+    searched.table[ids] = replace(searched.table[ids], rung=bare)
+    known = searched.best(worse)
+    assert known.fit.has_derivatives and known.fit.cost == pytest.approx(fitted.cost, rel=1e-3)
+
+
+def test_what_an_effect_stands_against_is_read_off_its_neighbours(searched):
+    base = searched.table[BASELINE].rung
+    alone = {k: one_more(searched.workshop, base, e, quiet) for k, e in searched.effects.items()}
+    friction, seat = alone["dry-friction"], alone["driver-seat"]
+    without, rivals = searched.stand(friction, "dry-friction")
+    assert ids_of(without) == BASELINE and rivals == [without]  # no other was tried
+    item = Screened(
+        SimpleNamespace(effect=searched.effects["driver-seat"]), {}, 0, 0, 0, 0, {}, None
+    )
+    candidate = Candidate(item, seat, 0.0, 2, False)
+    searched.table[BASELINE] = replace(searched.table[BASELINE], candidates=(candidate,))
+    assert searched.stand(friction, "dry-friction")[1] == [seat]
+    assert searched.stand(seat, "driver-seat")[1] != [seat]  # none is its own rival
+    both = one_more(searched.workshop, seat, searched.effects["dry-friction"], quiet)
+    assert searched.stand(both, "dry-friction") is None  # nobody has fitted a driver alone
+    searched.best(seat)
+    assert searched.stand(both, "dry-friction")[0].fit is seat.fit
+
+
+def test_a_search_that_comes_back_to_where_it_stood_ends(searched, monkeypatch):
     """Beside what was wrongly chosen a group is found, and each of its members is found idle again,
     alone (as beside a measured damper's law in blind seed 13367: three laws explain together what
     its form leaves, and none of them as much as counts). A second search would find the same, as
-    would an eighth. What could stand for each of two that stay is asked all the same."""
-    campaign = read_campaign(write_small_campaign(tmp_path / "c"))
-    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
-    library = {name: load_effects()[name] for name in (*stays, "dry-friction")}
-    wrong = ladder.fit_with(base, [library[name] for name in stays], lambda text: None)[-1]
-    more = one_more(base.workshop, wrong, library["dry-friction"], lambda text: None)
+    would an eighth."""
+    base = ladder.Baseline(searched.workshop, (), searched.table[BASELINE].rung)
+    wrong = one_more(base.workshop, base.rung, searched.effects["driver-seat"], quiet)
+    more = one_more(base.workshop, wrong, searched.effects["dry-friction"], quiet)
     look_truly, looks, groups = ladder.look_at, [], []
 
-    def look_misled(*arguments):
-        looks.append(look_truly(*arguments))
-        chosen = replace(looks[0].candidates[0], rung=wrong)
-        return replace(looks[-1], chosen=chosen if len(looks) == 1 else None)
+    def look_misled(search, step):
+        seen = look_truly(search, step)
+        looks.append(step.added)
+        chosen = None if step.added else replace(seen.candidates[0], rung=wrong)
+        search.table[ids_of(step.rung)] = replace(seen, chosen=chosen)
 
-    def a_group(workshop, look, *arguments, **named):
-        groups.append(look)
-        return replace(look, chosen=replace(looks[0].candidates[0], rung=more))
+    def a_group(search, found):
+        groups.append(ids_of(found.rung))
+        return more if ids_of(found.rung) else None
 
-    def no_exchange(workshop, rung, *arguments):
-        return Exchange(None, {effect.id: None for effect in rung.model.effects})
-
-    def what_is_known(workshop, steps, first, last, stands, effects):
-        return steps[-1].added, set(stands), last
+    def what_is_known(search, steps):
+        return steps[-1].added, search.table[ids_of(steps[-1].rung)]
 
     monkeypatch.setattr(ladder, "look_at", look_misled)
     monkeypatch.setattr(ladder, "look_for_several", a_group)
-    monkeypatch.setattr(ladder, "without_idle", lambda *arguments: (wrong, {}))
-    monkeypatch.setattr(ladder, "exchange", no_exchange)
+    monkeypatch.setattr(ladder, "without_idle", lambda search, rung: wrong)
     monkeypatch.setattr(ladder, "conclude", what_is_known)
-    added, stands, last = ladder.climb(base, library, max_effects=4, progress=lambda text: None)
-    assert added == stays
-    assert len(groups) == 1
-    assert len(looks) == 2  # what is said of the rest was seen when it stood there first
-    assert [s.error for s in last.screened] == [s.error for s in looks[1].screened] != []
-    assert stands == (set(stays) if len(stays) > 1 else set())
+    added, known = ladder.climb(base, searched.effects, max_effects=4, progress=quiet)
+    assert added == ("driver-seat",)
+    assert groups == [BASELINE, {"driver-seat"}]
+    assert looks == [(), ("driver-seat",)]  # what is said of the rest was seen then
+    assert [s.id for s in known.screened] == ["dry-friction"]
 
 
-def test_a_look_that_could_not_screen_an_effect_says_nothing_of_it():
-    """Of rough ground whose heights follow lines until another effect explains these."""
-    ground = load_effects()["small-scale-roughness"]
-    look = Look(rung(noise(np.random.default_rng(3), 1.0)), (), (), None)
-    alone = SimpleNamespace(model=SimpleNamespace(effects=(ground,)))
-    assert reached(None, look, alone) is look
+def test_where_an_effect_could_not_be_screened_it_says_nothing_of_it(searched):
+    """Of rough ground where no run rolls on a track."""
+    known = searched.table[BASELINE]
+    friction = one_more(searched.workshop, known.rung, searched.effects["dry-friction"], quiet)
+    stood_on_alone(searched, friction)
+    assert searched.table[BASELINE] is known
 
 
 def reachable(thing):
@@ -169,8 +217,8 @@ def columns_kept_by(thing):
 def test_nothing_that_a_remembered_rung_closes_over_holds_derivatives(tmp_path, monkeypatch):
     """They are by far most of a model's memory, and of four effects in 18 runs dozens are tried."""
     campaign = read_campaign(write_small_campaign(tmp_path / "c"))
-    base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)
-    rung = one_more(base.workshop, base.rung, load_effects()["dry-friction"], lambda text: None)
-    monkeypatch.setattr(looking, "enough_held_out", lambda rung: True)
+    base = fit_baseline(campaign, read_nominal(campaign), progress=quiet)
+    rung = one_more(base.workshop, base.rung, load_effects()["dry-friction"], quiet)
+    monkeypatch.setattr(scored, "enough_held_out", lambda rung: True)
     assert columns_kept_by(rung) > 0
-    assert columns_kept_by(looking.remembered(rung)) == 0
+    assert columns_kept_by(scored.remembered(rung)) == 0

@@ -13,8 +13,9 @@ from tests.truth.outside_effects import FrameBending
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose
 from wheelhop.diagnose.score import of_a_law
-from wheelhop.diagnose.search.ladder import _open, fit_with
-from wheelhop.diagnose.search.together import without_idle
+from wheelhop.diagnose.search.ladder import fit_with
+from wheelhop.diagnose.search.scored import Search, ids_of
+from wheelhop.diagnose.search.together import _open, without_idle
 from wheelhop.diagnose.verdict.critic import cramped
 from wheelhop.vehicle import read_nominal
 
@@ -64,7 +65,10 @@ def test_what_a_law_of_another_form_leaves_is_no_second_law(tmp_path):
     base = baseline_of(tmp_path)
     both = fit_with(base, [library["dry-friction"], library["digressive-damper"]], quiet)[-1]
     assert both.error < 0.97 * found.ladder[-1].rung.error
-    left, _ = without_idle(base.workshop, both, base.rung, quiet)
+    search = Search(base.workshop, library, 4, quiet)
+    search.best(base.rung)
+    left = without_idle(search, both)
+    assert search.table[ids_of(left)].rung.fit is left.fit
     assert [effect.id for effect in left.model.effects] == ["dry-friction"]
 
 
@@ -91,7 +95,8 @@ def test_no_group_is_sought_among_laws_that_could_not_hold():
         judging = SimpleNamespace(charged=left, size=1)
         rung = SimpleNamespace(judging=judging, by_laws=100.0)
         library = {name: LIBRARY[name] for name in ("driver-seat", "dry-friction")}
-        assert set(_open(rung, library, workshop)) == others
+        found = _open(Search(workshop, library, 4, quiet), rung)
+        assert {effect.id for effect in found} == others
 
 
 def test_a_frame_that_bends_is_no_driver(tmp_path):

@@ -12,6 +12,7 @@ from wheelhop.diagnose.screen import first_order as screening
 from wheelhop.diagnose.screen.first_order import screen, screen_best, taken_alone, telling
 from wheelhop.diagnose.search import together
 from wheelhop.diagnose.search.ladder import fit_with
+from wheelhop.diagnose.search.scored import Search
 from wheelhop.diagnose.search.together import exchange
 from wheelhop.fit import fit
 
@@ -120,5 +121,5 @@ def test_what_leaves_far_more_to_first_order_is_no_rival(strong_friction, monkey
         return base.rung
 
     monkeypatch.setattr(together, "confirm", confirmed)
-    exchange(base.workshop, friction, {}, [], library, quiet)
+    exchange(Search(base.workshop, library, 4, quiet), friction)
     assert simulated == ["digressive-damper"]

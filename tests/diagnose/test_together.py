@@ -13,8 +13,8 @@ from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import Rung, at_noise, log_odds
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search import ladder, together
-from wheelhop.diagnose.search.look import Candidate, Look
-from wheelhop.diagnose.search.together import look_for_several
+from wheelhop.diagnose.search.scored import BASELINE, Candidate, Scored, Search, ids_of
+from wheelhop.diagnose.search.together import exchange, look_for_several
 
 FEW = ("dry-friction", "progressive-spring", "sensor-mount")
 OTHERS = ("sensor-mount", "progressive-spring", "sensor-gain")
@@ -36,8 +36,8 @@ def quiet(text):
     pass
 
 
-def look_at(folder, library):
-    """The first look, all effects simulated in full, none believed."""
+def searched(folder, library, room):
+    """A search that has simulated all effects in full beside the baseline, none believed."""
     base = baseline_of(folder)
     workshop, rung = base.workshop, base.rung
     screened = screen(workshop, rung.fit, list(library.values()))
@@ -46,7 +46,8 @@ def look_at(folder, library):
         alone = confirm(Incumbent(workshop, rung), item)
         odds = log_odds(rung, alone, workshop.noise)
         candidates.append(Candidate(item, alone, odds, len(library), False))
-    return workshop, Look(rung, tuple(screened), tuple(candidates), None)
+    known = Scored(rung, tuple(screened), tuple(candidates), looked=True)
+    return Search(workshop, library, room, quiet, table={BASELINE: known})
 
 
 @pytest.fixture(scope="module")
@@ -67,9 +68,9 @@ def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
     workshop, friction = base.workshop, ladder.fit_with(base, [library["dry-friction"]], quiet)[-1]
     step = ladder.steps_of(workshop, [base.rung, friction])[-1]
     assert step.above_floor
-    look = ladder.look_at(workshop, step, library, 0, quiet, lambda look: None)
-    assert [s.variant.effect.id for s in look.screened] == ["sensor-mount"]
-    assert look.screened[0].score > 0 and look.candidates == () and look.chosen is None
+    seen = ladder.look_at(Search(workshop, library, 1, quiet), step)
+    assert [s.id for s in seen.screened] == ["sensor-mount"]
+    assert seen.screened[0].score > 0 and seen.candidates == () and seen.chosen is None
 
 
 def test_a_ladder_of_one_rung_names_one_effect(loose):
@@ -82,32 +83,43 @@ def test_a_ladder_of_one_rung_names_one_effect(loose):
 def test_a_loose_sensor_that_magnifies_friction(loose):
     """The mount rings at 19 Hz, where friction excites the axle: without friction in the model no
     mount explains channel A2, and with A2 as it is no friction explains the car."""
-    library = {name: LIBRARY[name] for name in FEW}
-    workshop, look = look_at(loose, library)
-    assert not any(at_noise(c.rung, workshop.noise) for c in look.candidates)
-    found = look_for_several(workshop, look, library, 2, quiet)
-    assert found.chosen is not None
-    assert {found.chosen.id, found.chosen.beside} == set(HIDDEN)
-    assert at_noise(found.chosen.rung, workshop.noise)
-    theta = found.chosen.rung.model.values
+    search = searched(loose, {name: LIBRARY[name] for name in FEW}, 2)
+    known, noise = search.table[BASELINE], search.workshop.noise
+    assert not any(at_noise(c.rung, noise) for c in known.candidates)
+    found = look_for_several(search, known)
+    assert found is not None and at_noise(found, noise)
+    assert ids_of(found) == set(HIDDEN)
+    first, second = search.table[BASELINE].with_together().candidates[:2]
+    assert {first.id, first.beside} == {second.id, second.beside} == set(HIDDEN)
+    theta = found.model.values
     assert theta["sensor-mount.freq_hz"] == pytest.approx(19.2, rel=0.01)
     assert theta["dry-friction.front_N"] == pytest.approx(34.0, rel=0.15)
     assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
 
 
-def test_what_the_last_look_screened_beside_an_effect_is_not_screened_again(loose):
-    """The pair follows from that as well."""
-    library = {name: LIBRARY[name] for name in FEW}
-    workshop, look = look_at(loose, library)
-    first = next(c for c in look.candidates if c.id == "dry-friction")
-    others = [effect for effect in library.values() if effect.id != first.id]
-    last = Look(first.rung, tuple(screen(workshop, first.rung.fit, others)), (), None)
-    for known, asked in ((None, True), (last, False)):
-        told = list[str]()
-        found = look_for_several(workshop, look, library, 2, told.append, last=known)
-        assert ("screening the others beside dry-friction" in told) is asked
-        assert found.chosen is not None
-        assert {found.chosen.id, found.chosen.beside} == set(HIDDEN)
+def test_what_is_known_beside_an_effect_is_not_tried_again(loose, monkeypatch):
+    """The pair follows from that as well, and so does what could stand for the other of the two."""
+    search = searched(loose, {name: LIBRARY[name] for name in FEW}, 2)
+    known, told, asked = search.table[BASELINE], list[str](), []
+    first = known.candidate("dry-friction").rung
+    others = [effect for effect in search.effects.values() if effect.id != "dry-friction"]
+    screened = screen(search.workshop, first.fit, others)
+    beside = Incumbent(search.workshop, first)
+    pairs = [Candidate(item, confirm(beside, item), 0.0, 2, False) for item in screened]
+
+    def confirmed(incumbent, item, beside):
+        asked.append(ids_of(incumbent.rung))
+        return confirm(incumbent, item, beside)
+
+    monkeypatch.setattr(together, "confirm", confirmed)
+    search = replace(search, progress=told.append)
+    search.table[ids_of(first)] = Scored(first, tuple(screened), tuple(pairs), looked=True)
+    found = look_for_several(search, known)
+    assert found is not None and ids_of(found) == set(HIDDEN)
+    exchange(search, found)
+    assert "screening the others beside dry-friction" not in told
+    assert "could another effect stand for sensor-mount?" not in told
+    assert {"dry-friction"} not in asked and {"sensor-mount"} in asked
 
 
 @pytest.mark.parametrize(("share", "simulated"), [(0.07, []), (0.14, ["spring"])])
@@ -115,14 +127,16 @@ def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simul
     """Of a cost of 1000 above the noise, to first order."""
     effects = {name: SimpleNamespace(id=name, place="body") for name in ("seat", "gain", "spring")}
     variant = SimpleNamespace(effect=effects["spring"], parameters=())
-    spring = SimpleNamespace(variant=variant, gain=1000.0 * share, score=1.0, freedom=1.0)
+    spring = SimpleNamespace(
+        id="spring", variant=variant, gain=1000.0 * share, score=1.0, freedom=1.0
+    )
     fitted = SimpleNamespace(cost=6000.0, size=5000, evidence=0.0)
     model = SimpleNamespace(effects=[effects["seat"], effects["gain"]])
-    group = together._Group((), SimpleNamespace(fit=fitted, model=model))
+    group = SimpleNamespace(fit=fitted, model=model)
     tried = []
 
     def confirm(incumbent, screened, beside):
-        tried.append(screened.variant.effect.id)
+        tried.append(screened.id)
         return incumbent.rung
 
     monkeypatch.setattr(together, "screen_best", lambda workshop, base, others: [spring])
@@ -130,7 +144,8 @@ def test_a_group_grows_where_one_more_takes_a_tenth_of_what_is_left(share, simul
     monkeypatch.setattr(confirming, "least_gain", lambda workshop, rung: 0.0)
     for name in ("unforeseen", "noticeable", "all_noise"):
         monkeypatch.setattr(confirming, name, lambda rung, noise: False)
-    grown = together._grown(SimpleNamespace(noise=1.0), group, effects, (), quiet)
+    search = Search(SimpleNamespace(noise=1.0), effects, 4, quiet)
+    grown = together._grown(search, group, list(effects.values()))
     assert tried == simulated and grown is None  # none makes it likelier
 
 
@@ -143,7 +158,7 @@ def pairs(monkeypatch, *, takes, gain, room, noise=1.0, heights=None):
 
     def spring(gain):
         variant = SimpleNamespace(effect=SPRING, parameters=())
-        return SimpleNamespace(variant=variant, gain=gain, score=1.0, error=1.0)
+        return SimpleNamespace(id="spring", variant=variant, gain=gain, score=1.0, error=1.0)
 
     def rung(cost, evidence, heights=None):
         fitted = SimpleNamespace(cost=cost, size=5000, evidence=evidence)
@@ -157,13 +172,12 @@ def pairs(monkeypatch, *, takes, gain, room, noise=1.0, heights=None):
     told = []
     monkeypatch.setattr(together, "screen_best", screened_anew)
     monkeypatch.setattr(together, "least_gain", lambda workshop, rung: 10.0)
-    seat = SimpleNamespace(variant=SimpleNamespace(effect=SEAT))
+    seat = SimpleNamespace(id="seat", variant=SimpleNamespace(effect=SEAT))
     first = Candidate(seat, rung(6000.0 - takes, 1.0, heights), 0.0, 2, False)
-    look = Look(rung(6000.0, 0.0), (seat, spring(gain / 2)), (first,), None)
-    library = {"seat": SEAT, "spring": SPRING}
-    workshop = SimpleNamespace(noise=noise)
-    found = list(together._promising(workshop, look, library, room, quiet))
-    return [(first.id, second.variant.effect.id, second.gain) for first, second in found], told
+    known = Scored(rung(6000.0, 0.0), (seat, spring(gain / 2)), (first,), looked=True)
+    search = Search(SimpleNamespace(noise=noise), {"seat": SEAT, "spring": SPRING}, room, quiet)
+    found = list(together._promising(search, known, [SEAT, SPRING]))
+    return [(first.id, second.id, second.gain) for first, second in found], told
 
 
 @pytest.mark.parametrize(
@@ -199,12 +213,13 @@ def test_numbers_free_in_every_run_do_not_choose_the_group(monkeypatch):
     monkeypatch.setattr(together, "refit", lambda workshop, rung: rung)
 
     def group(name, fitted, held_out):
-        rung = Rung(SimpleNamespace(evidence=fitted), SimpleNamespace(evidence=held_out))
-        effect = SimpleNamespace(id=name)
-        return together._Group((SimpleNamespace(variant=SimpleNamespace(effect=effect)),), rung)
+        model = SimpleNamespace(effects=[SimpleNamespace(id=name)], runs={}, heights={}, values={})
+        held_out = SimpleNamespace(evidence=held_out, model=model)
+        return Rung(SimpleNamespace(evidence=fitted, model=model), held_out)
 
     found = [group("engine-vibration", 56216, 20378), group("mount-bushing", 55250, 22323)]
-    assert together._fitted(None, found, (), quiet).ids == ["mount-bushing"]
+    search = Search(SimpleNamespace(noise=1.0), {}, 4, quiet)
+    assert ids_of(together._fitted(search, found)) == {"mount-bushing"}
 
 
 @pytest.mark.slow
@@ -219,13 +234,11 @@ def test_four_of_which_none_is_seen_alone(tmp_path):
         short=True,
     )
     library = {name: LIBRARY[name] for name in (*FIELD, "progressive-tyre")}
-    workshop, look = look_at(folder, library)
-    lifting = next(c for c in look.candidates if c.id == "tyre-lift-off")
-    assert not lifting.holds
-    found = look_for_several(workshop, look, library, 4, quiet)
-    assert found.chosen is not None
-    assert {found.chosen.id, *found.chosen.beside.split(", ")} == set(FIELD)
-    assert at_noise(found.chosen.rung, workshop.noise)
+    search = searched(folder, library, 4)
+    assert not search.table[BASELINE].candidate("tyre-lift-off").holds
+    found = look_for_several(search, search.table[BASELINE])
+    assert found is not None and ids_of(found) == set(FIELD)
+    assert at_noise(found, search.workshop.noise)
 
 
 @pytest.mark.slow
@@ -247,15 +260,18 @@ def test_no_pair_stands_in_for_what_is_not_in_the_library(loose):
     """Without friction to be had, a mount and a wrong gain are likeliest of what is left, and
     significantly: they do not explain nearly all, so that they are not believed. Beside them a
     spring would explain next to nothing, and is not even simulated."""
-    library = {name: LIBRARY[name] for name in OTHERS}
-    workshop, look = look_at(loose, library)
     told = []
-    assert look_for_several(workshop, look, library, 3, told.append) is look
+    search = searched(loose, {name: LIBRARY[name] for name in OTHERS}, 3)
+    search = replace(search, progress=told.append)
+    known = search.table[BASELINE]
+    assert look_for_several(search, known) is None
+    assert search.table[BASELINE].together == ()
     assert told[-1] == "screening the others beside sensor-gain and sensor-mount"
-    # Where the search has been with the two, it does not begin to fit them again.
+    # Where the ladder has stood on the two, it does not begin to fit them again.
     told.clear()
-    visited = [frozenset(("sensor-gain", "sensor-mount"))]
-    assert look_for_several(workshop, look, library, 3, told.append, visited) is look
+    both = frozenset(("sensor-gain", "sensor-mount"))
+    search.table[both] = replace(search.table[both], looked=True)
+    assert look_for_several(search, known) is None
     assert told[-1].startswith("simulating")
 
 
@@ -264,12 +280,12 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
     """A progressive spring, taken for what friction and the loose sensor explain together, beside
     which nothing holds: both are found where the search began, and the spring is dropped."""
     library = {name: LIBRARY[name] for name in FEW}
-    look_truly, looks = ladder.look_at, []
+    look_truly = ladder.look_at
 
-    def look_misled(*arguments):
-        looks.append(look_truly(*arguments))
-        springs = (c for c in looks[0].candidates if c.id == "progressive-spring")
-        return replace(looks[-1], chosen=next(springs) if len(looks) == 1 else None)
+    def look_misled(search, step):
+        seen = look_truly(search, step)
+        spring = None if step.added else seen.candidate("progressive-spring")
+        search.table[ids_of(step.rung)] = replace(seen, chosen=spring)
 
     monkeypatch.setattr(ladder, "look_at", look_misled)
     diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
@@ -297,15 +313,15 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
     """Friction is chosen, then friction with a mount, then the mount found idle: what the first
     look said of each by itself is what is reported, and friction is not its own rival."""
     library = {name: LIBRARY[name] for name in FEW}
-    look_truly, looks = ladder.look_at, []
+    look_truly = ladder.look_at
 
-    def friction_first(*arguments):
-        looks.append(look_truly(*arguments))
-        found = (c for c in looks[0].candidates if c.id == "dry-friction")
-        return replace(looks[-1], chosen=next(found) if len(looks) == 1 else None)
+    def friction_first(search, step):
+        seen = look_truly(search, step)
+        friction = None if step.added else seen.candidate("dry-friction")
+        search.table[ids_of(step.rung)] = replace(seen, chosen=friction)
 
-    def mount_is_idle(workshop, rung, baseline, progress):
-        return next(c for c in looks[0].candidates if c.id == "dry-friction").rung, {}
+    def mount_is_idle(search, rung):
+        return search.table[BASELINE].candidate("dry-friction").rung
 
     monkeypatch.setattr(ladder, "look_at", friction_first)
     monkeypatch.setattr(ladder, "without_idle", mount_is_idle)

@@ -6,7 +6,7 @@ from tests.component import rig
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.screen.first_order import screen, taken_alone
-from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.search.scored import Scored
 from wheelhop.diagnose.verdict.limits import limits
 from wheelhop.law.first_order import screen_places
 from wheelhop.law.formula import Formula
@@ -53,5 +53,5 @@ def test_what_no_run_shows_is_no_limit(tmp_path):
     far = Term("stop", stop, (9.0, 1.0), "stop beyond 9 m", "")
     effect = Formula(Where("component", "strut", (0,)), [far])
     screened = screen(base.workshop, base.rung.fit, [effect])
-    (limit,) = limits(Look(base.rung, tuple(screened), (), None), ())
+    (limit,) = limits(Scored(base.rung, tuple(screened)), ())
     assert not limit.shown and not limit.amplitudes

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from math import exp, inf, log, tanh
 
 import numpy as np
@@ -10,18 +11,8 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from wheelhop.diagnose.diagnosis import UNLIKELY, Grounds, Step
-from wheelhop.diagnose.score import (
-    EXACT,
-    Rung,
-    by_chance,
-    excess,
-    lead,
-    left,
-    log_odds,
-    p_value,
-)
-from wheelhop.diagnose.search.look import Look
-from wheelhop.diagnose.search.together import Stand
+from wheelhop.diagnose.score import EXACT, Rung, by_chance, excess, lead, left, log_odds, p_value
+from wheelhop.diagnose.search.scored import Scored
 from wheelhop.fit import louder
 
 Array = NDArray[np.float64]
@@ -56,63 +47,41 @@ much, "none" is as sure as it can be."""
 def grounds(
     verdict: Sequence[str],
     steps: Sequence[Step],
-    first: Look,
-    last: Look,
-    stands: Mapping[str, Stand],
+    last: Scored,
+    stand: tuple[Rung, Sequence[Rung]] | None,
+    tried: int,
     noise: float,
 ) -> Grounds:
-    """What the verdict's first entry stands on.
-
-    A single effect is held against its rivals at the first look; one of several, against those in
-    its place beside the others: while these are missing, little can be said of it.
-    """
-    over, baseline = steps[-1].over_floor, steps[0].over_floor
-    expected = steps[-1].expected / steps[-1].floor
-    at_floor = "unknown" not in verdict
+    """What the verdict's first entry stands on: what is left, and, if it is one of so many effects
+    `tried`, what it was held against (`Search.stand`)."""
+    at_floor, final = "unknown" not in verdict, steps[-1].rung
     floor = steps[-1].comparison.floor
     # The noise that a campaign states is taken at its word, unless what is more looks like noise.
     tolerance = 0.0 if floor.is_stated else floor.tolerance
-    chance = by_chance(steps[-1].rung, noise, tolerance, steps[-1].allowed)
+    chance = by_chance(final, noise, tolerance, steps[-1].allowed)
     more_noise = noisier(steps[-1], noise)
-    louder_so = chance < UNLIKELY <= more_noise
-    chance = max(chance, more_noise)
-    accepted = next((c for c in first.candidates if c.id == verdict[0]), None)
-    if verdict[0] in stands:
-        final, stand = steps[-1].rung, stands[verdict[0]]
-        against = p_value(log_odds(stand.without, final, noise), len(first.screened))
-        rivals, base = [stand.rival], stand.without
-    elif accepted is not None:
-        final, against = accepted.rung, accepted.p
-        rivals = [c.rung for c in first.candidates if c.rung is not accepted.rung]
-        base = first.rung
-    else:
-        closest = min((c.p for c in last.candidates), default=1.0)
-        return Grounds(
-            inf,
-            inf,
-            1.0,
-            closest,
-            over,
-            baseline,
-            chance,
-            louder=louder_so,
-            expected_over_floor=expected,
-        )
+    found = Grounds(
+        log_odds=inf,
+        lead=inf,
+        stability=1.0,
+        p_value=min((c.p for c in last.candidates), default=1.0),
+        over_floor=steps[-1].over_floor,
+        baseline_over_floor=steps[0].over_floor,
+        by_chance=max(chance, more_noise),
+        louder=chance < UNLIKELY <= more_noise,
+        expected_over_floor=steps[-1].expected / steps[-1].floor,
+    )
+    if stand is None:
+        return found
+    base, rivals = stand
     # A rival may be worse than nothing.
     best = min([*rivals, base], key=lambda r: lead(final, r))
-    margin = min((_odds(rival, final, at_floor) for rival in rivals), default=inf)
-    stability = _stability(best, final)
-    leads = lead(final, best)
-    return Grounds(
-        margin,
-        leads,
-        stability,
-        against,
-        over,
-        baseline,
-        chance,
-        louder=louder_so,
-        expected_over_floor=expected,
+    return replace(
+        found,
+        log_odds=min((_odds(rival, final, at_floor) for rival in rivals), default=inf),
+        lead=lead(final, best),
+        stability=_stability(best, final),
+        p_value=p_value(log_odds(base, final, noise), tried),
     )
 
 

@@ -166,9 +166,7 @@ def _named(incumbent: Incumbent, rivals: Sequence[Effect], progress: Progress) -
         screened = screened[:NAMED_ON_RIG]
     else:
         screened = [*screened[:1], *(replace(s, others=()) for s in screened[1:NAMED])]
-    return _best_first(
-        Rival(s.variant.effect.id, s.variant.effect.title, confirm(incumbent, s)) for s in screened
-    )
+    return _best_first(Rival(s.id, s.variant.effect.title, confirm(incumbent, s)) for s in screened)
 
 
 def _best_first(rivals: Iterable[Rival]) -> list[Rival]:

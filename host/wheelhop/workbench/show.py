@@ -12,7 +12,7 @@ from wheelhop.campaign import Campaign
 from wheelhop.compare import Record, describe
 from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
 from wheelhop.diagnose.screen.first_order import Screened
-from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.search.scored import Scored
 from wheelhop.diagnose.verdict.ranking import Angles, ranked_so_far
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
@@ -127,19 +127,19 @@ def _signals(record: Record, position_m: Array | None) -> shown.Signals:
     )
 
 
-def ranking(workshop: Workshop, look: Look, traced: Traced) -> shown.Ranking:
-    """What a look has found by now; signatures come once, `traced` keeps which did."""
-    ranked = ranked_so_far(look, Angles(look.rung.fit, look.screened, look.candidates))
-    beside = tuple(effect.id for effect in look.rung.model.effects)
-    fit = look.rung.fit
+def ranking(workshop: Workshop, scored: Scored, traced: Traced) -> shown.Ranking:
+    """What is known beside a set by now; signatures come once, `traced` keeps which did."""
+    ranked = ranked_so_far(scored, Angles(scored.rung.fit, scored.screened, scored.candidates))
+    beside = tuple(effect.id for effect in scored.rung.model.effects)
+    fit = scored.rung.fit
     traces = {}
-    for screened in look.screened:
-        name = screened.variant.effect.id
+    for screened in scored.screened:
+        name = screened.id
         if (beside, name) not in traced and _shows(screened):
             traces[name] = _trace(workshop, fit, screened)
             traced.add((beside, name))
     rows = tuple(_row(item) for item in ranked)
-    if look.chosen is None:  # nothing is settled yet
+    if scored.chosen is None:  # nothing is settled yet
         rows = tuple(replace(row, reason=OPEN) if row.confirmed is None else row for row in rows)
     return shown.Ranking(beside, rows, traces)
 

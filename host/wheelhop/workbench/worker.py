@@ -148,7 +148,7 @@ class Worker:
             base,
             work.library,
             progress=self._progress,
-            watch=lambda look: self._say(show.ranking(base.workshop, look, traced)),
+            watch=lambda scored: self._say(show.ranking(base.workshop, scored, traced)),
         )
         work.linearity = work.diagnosis.axle_to_body or work.linearity
         for step in work.diagnosis.ladder:

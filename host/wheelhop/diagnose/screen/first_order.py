@@ -167,6 +167,11 @@ class Screened:
     others: tuple[Screened, ...] = ()
 
     @property
+    def id(self) -> str:
+        """The effect's id."""
+        return self.variant.effect.id
+
+    @property
     def score(self) -> float:
         """Half of the gain less the price of its parameters: a logarithm of evidence."""
         return 0.5 * (self.gain - self.price)
@@ -188,7 +193,7 @@ def screen_best(workshop: Workshop, base: Fit, effects: Sequence[Effect]) -> lis
     if effects and not all_noise(base, workshop.noise):
         found = _screened(workshop, replace(base, runs=telling(base)), effects, forms)
         best = max((s.gain for s in found), default=0.0)
-        kept = {s.variant.effect.id for s in found if s.gain >= best / 2 or s.freedom == 0}
+        kept = {s.id for s in found if s.gain >= best / 2 or s.freedom == 0}
         effects = [effect for effect in effects if effect.id in kept]
     return _screened(workshop, base, effects, forms)
 

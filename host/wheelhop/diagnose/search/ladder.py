@@ -14,7 +14,7 @@ from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_base
 from wheelhop.diagnose.confirm.in_full import confirm, refit
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Diagnosis, Step
-from wheelhop.diagnose.score import Rung, holds_against, log_odds, nearly_all, of_a_law, power
+from wheelhop.diagnose.score import Rung, nearly_all
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search.forgets import (
     FORGETS,
@@ -24,16 +24,22 @@ from wheelhop.diagnose.search.forgets import (
     without_runs,
 )
 from wheelhop.diagnose.search.look import (
-    Look,
-    Watch,
     look_at,
     on_one_floor,
-    reached,
     step_of,
     steps_of,
+    stood_on_alone,
     with_step,
 )
-from wheelhop.diagnose.search.together import Stand, exchange, look_for_several, without_idle
+from wheelhop.diagnose.search.scored import (
+    BASELINE,
+    Scored,
+    Search,
+    Watch,
+    ids_of,
+    with_derivatives,
+)
+from wheelhop.diagnose.search.together import exchange, look_for_several, without_idle
 from wheelhop.diagnose.verdict.conclude import conclude
 from wheelhop.diagnose.verdict.critic import criticism, refuted, upheld
 from wheelhop.diagnose.verdict.ranking import why_not
@@ -118,7 +124,7 @@ def diagnose_from(
     *,
     max_effects: int = 4,
     progress: Progress = lambda text: None,
-    watch: Watch = lambda look: None,
+    watch: Watch = lambda scored: None,
 ) -> Diagnosis:
     """The same from what the gate let through and a baseline that was fitted to it.
 
@@ -146,86 +152,56 @@ def climb(
     *,
     max_effects: int,
     progress: Progress,
-    watch: Watch = lambda look: None,
+    watch: Watch = lambda scored: None,
 ) -> Diagnosis:
     """The diagnosis, from a fitted baseline on."""
-    workshop, rung = base.workshop, base.rung
-    steps = [step_of(workshop, rung)]
-    look = look_at(workshop, steps[0], effects, max_effects, progress, watch)
-    first = origin = look
-    tried = [look.remembered()]
-    alone = look.chosen is not None
-    shorter: Mapping[str, Rung] = {}
-    stands: Mapping[str, Stand] = {}
-    most = max_effects
+    workshop, search = base.workshop, Search(base.workshop, effects, max_effects, progress, watch)
+    steps = [step_of(workshop, base.rung)]
+    look_at(search, steps[0])
     for _ in range(2 * max_effects):
-        room = most - len(rung.model.effects)
-        better = look.chosen.rung if look.chosen is not None and room > 0 else None
-        if better is None and len(rung.model.effects) > 1:
-            exchanged = exchange(workshop, rung, shorter, tried, effects, progress)
-            stands, better = exchanged.stands, exchanged.rung
-        part = max_effects > 1 and not nearly_all(first.rung, rung, workshop.noise)
-        if better is None and alone and part and steps[-1].above_floor:
-            # The first may have been taken for what only several explain: it takes a place.
-            alone = False
-            visited = [frozenset(e.id for e in k.rung.model.effects) for k in tried]
-            anew = look_for_several(
-                workshop, first, effects, max_effects, progress, visited, last=look
-            )
-            group = anew.chosen.rung if anew.chosen is not None else rung
-            if anew is not first and Incumbent(workshop, rung).gives_way_to(group):
-                origin, better, steps = anew, group, steps[:1]
-        if better is None and room > 1 and steps[-1].above_floor:
-            look = look_for_several(workshop, look, _open(rung, effects, workshop), room, progress)
-            first = origin = look if len(steps) == 1 else first
-            better = look.chosen.rung if look.chosen is not None else None
+        better, below = _better(search, steps)
         if better is None:
             break
-        look = tried[-1]  # the same, in less memory
-        (rung, shorter), stands = without_idle(workshop, better, steps[0].rung, progress), {}
-        # If a group comes down to what was chosen first, the first look said how that stands alone.
-        if first.chosen is None or [e.id for e in rung.model.effects] != [first.chosen.id]:
-            first = origin
-        if len(rung.model.effects) == 1:
-            first = reached(workshop, first, rung)
-        origin = first
-        rung = beginning_allowed_for(workshop, rung)
+        search.settle()
+        rung = beginning_allowed_for(workshop, without_idle(search, search.best(better)))
         step = step_of(workshop, rung, steps[0])
-        steps = with_step(steps, step)
+        steps = with_step(below, step)
         bounced = never_forgotten(workshop, rung)
         if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
-            look = Look(rung, (), (), None)
+            search.table[ids_of(rung)] = Scored(rung)
             break
-        then = _came_back(workshop, rung, tried)
-        if then is not None:  # nothing more is added
-            most, alone = len(rung.model.effects), False
-            look = replace(then, rung=rung, candidates=(), chosen=None)
+        if len(rung.model.effects) == 1:
+            stood_on_alone(search, rung)
+        known = search.table.get(ids_of(rung))
+        if known is not None and known.looked:
+            # It came back, no better: another look would lead to what was just found idle.
+            search.table[ids_of(rung)] = replace(known, rung=rung, chosen=None, together=())
         else:
-            room = most - len(rung.model.effects)
-            look = look_at(workshop, step, effects, room, progress, watch)
-        tried.append(look.remembered())
-    return conclude(
-        workshop, on_one_floor(workshop, steps), first, look, stands, list(effects.values())
-    )
+            look_at(search, step)
+    return conclude(search, on_one_floor(workshop, steps))
 
 
-def _came_back(workshop: Workshop, rung: Rung, looks: Sequence[Look]) -> Look | None:
-    """The look of when the ladder stood on these effects before, and no worse: all that a group
-    added is not needed, one by one. Another look would find the same group."""
-    names, noise = {e.id for e in rung.model.effects}, workshop.noise
-    for look in looks:
-        if {e.id for e in look.rung.model.effects} == names:
-            base = Incumbent(workshop, look.rung).against(rung)
-            if not holds_against(base, rung, log_odds(base, rung, noise), 1, noise):
-                return look
-    return None
-
-
-def _open(rung: Rung, effects: Mapping[str, Effect], workshop: Workshop) -> dict[str, Effect]:
-    """The effects of which a group may hold beside what a rung has: not another law of the struts
-    where all that is left is no more than what its own may leave."""
-    settled = of_a_law(power(rung) - workshop.noise**2, rung.by_laws)
-    return {name: e for name, e in effects.items() if not (settled and e.on_rig)}
+def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequence[Step]]:
+    """The next better model, and the ladder it goes on from; None if there is none. One more effect
+    comes first, then another in the place of one, then several."""
+    rung, workshop = steps[-1].rung, search.workshop
+    here, origin = search.table[ids_of(rung)], search.table[BASELINE]
+    room = search.room(rung)
+    if here.chosen is not None and room > 0:
+        return here.chosen.rung, steps
+    better = exchange(search, rung) if len(rung.model.effects) > 1 else None
+    if better is not None or not steps[-1].above_floor:
+        return better, steps
+    part = search.max_effects > 1 and not nearly_all(origin.rung, rung, workshop.noise)
+    if here is not origin and origin.together is None and part:
+        # The first may have been taken for what only several explain: it takes a place.
+        group = look_for_several(search, origin)
+        if group is not None and Incumbent(workshop, rung).gives_way_to(group):
+            return group, steps[:1]
+        search.table[BASELINE] = replace(origin, together=())
+    if room > 1 and here.together is None:
+        better = look_for_several(search, here)
+    return better, steps
 
 
 def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> list[Rung]:
@@ -251,8 +227,7 @@ def one_more(workshop: Workshop, rung: Rung, effect: Effect, progress: Progress)
     CampaignError
         The effect does not apply to this campaign.
     """
-    if not rung.fit.has_derivatives:  # of a ladder that went on from there
-        rung = refit(workshop, rung)
+    rung = with_derivatives(workshop, rung)  # of a ladder that went on from there
     progress(f"screening {effect.id}")
     screened = screen(workshop, rung.fit, [effect])
     if not screened:

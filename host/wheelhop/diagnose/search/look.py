@@ -3,8 +3,8 @@ rungs of the ladder that looks lead up."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from math import hypot, inf
 
 from wheelhop.diagnose.baseline import Progress, comparison_of
@@ -19,96 +19,23 @@ from wheelhop.diagnose.score import (
     Rung,
     at_noise,
     best_first,
-    enough_held_out,
     holds_against,
     log_odds,
     nearly_all,
     noticeable,
     of_a_law,
-    p_value,
     power,
     worth_seeking,
 )
 from wheelhop.diagnose.screen.first_order import Screened, screen
-from wheelhop.effects import Effect, OwnValues, form_of
+from wheelhop.diagnose.search.scored import BASELINE, Candidate, Scored, Search, ids_of, remembered
+from wheelhop.effects import Effect, OwnValues
 from wheelhop.fit import Workshop
 from wheelhop.simulate import Model
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """An effect simulated in full: its log-odds over the rung's model on held-out runs, of how many
-    effects tried it is one, and whether that is significant and material; and beside which other
-    effect, if that was needed for it to show."""
-
-    screened: Screened
-    rung: Rung
-    log_odds: float
-    tried: int
-    holds: bool
-    beside: str = ""
-
-    @property
-    def id(self) -> str:
-        """The effect's id."""
-        return self.screened.variant.effect.id
-
-    @property
-    def effect(self) -> Effect:
-        """The effect in the form that the full simulation came to."""
-        return next(e for e in self.rung.model.effects if e.id == self.id)
-
-    @property
-    def form(self) -> str:
-        """The name of that form."""
-        return form_of(self.effect, self.rung.fit.runs[0].bench.simulator.campaign.channels)
-
-    @property
-    def p(self) -> float:
-        """Chance that any of the effects tried does so well without being there."""
-        return p_value(self.log_odds, self.tried)
-
-
-@dataclass(frozen=True, eq=False)
-class Look:
-    """What one look at a rung's residual found: all effects screened, those simulated in full
-    (the chosen one first), and the one to accept, or none."""
-
-    rung: Rung
-    screened: tuple[Screened, ...]
-    candidates: tuple[Candidate, ...]
-    chosen: Candidate | None
-
-    def remembered(self) -> Look:
-        """The look as later ones ask for it: how well each effect did, without signatures, which
-        serve but once."""
-        screened = tuple(replace(s, contribution={}) for s in self.screened)
-        candidates = tuple(
-            replace(c, screened=replace(c.screened, contribution={}), rung=remembered(c.rung))
-            for c in self.candidates
-        )
-        rung = remembered(self.rung)
-        return replace(self, rung=rung, screened=screened, candidates=candidates)
-
-
-Watch = Callable[[Look], None]
 
 LAST_RESORT = 3
 """Where none holds and something is left, so many effects, those that the fitted runs favour, are
 fitted in full; so many more are simulated for that where there is none in the model yet."""
-
-
-def remembered(rung: Rung) -> Rung:
-    """A rung that is no more than held against others: without derivatives, by far most of it,
-    where enough runs are held out to judge without."""
-    if not enough_held_out(rung):
-        return rung
-    return replace(
-        rung,
-        fit=rung.fit.without_derivatives,
-        validation=rung.validation and rung.validation.without_derivatives,
-        update=rung.update and rung.update.without_derivatives,
-    )
 
 
 def step_of(workshop: Workshop, rung: Rung, baseline: Step | None = None) -> Step:
@@ -154,7 +81,7 @@ def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:
     return found
 
 
-def beside_other_laws(step: Step, look: Look) -> Step:
+def beside_other_laws(step: Step, scored: Scored) -> Step:
     """The step, its intervals as wide as what else was tried makes of each number.
 
     An effect that makes the runs fitted and those held out likelier, and yet does not hold, is one
@@ -164,18 +91,15 @@ def beside_other_laws(step: Step, look: Look) -> Step:
     rung = step.rung
     others = [
         c.rung.model.values
-        for c in look.candidates
-        if look.rung is rung
+        for c in scored.candidates
+        if scored.rung is rung
         and c.rung.evidence > rung.evidence
         and c.rung.error_judging < rung.error_judging
     ]
-    parameters = {
-        name: (
-            value,
-            hypot(sd, max((abs(o.get(name, value) - value) for o in others), default=0.0)),
-        )
-        for name, (value, sd) in step.parameters.items()
-    }
+    parameters = {}
+    for name, (value, sd) in step.parameters.items():
+        moved = max((abs(other.get(name, value) - value) for other in others), default=0.0)
+        parameters[name] = value, hypot(sd, moved)
     return replace(step, parameters=parameters)
 
 
@@ -200,49 +124,43 @@ def _run_by_run(rung: Rung, effect: Effect) -> list[OwnValues]:
     return found
 
 
-def look_at(
-    workshop: Workshop,
-    step: Step,
-    effects: Mapping[str, Effect],
-    room: int,
-    progress: Progress,
-    watch: Watch,
-) -> Look:
+def look_at(search: Search, step: Step) -> Scored:
     """Screen what is not in the model yet, simulate the best in full, choose one or none. Nothing
     is simulated where the model has no room for more."""
-    rung = step.rung
+    found = search.table[ids_of(step.rung)] = _looked(search, step)
+    return found
+
+
+def _looked(search: Search, step: Step) -> Scored:
+    rung, workshop = step.rung, search.workshop
     done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
     if done and not step.above_floor:
-        return Look(rung, (), (), None)
-    present = {effect.id for effect in rung.model.effects}
-    left = [effect for effect in effects.values() if effect.id not in present]
-    progress(f"screening {len(left)} effects")
-    screened = screen(workshop, rung.fit, left)
-    if done or (rung.model.effects and not room):  # to be described, not explained
-        return Look(rung, tuple(screened), (), None)
+        return Scored(rung, looked=True)
+    present = ids_of(rung)
+    left = [effect for effect in search.effects.values() if effect.id not in present]
+    search.progress(f"screening {len(left)} effects")
+    scored = Scored(rung, tuple(screen(workshop, rung.fit, left)), looked=True)
+    if done or (present and len(present) >= search.max_effects):  # described, not explained
+        return scored
+    search.watch(scored)
     incumbent = Incumbent(workshop, rung)
-    watch(Look(rung, tuple(screened), (), None))
-    candidates = _confirm_best(incumbent, screened, step.above_floor, progress, watch)
-    candidates = _refit_leaders(incumbent, candidates, step.above_floor, progress)
+    candidates = _confirm_best(search, incumbent, scored, step.above_floor)
+    candidates = _refit_leaders(incumbent, candidates, step.above_floor, search.progress)
     chosen = next((c for c in candidates if c.holds), None)
-    look = Look(rung, tuple(screened), tuple(candidates), chosen)
-    watch(look)
-    return look
+    scored = replace(scored, candidates=tuple(candidates), chosen=chosen)
+    search.watch(scored)
+    return scored
 
 
 def _confirm_best(
-    incumbent: Incumbent,
-    screened: Sequence[Screened],
-    above_floor: bool,
-    progress: Progress,
-    watch: Watch,
+    search: Search, incumbent: Incumbent, scored: Scored, above_floor: bool
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first. Once one explains nearly all,
     only what screening puts beside it is a rival. Where none holds and the baseline leaves
     something, a few more are simulated that first order, a tangent, thinks little of; where none of
     these does, a few that may be too strong for it. What a law of the right name leaves of another
     form is no reason for that."""
-    workshop, rung = incumbent.workshop, incumbent.rung
+    workshop, rung, screened = incumbent.workshop, incumbent.rung, scored.screened
 
     def enough(found: Rung) -> bool:
         return at_noise(found, workshop.noise) or nearly_all(rung, found, workshop.noise)
@@ -252,18 +170,16 @@ def _confirm_best(
     found: list[Candidate] = []
 
     def simulate(item: Screened, which: str, start: Model | None = None) -> None:
-        progress(f"simulating {item.variant.effect.id} ({which})")
+        search.progress(f"simulating {item.id} ({which})")
         beside = [c.rung for c in found]
         if start is None:
             confirmed = confirm(incumbent, item, beside)
         else:
             confirmed = confirm_strong(incumbent, start, beside)
-        judged = _judged(incumbent, item, confirmed, len(screened))
-        likelier = [
-            c for c in found if c.id == judged.id and c.rung.evidence > judged.rung.evidence
-        ]
-        found[:] = [c for c in found if c.id != judged.id] + (likelier or [judged])
-        watch(Look(rung, tuple(screened), tuple(_best_first(found, workshop.noise)), None))
+        new = judged(incumbent, item, confirmed, len(screened))
+        likelier = [c for c in found if c.id == new.id and c.rung.evidence > new.rung.evidence]
+        found[:] = [c for c in found if c.id != new.id] + (likelier or [new])
+        search.watch(replace(scored, candidates=tuple(_best_first(found, workshop.noise))))
 
     for i, item in enumerate(chosen):
         if item in rivals or not any(c.holds and enough(c.rung) for c in found):
@@ -309,7 +225,7 @@ def _refit_leaders(
         leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
         if worth and leads and not at_noise(better, workshop.noise):
             better = best_form(incumbent, leader.screened, better)
-        refitted.append(_judged(incumbent, leader.screened, better, leader.tried))
+        refitted.append(judged(incumbent, leader.screened, better, leader.tried))
     others = [c for c in candidates if c.id not in {leader.id for leader in leaders}]
     return _best_first(refitted, workshop.noise) + others
 
@@ -320,7 +236,8 @@ def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate
     return sorted(candidates, key=lambda c: (not c.holds, place[id(c.rung)]))
 
 
-def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -> Candidate:
+def judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -> Candidate:
+    """The effect that a rival has and the incumbent has not, one of so many tried."""
     base, noise = incumbent.against(rival), incumbent.workshop.noise
     odds = log_odds(base, rival, noise)
     effect, dropped = screened.variant.effect, power(base) - power(rival)
@@ -332,15 +249,19 @@ def _judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) -
     return Candidate(screened, rival, odds, tried, likely and not contradicted(rival, effect))
 
 
-def reached(workshop: Workshop, look: Look, rung: Rung) -> Look:
-    """The look with the rung of a single effect that the ladder came to, chosen, in place of where
-    a fit with that effect ended then: the way to a minimum may lead over another effect, which in
-    the end is not needed."""
-    (effect,) = rung.model.effects
-    then = next((c for c in look.candidates if c.id == effect.id), None)
-    item = next((s for s in look.screened if s.variant.effect.id == effect.id), None)
-    if item is None or (then is not None and then.rung.fit is rung.fit):
-        return look
-    chosen = _judged(Incumbent(workshop, look.rung), item, rung, len(look.screened))
-    others = [c for c in look.candidates if c.id != effect.id and not c.beside]
-    return replace(look, candidates=(chosen, *others), chosen=chosen)
+def stood_on_alone(search: Search, rung: Rung) -> None:
+    """Beside the baseline, the single effect that the ladder has come to is what was fitted last:
+    the way to its minimum may have led over another effect, which in the end is not needed."""
+    (effect,), origin = rung.model.effects, search.table[BASELINE]
+    then = origin.candidate(effect.id)
+    item = next((s for s in origin.screened if s.id == effect.id), None)
+    if item is None:
+        return
+    if then is None or then.rung.fit is not rung.fit:
+        incumbent = Incumbent(search.workshop, origin.rung)
+        then = judged(incumbent, item, rung, len(origin.screened))
+    others = (c for c in origin.candidates if c.id != effect.id)
+    together = origin.together and ()
+    search.table[BASELINE] = replace(
+        origin, candidates=(then, *others), chosen=then, together=together
+    )

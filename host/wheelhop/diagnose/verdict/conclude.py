@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,12 +12,11 @@ from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, Step
 from wheelhop.diagnose.next_run import NextRun, propose
 from wheelhop.diagnose.posterior import confidence, grounds, noisier
 from wheelhop.diagnose.score import lead
-from wheelhop.diagnose.search.look import Look, beside_other_laws
-from wheelhop.diagnose.search.together import Stand
+from wheelhop.diagnose.search.look import beside_other_laws
+from wheelhop.diagnose.search.scored import BASELINE, Scored, Search, ids_of
 from wheelhop.diagnose.verdict.critic import cramped
 from wheelhop.diagnose.verdict.limits import limits, of_the_vehicle, unseen
 from wheelhop.diagnose.verdict.ranking import Angles, explanation, ranking
-from wheelhop.effects import Effect
 from wheelhop.fit import Workshop
 
 Array = NDArray[np.float64]
@@ -27,16 +26,10 @@ DOUBT = 0.03
 evidence says: simulations are no more exact than that near the noise."""
 
 
-def conclude(
-    workshop: Workshop,
-    steps: Sequence[Step],
-    first: Look,
-    last: Look,
-    stands: Mapping[str, Stand],
-    effects: Sequence[Effect],
-) -> Diagnosis:
-    """The diagnosis from the ladder's steps, the first look, the last one, what exchanging effects
-    showed, and the library."""
+def conclude(search: Search, steps: Sequence[Step]) -> Diagnosis:
+    """The diagnosis from the ladder's steps and from what the search knows."""
+    workshop, effects = search.workshop, list(search.effects.values())
+    first, last = search.table[BASELINE].with_together(), search.table[ids_of(steps[-1].rung)]
     steps = [*steps[:-1], beside_other_laws(steps[-1], last)]
     angles = Angles(first.rung.fit, first.screened, first.candidates)
     accepted = steps[-1].added
@@ -44,9 +37,10 @@ def conclude(
     not_noise = steps[-1].above_floor and noisier(steps[-1], workshop.noise) < UNLIKELY
     left_over = not_noise or bool(on_bounds)
     verdict = (*accepted, "unknown") if left_over else accepted or ("none",)
+    stand = search.stand(steps[-1].rung, verdict[0]) if accepted else None
     shown = limits(last if last.screened else first, accepted)
     stands_on = replace(
-        grounds(verdict, steps, first, last, stands, workshop.noise),
+        grounds(verdict, steps, last, stand, len(first.screened), workshop.noise),
         unseen=unseen(of_the_vehicle(shown, effects), len(effects)),
         cramped=bool(on_bounds),
     )
@@ -65,7 +59,7 @@ def conclude(
 
 
 def _next_run(
-    workshop: Workshop, accepted: Sequence[str], first: Look, angles: Angles
+    workshop: Workshop, accepted: Sequence[str], first: Scored, angles: Angles
 ) -> NextRun | None:
     """The run that tells the effect accepted first from the rival that comes nearest to it, if any
     comes near."""

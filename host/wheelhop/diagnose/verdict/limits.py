@@ -15,23 +15,20 @@ import numpy as np
 
 from wheelhop.diagnose.diagnosis import Limit
 from wheelhop.diagnose.posterior import CEILING
-from wheelhop.diagnose.score import (
-    SIGNIFICANT,
-    material,
-)
+from wheelhop.diagnose.score import SIGNIFICANT, material
 from wheelhop.diagnose.screen.first_order import Screened
-from wheelhop.diagnose.search.look import Look
+from wheelhop.diagnose.search.scored import Scored
 from wheelhop.effects import Effect
 from wheelhop.fit import BROAD
 
 
-def limits(look: Look, accepted: Collection[str]) -> tuple[Limit, ...]:
-    """The limits of all effects a look screened, in the order of their names, but for those
+def limits(scored: Scored, accepted: Collection[str]) -> tuple[Limit, ...]:
+    """The limits of all effects screened beside a set, in the order of their names, but for those
     accepted, and those that leave every run numbers of its own and nothing else."""
     found = [
-        _limit(look, item)
-        for item in look.screened
-        if item.variant.amplitudes and item.variant.effect.id not in accepted
+        _limit(scored, item)
+        for item in scored.screened
+        if item.variant.amplitudes and item.id not in accepted
     ]
     return tuple(sorted(found, key=lambda limit: limit.effect))
 
@@ -49,13 +46,13 @@ def of_the_vehicle(limits: Sequence[Limit], effects: Sequence[Effect]) -> list[L
     return [limit for limit in limits if limit.effect in physics]
 
 
-def _limit(look: Look, item: Screened) -> Limit:
+def _limit(scored: Scored, item: Screened) -> Limit:
     """Nothing is believed of amplitudes but that they lie within `BROAD` scales, one standard
     deviation. A switch is there or it is not."""
     variant = item.variant
     scale = np.array([p.scale for p in variant.amplitudes])
     gain = float(scale @ item.information @ scale)
-    strength = float(np.sqrt(_needed(look, item) / gain)) if gain > 0.0 else inf
+    strength = float(np.sqrt(_needed(scored, item) / gain)) if gain > 0.0 else inf
     possible = all(
         strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
         for p in variant.amplitudes
@@ -67,9 +64,9 @@ def _limit(look: Look, item: Screened) -> Limit:
     return Limit(variant.effect.id, variant.choice, found if shown else {}, shown, weaker)
 
 
-def _needed(look: Look, item: Screened) -> float:
+def _needed(scored: Scored, item: Screened) -> float:
     """The drop of the fitted runs' sum of squares, per noise power, with which an effect would be
     simulated in full and then hold on the runs that judge."""
-    fitted, judging = look.rung.fit.size, look.rung.judging.size
-    by_chance = 2.0 * log(len(look.screened) / SIGNIFICANT) * fitted / judging
-    return max(item.price, by_chance, material(look.rung) * fitted)
+    fitted, judging = scored.rung.fit.size, scored.rung.judging.size
+    by_chance = 2.0 * log(len(scored.screened) / SIGNIFICANT) * fitted / judging
+    return max(item.price, by_chance, material(scored.rung) * fitted)

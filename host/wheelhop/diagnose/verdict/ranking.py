@@ -13,7 +13,8 @@ from wheelhop.diagnose.diagnosis import Grounds, Limit, Ranked, Step
 from wheelhop.diagnose.next_run import angle_deg
 from wheelhop.diagnose.score import SIGNIFICANT
 from wheelhop.diagnose.screen.first_order import Screened
-from wheelhop.diagnose.search.look import Candidate, Look, contradicted, summary_of
+from wheelhop.diagnose.search.look import contradicted, summary_of
+from wheelhop.diagnose.search.scored import Candidate, Scored
 from wheelhop.effects import Effect
 from wheelhop.files.words import chance, listed
 from wheelhop.fit import Fit
@@ -46,7 +47,7 @@ class Angles:
             if any(part.any() for part in item.contribution.values()):
                 whole = np.concatenate([item.contribution[run.bench.run.id] for run in base.runs])
                 whole = whole - stack @ (inner @ (stack.T @ whole))
-                self._signatures[item.variant.effect.id] = whole
+                self._signatures[item.id] = whole
         self._changes = {c.id: _change(base, c.rung.fit) for c in candidates if not c.beside}
 
     def between(self, first: str, second: str) -> float:
@@ -73,23 +74,23 @@ def _change(base: Fit, fitted: Fit) -> Array:
 
 
 def ranking(
-    look: Look, angles: Angles, effects: Sequence[Effect], baseline: Step
+    scored: Scored, angles: Angles, effects: Sequence[Effect], baseline: Step
 ) -> tuple[Ranked, ...]:
     """Every effect of the library on the first rung, best first; last those that do not apply."""
-    return (*ranked_so_far(look, angles), *_not_applicable(look, effects, baseline))
+    return (*ranked_so_far(scored, angles), *_not_applicable(scored, effects, baseline))
 
 
-def ranked_so_far(look: Look, angles: Angles) -> tuple[Ranked, ...]:
-    """The effects that a look has screened, best first, and what is known of each by now."""
-    confirmed = {c.id: c for c in look.candidates}
-    order = [c.screened for c in look.candidates]
-    order += [s for s in look.screened if s.variant.effect.id not in confirmed]
-    return tuple(_ranked(s, confirmed.get(s.variant.effect.id), look, angles) for s in order)
+def ranked_so_far(scored: Scored, angles: Angles) -> tuple[Ranked, ...]:
+    """The effects screened beside a set, best first, and what is known of each by now."""
+    confirmed = {c.id: c for c in scored.candidates}
+    order = [c.screened for c in scored.candidates]
+    order += [s for s in scored.screened if s.id not in confirmed]
+    return tuple(_ranked(s, confirmed.get(s.id), scored, angles) for s in order)
 
 
-def _not_applicable(look: Look, effects: Sequence[Effect], baseline: Step) -> list[Ranked]:
+def _not_applicable(scored: Scored, effects: Sequence[Effect], baseline: Step) -> list[Ranked]:
     """The effects screening left out, with the reason."""
-    screened = {s.variant.effect.id for s in look.screened}
+    screened = {s.id for s in scored.screened}
     drives = {run.bench.drive for run in baseline.rung.fit.runs}
     return [
         Ranked(
@@ -120,7 +121,9 @@ def why_not(effect: Effect, drives: Collection[Drive]) -> str:
     return "the vehicle, its speed and the channels give it nothing to act on"
 
 
-def _ranked(screened: Screened, candidate: Candidate | None, look: Look, angles: Angles) -> Ranked:
+def _ranked(
+    screened: Screened, candidate: Candidate | None, scored: Scored, angles: Angles
+) -> Ranked:
     effect = screened.variant.effect
     parameters: dict[str, float | str] = {}
     form = screened.variant.choice if candidate is None else candidate.form
@@ -137,21 +140,21 @@ def _ranked(screened: Screened, candidate: Candidate | None, look: Look, angles:
         screened_error=screened.error,
         confirmed_error=candidate.rung.error_fit if candidate else None,
         validated_error=candidate.rung.error_validate if candidate else None,
-        evidence=candidate.rung.evidence - look.rung.evidence if candidate else None,
+        evidence=candidate.rung.evidence - scored.rung.evidence if candidate else None,
         p_value=candidate.p if candidate else None,
         ambiguous_with=angles.near(effect.id) if screened.score > 0 else (),
         parameters=parameters,
-        reason=_reason(screened, candidate, look),
+        reason=_reason(screened, candidate, scored),
     )
 
 
-def _reason(screened: Screened, candidate: Candidate | None, look: Look) -> str:
-    chosen = look.chosen
+def _reason(screened: Screened, candidate: Candidate | None, scored: Scored) -> str:
+    chosen = scored.chosen
     if candidate is None:
         if screened.score <= 0:
             return "its signature is not in the residual: no gain worth its parameters"
         return "screened: others explain far more"
-    before, after = look.rung.error_judging, candidate.rung.error_judging
+    before, after = scored.rung.error_judging, candidate.rung.error_judging
     change = f"error {percent(before)} → {percent(after)}"
     odds = f"p = {chance(candidate.p)}".replace("= <", "<")
     if candidate.beside:
@@ -221,8 +224,8 @@ LEAST_LIKENESS = 0.03
 def explanation(
     verdict: Sequence[str],
     steps: Sequence[Step],
-    first: Look,
-    last: Look,
+    first: Scored,
+    last: Scored,
     grounds: Grounds,
     limits: Sequence[Limit],
     on_bounds: Sequence[str],
@@ -273,7 +276,7 @@ def explanation(
 
 
 def _none(
-    baseline: Step, first: Look, last: Look, grounds: Grounds, limits: Sequence[Limit]
+    baseline: Step, first: Scored, last: Scored, grounds: Grounds, limits: Sequence[Limit]
 ) -> list[str]:
     if grounds.more_than_noise:
         return [
@@ -330,7 +333,7 @@ def _held_out_only(step: Step) -> list[str]:
     ]
 
 
-def _nearest(first: Look, last: Look) -> list[str]:
+def _nearest(first: Scored, last: Scored) -> list[str]:
     """The ideas whose first-order signature takes most out of the residual, and what came of them:
     none is in the verdict."""
     left = last.rung.fit.error
@@ -352,7 +355,7 @@ def _nearest(first: Look, last: Look) -> list[str]:
     ]
 
 
-def _came_of(effect: str, first: Look, last: Look) -> str:
+def _came_of(effect: str, first: Scored, last: Scored) -> str:
     """What became of an idea in full simulation, in a few words."""
     tried = next((c for c in last.candidates if c.id == effect), None)
     if tried is not None:
