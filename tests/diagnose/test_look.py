@@ -44,7 +44,7 @@ def remembered(rung: Rung) -> Rung:
 @pytest.mark.parametrize(("held_out", "kept"), [(1, 1), (2, 0)])
 def test_derivatives_are_kept_only_where_few_held_out_runs_judge(held_out, kept):
     """One run of ten seconds does not judge by itself, and the fitted ones need derivatives to be
-    foreseen (`score.left_out`). Two do: to keep them would take tens of megabytes a model."""
+    foreseen (`left_out`). Two do: to keep them would take tens of megabytes a model."""
     rng = np.random.default_rng(3)
     loud, quiet = (rung(noise(rng, size)[:held_out]) for size in (2.0, 1.0))
     loud, quiet = (replace(r, validation=with_columns(r.validation)) for r in (loud, quiet))

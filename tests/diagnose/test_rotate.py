@@ -1,12 +1,16 @@
 """A run that a fit leaves out: to first order, against the fit that is made without it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnose.test_score import fit_of, rung
-from wheelhop.diagnose.score import Rung, left_out, log_odds, p_value
+from wheelhop.compare.band import InBand
+from wheelhop.diagnose.left_out import PARTS, left_out
+from wheelhop.diagnose.score import Rung, log_odds, p_value
 from wheelhop.fit import Fit, Free, RunFit
 from wheelhop.fit.result import Derivatives
 
@@ -60,6 +64,43 @@ def test_left_out_as_a_fit_without_the_run(seed, own_sigmas):
         mine = designs[k][:, SHARED:]
         best = np.linalg.solve(mine.T @ mine + weights, mine.T @ foreseen)
         assert run.residual == pytest.approx(foreseen - mine @ best, rel=1e-3, abs=1e-4)
+
+
+@given(st.integers(0, 10_000), st.lists(st.floats(0.1, 10.0), max_size=2))
+def test_a_single_run_is_foreseen_part_by_part(seed, own_sigmas):
+    """A linear model: exact. Every part as a fit to the others, own numbers included, has it."""
+    rng, own = np.random.default_rng(seed), len(own_sigmas)
+    band = InBand(200, 100.0, (1.0, 40.0))
+    width = SHARED + own
+    design = rng.normal(size=(2 * band.count, width))
+    datum = rng.normal(size=2 * band.count) + design @ np.ones(width)
+    sigmas = np.array([2.0] * SHARED + own_sigmas)
+
+    def in_time(columns):
+        return band.from_coefficients(columns.reshape(band.count, -1)).reshape(band.n * 2, -1)
+
+    def solved_by(rows):
+        matrix = np.vstack([in_time(design)[rows] / NOISE, np.diag(1.0 / sigmas)])
+        right = np.concatenate([in_time(datum[:, None])[rows, 0] / NOISE, np.zeros(width)])
+        return np.linalg.lstsq(matrix, right, rcond=None)[0], matrix.T @ matrix
+
+    every = np.arange(2 * band.n)
+    x, precision = solved_by(every)
+    residual = datum - design @ x
+    names = tuple(free(f"own{i}", s) for i, s in enumerate(own_sigmas))
+    bench = SimpleNamespace(band=band, size=2 * band.count)
+    run = RunFit(bench, names, residual, Derivatives(design.T, SHARED), np.ones(len(datum)))
+    shared = tuple(free(f"shared{i}", 2.0) for i in range(SHARED))
+    eliminated = np.linalg.inv(np.linalg.inv(precision)[:SHARED, :SHARED])
+    fit = Fit(None, shared, (run,), eliminated, NOISE, 0.0, 0.0)
+    expected = np.empty(2 * band.n)
+    for part in np.array_split(every.reshape(band.n, 2), PARTS):
+        without, _ = solved_by(np.setdiff1d(every, part.ravel()))
+        rows = part.ravel()
+        expected[rows] = in_time(datum[:, None])[rows, 0] - in_time(design)[rows] @ without
+    expected = band.coefficients(expected.reshape(band.n, 2)).ravel()
+    (found,) = left_out(fit)
+    assert found.residual == pytest.approx(expected, rel=1e-3, abs=1e-3)
 
 
 def test_a_number_that_one_run_alone_tells_is_not_foreseen():
