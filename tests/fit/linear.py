@@ -10,6 +10,7 @@ from wheelhop.campaign import Run, TrackSpec
 from wheelhop.effects import RunSetting
 from wheelhop.fit import Free
 from wheelhop.fit.bench import RUNS_AWAY
+from wheelhop.fit.work import Work
 from wheelhop.simulate import Model
 
 SIZE, SIGMA, SPEED = 60, 0.3, 4.0
@@ -31,6 +32,7 @@ class LinearBench:
     steepness: float = 1.0  # by how much derivatives are exaggerated
     band = SimpleNamespace(count=SIZE)
     memory_s, drive, size, simulated, asked = 1.0, "road", SIZE, 0, 0
+    work = Work()
 
     @property
     def simulator(self):

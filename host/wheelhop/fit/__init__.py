@@ -21,6 +21,7 @@ from wheelhop.fit.probe import FitProbe
 from wheelhop.fit.result import Fit, RunFit
 from wheelhop.fit.rig_start import begin_component
 from wheelhop.fit.spread import louder
+from wheelhop.fit.work import OutOfBudget, Work
 
 __all__ = [
     "BROAD",
@@ -34,10 +35,12 @@ __all__ = [
     "Heights",
     "Move",
     "Noise",
+    "OutOfBudget",
     "RunFit",
     "Spectrum",
     "Trial",
     "Watch",
+    "Work",
     "Workshop",
     "begin_component",
     "effect_parameters",

@@ -20,6 +20,7 @@ from wheelhop.compare.band import InBand
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit.measured_axles import doubt, led_astray
 from wheelhop.fit.spread import cost, cost_of, spread, weights_of
+from wheelhop.fit.work import WITH_LAWS, Work
 from wheelhop.simulate import Model, Response, RunSimulator, Simulator, drive_of, make_simulator
 from wheelhop.simulate.abreast import integrate_jobs, shared_out
 from wheelhop.vehicle import Drive, System
@@ -53,6 +54,12 @@ class Bench:
     memory_s: float  #: after this time what has moved the vehicle is as good as forgotten
     doubt: Array  #: (2 n_bins, c) noise of every datum per the sensors', `measured_axles.doubt`
     noise_ratio: Array  #: the same without motion folded into measured axles
+    work: Work  #: where what is simulated is counted
+
+    def _count(self, trials: Sequence[Trial]) -> None:
+        time_s = self.run.time_s
+        costs = (1.0 if systems[self.drive].is_linear else WITH_LAWS for _, systems in trials)
+        self.work.add(sum(costs) * float(time_s[-1] - time_s[0]))
 
     @property
     def drive(self) -> Drive:
@@ -85,6 +92,7 @@ class Bench:
 
     def response(self, model: Model, systems: dict[Drive, System]) -> Response:
         """What the model says this run should have measured."""
+        self._count([(model, systems)])
         found = self.simulator.simulate(model, systems[self.drive])
         if self.drive != "axles":
             return found
@@ -93,17 +101,20 @@ class Bench:
     @RUNS_AWAY
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
         """In-band model coefficients (size,) of the predicted channels."""
+        self._count([(model, systems)])
         return self.coefficients(self.simulator.record(model, systems[self.drive]))
 
     @RUNS_AWAY
     def records(self, trials: Sequence[Trial]) -> list[Array]:
         """What several models say the instrument should have recorded (n, channels), at much less
         cost than one after the other."""
+        self._count(trials)
         return self.simulator.records([(model, s[self.drive]) for model, s in trials])
 
     @RUNS_AWAY
     def changes(self, base: Trial, trials: Sequence[Trial]) -> list[Array]:
         """By how much the records (n, channels) of several models differ from that of `base`."""
+        self._count(trials)
         first, *others = [(model, s[self.drive]) for model, s in (base, *trials)]
         return self.simulator.changes(first, others)
 
@@ -148,6 +159,7 @@ class Workshop:
         self.campaign = campaign
         self.nominal = model.values
         self.watch: Watch = lambda iteration, error: None
+        self.work = Work()
         self._threads = f"workshop-{id(self)}"
         self._workers = jobs or min(processors(), 8)
         self._pool = ThreadPoolExecutor(self._workers, self._threads)
@@ -182,12 +194,27 @@ class Workshop:
 
     def each(self, function: Callable[[S], T], items: Iterable[S]) -> list[T]:
         """`function` of every item, in parallel threads; the compiled integrator runs free of the
-        interpreter's lock."""
+        interpreter's lock.
+
+        Raises
+        ------
+        OutOfBudget
+            The work that is allowed is done.
+        """
         given = list(items)
+        inside = current_thread().name.startswith(self._threads)
+        if not inside:
+            self.work.check()
         # A thread that waits for another of the same pool could wait for ever.
-        if len(given) < 2 or current_thread().name.startswith(self._threads):
+        if len(given) < 2 or inside:
             return [function(item) for item in given]
-        return list(self._pool.map(function, given))
+        begun = [self._pool.submit(function, item) for item in given]
+        try:
+            return [future.result() for future in begun]
+        finally:  # interrupted: no thread is left at work on a run
+            for future in begun:
+                future.cancel()
+            wait(begun)
 
     def in_turn(
         self, function: Callable[[S], T], batches: Iterable[Sequence[S]]
@@ -261,7 +288,9 @@ class Workshop:
             doubted, ratio = doubt(self.campaign, run, self._on_axles, band.frequency_hz)
         measured, memory_s = band.coefficients(run.record), REMEMBERED * self._run_up_s
         coefficients = measured / doubted
-        return Bench(run, simulator, band, coefficients, predicted, memory_s, doubted, ratio)
+        return Bench(
+            run, simulator, band, coefficients, predicted, memory_s, doubted, ratio, self.work
+        )
 
 
 def run_up(systems: dict[Drive, System]) -> float:

@@ -19,6 +19,7 @@ from scipy import linalg
 
 from wheelhop.effects import Effect
 from wheelhop.fit.height_response import Ground
+from wheelhop.fit.work import PER_HEIGHT
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Drive, System
 
@@ -80,11 +81,15 @@ class Heights:
 
     def growths(self, others: Sequence[tuple[Model, Systems]]) -> Array:
         """By how much that is larger (m,) about m other models, to first order."""
+        self._count()
         ground, deviation = self.ground, np.sqrt(self.variance) / self.sigma
         beside = [ground.about(model, systems[ground.bench.drive]) for model, systems in others]
         lower, _ = linalg.lapack.zpotri(self._lower, lower=1)
         inverse = lower + np.tril(lower, -1).conj().T
         return -2.0 * ground.changes(inverse * np.outer(deviation, deviation), beside)
+
+    def _count(self) -> None:
+        self.ground.bench.work.add(PER_HEIGHT * len(self.coefficients) ** 3)
 
     def step(
         self, slope: ComplexArray, projected: ComplexArray
@@ -126,6 +131,7 @@ class Heights:
     @cached_property
     def _lower(self) -> ComplexArray:
         """Cholesky's factor of I + s GᴴG s / σ²."""
+        self._count()
         deviation = np.sqrt(self.variance) / self.sigma
         matrix = self.ground.square()
         matrix *= np.outer(deviation, deviation)
