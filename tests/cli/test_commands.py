@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tomllib
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -95,6 +96,31 @@ def test_the_json_of_a_diagnosis_has_every_key(diagnosed):
         assert {"run", "channel", "band_hz", "motion", "locking"} <= set(found["where"][where])
     assert "next_run" in found
     assert ": dry-friction</title>" in (diagnosed / "d.html").read_text()
+
+
+def test_a_diagnosis_within_a_budget_says_what_it_has_not_tried(folder, tmp_path, capsys):
+    file = tmp_path / "d.json"
+    assert main(["diagnose", str(folder), "--budget", "0.01", "--json", str(file)]) == 0
+    out, _ = capsys.readouterr()
+    assert "no effect of the library is confirmed" in out
+    assert "The search ended after 0 s of work (the budget)." in out
+    found = json.loads(file.read_text())
+    assert found["verdict"] == ["unknown"] and found["confidence"] < 0.01
+    assert found["unfinished"]["ended_by"] == "budget"
+
+
+def test_ctrl_c_gives_the_verdict_so_far(folder, monkeypatch, capsys):
+    def interrupted(text):
+        if text.startswith("simulating"):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("wheelhop.cli.diagnose.stages", lambda: nullcontext(interrupted))
+    assert main(["diagnose", str(folder)]) == 130
+    out, _ = capsys.readouterr()
+    assert (
+        "(interrupted). Not simulated, with the error expected of each: dry-friction"
+        in " ".join(out.split())
+    )
 
 
 def test_compare_says_where_the_model_fails(folder, tmp_path, capsys):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.campaign.build import edit, write_campaign
+from wheelhop.api.verbs import BUDGET_S
 from wheelhop.campaign import CampaignError
 from wheelhop.cli.main import BROKEN_PIPE, main, module_of
 from wheelhop.cli.parser import make_parser
@@ -137,6 +138,9 @@ def test_options_of_diagnose_and_compare():
     assert (diagnose.max_effects, diagnose.json, diagnose.report) == (4, None, None)
     own = parse(["diagnose", "c", "--effects", "mine.py", "--jobs", "2", "--max-effects", "5"])
     assert (own.effects, own.jobs, own.max_effects) == (Path("mine.py"), 2, 5)
+    assert diagnose.budget == BUDGET_S
+    assert parse(["diagnose", "c", "--budget", "none"]).budget is None
+    assert parse(["diagnose", "c", "--budget", "2.5"]).budget == 2.5
     assert parse(["add", "c", "dry-friction", "bump-stop"]).effects == ["dry-friction", "bump-stop"]
 
 

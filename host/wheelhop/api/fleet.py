@@ -12,7 +12,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
-from wheelhop.api.verbs import diagnose
+from wheelhop.api.verbs import BUDGET_S, diagnose
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.diagnose import Progress
@@ -42,6 +42,7 @@ class Fleet:
     max_effects: int = 4
     library: Source | None = None
     threads: int = 1
+    budget_s: float | None = BUDGET_S
     things = "campaigns"
 
     def __post_init__(self) -> None:
@@ -65,7 +66,11 @@ class Fleet:
 
     def _diagnosed(self, folder: Path) -> Row:
         found = diagnose(
-            folder, effects=self.library, max_effects=self.max_effects, jobs=self.threads
+            folder,
+            effects=self.library,
+            max_effects=self.max_effects,
+            budget_s=self.budget_s,
+            jobs=self.threads,
         )
         row: Row = {
             "title": found.campaign.title,
@@ -86,6 +91,7 @@ class Fleet:
         known = {
             "wheelhop": identity(),
             "max_effects": self.max_effects,
+            "budget_s": self.budget_s,
             "campaigns": [[self.name(k), self.files(k)] for k in range(len(self))],
         }
         return hashlib.sha256(json.dumps(known).encode()).hexdigest()
@@ -107,6 +113,7 @@ def diagnose_fleet(
     *,
     effects: str | Path | None = None,
     max_effects: int = 4,
+    budget_s: float | None = BUDGET_S,
     jobs: int | None = None,
     executor: Executor | None = None,
     progress: Progress = lambda text: None,
@@ -123,7 +130,7 @@ def diagnose_fleet(
         the program, the same call goes on from there.
     effects
         A Python file with effects of one's own.
-    max_effects, progress
+    max_effects, budget_s, progress
         As for `diagnose`.
     jobs
         Processes; one a processor by default.
@@ -145,6 +152,7 @@ def diagnose_fleet(
         max_effects,
         None if effects is None else read_source(Path(effects)),
         1 if executor else max(1, many // len(given)),
+        budget_s,
     )
     with workers(min(many, len(given))) if executor is None else nullcontext(executor) as working:
         return run_sweep(fleet, Path(table), working, progress)[1]

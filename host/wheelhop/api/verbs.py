@@ -26,6 +26,9 @@ MODEL_FILE = "model.toml"
 ONE_EACH = 1
 """Threads of linear algebra: every run is worked on by a thread of ours, more are in the way."""
 
+BUDGET_S = 60.0
+"""What a person waits for who would rather have most of the answer."""
+
 Folder = Campaign | str | Path
 Library = Mapping[str, Effect] | str | Path | Source | None
 
@@ -151,10 +154,13 @@ def diagnose(
     vehicle: Vehicle | None = None,
     effects: Library = None,
     max_effects: int = 4,
+    budget_s: float | None = BUDGET_S,
     jobs: int | None = None,
     progress: Progress = _silent,
 ) -> DiagnosisResult:
     """Find out which effects the model is missing.
+
+    Ctrl-C ends the search, too, once the baseline is fitted: the verdict so far is returned.
 
     Parameters
     ----------
@@ -162,6 +168,11 @@ def diagnose(
         As for `compare`.
     max_effects
         The longest ladder.
+    budget_s
+        Work after which the search ends with the verdict so far, in seconds of one processor as
+        `wheelhop.fit.Work` counts them, so that no verdict depends on how busy the computer is;
+        None: it ends when nothing is left to try. `unfinished` of the diagnosis says what more
+        might still change.
 
     Raises
     ------
@@ -174,7 +185,13 @@ def diagnose(
     with threadpool_limits(ONE_EACH):
         gated = gate(campaign, vehicle)
         gated, found = diagnose_gated(
-            gated, vehicle, library, max_effects=max_effects, jobs=jobs, progress=progress
+            gated,
+            vehicle,
+            library,
+            max_effects=max_effects,
+            budget_s=budget_s,
+            jobs=jobs,
+            progress=progress,
         )
     # Its figures are of the channels and runs that were fitted: some may have been left out.
     return DiagnosisResult(gated.campaign, vehicle, found.ladder, found.findings, found, library)

@@ -8,6 +8,7 @@ from rich.console import Console
 
 from wheelhop.api import diagnose
 from wheelhop.campaign import CampaignError
+from wheelhop.cli.main import INTERRUPTED
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.show import (
@@ -23,7 +24,8 @@ from wheelhop.report.words import next_run_words
 
 
 def run(arguments: Namespace) -> int:
-    """Diagnose, print, write JSON and report; raises CampaignError.
+    """Diagnose, print, write JSON and report; raises CampaignError. Interrupted, it says what is
+    known by then.
 
     Of several campaigns the exit status is 1 if one has no verdict.
     """
@@ -39,6 +41,7 @@ def run(arguments: Namespace) -> int:
             arguments.campaign,
             effects=arguments.effects,
             max_effects=arguments.max_effects,
+            budget_s=arguments.budget,
             jobs=arguments.jobs,
             progress=progress,
         )
@@ -49,7 +52,8 @@ def run(arguments: Namespace) -> int:
     if arguments.report:
         result.write_report(arguments.report)
         console.print(f"report: {arguments.report}", markup=False)
-    return 0
+    ended = result.diagnosis.unfinished
+    return INTERRUPTED if ended is not None and ended.ended_by == "interrupted" else 0
 
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:

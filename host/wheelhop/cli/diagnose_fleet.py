@@ -35,6 +35,7 @@ def run_fleet(arguments: Namespace) -> int:
             arguments.out,
             effects=arguments.effects,
             max_effects=arguments.max_effects,
+            budget_s=arguments.budget,
             jobs=arguments.jobs,
             executor=executor,
             progress=progress,

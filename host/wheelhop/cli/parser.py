@@ -12,6 +12,8 @@ from wheelhop.cli.parser_simulate import add_prediction
 from wheelhop.cli.parser_workbench import add_workbench
 
 BAD_INPUT = 2
+BUDGET_S = 60.0
+"""What `diagnose` may spend unless told otherwise, as in `wheelhop.diagnose`."""
 NO_CHOICE = re.compile(
     r"argument (?P<what>.*): invalid choice: '(?P<word>.*)' \(choose from (?P<choices>.*)\)"
 )
@@ -123,6 +125,13 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     )
     diagnose.add_argument(
         "--jobs", metavar="N", type=_count, help="parallel threads (default: one a processor)"
+    )
+    diagnose.add_argument(
+        "--budget",
+        metavar="SECONDS",
+        type=_budget,
+        default=BUDGET_S,
+        help=f"work to spend, in seconds of one processor, or none (default {BUDGET_S:g})",
     )
     _library(diagnose)
     _outputs(diagnose)
@@ -362,6 +371,10 @@ def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 up")
     return int(text)
+
+
+def _budget(text: str) -> float | None:
+    return None if text == "none" else _positive(text)
 
 
 def _positive(text: str) -> float:

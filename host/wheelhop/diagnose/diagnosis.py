@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -70,6 +70,33 @@ class Belief:
     fitted: float
     sd: float
     confidence: float | None
+
+
+EndedBy = Literal["budget", "interrupted"] | None
+
+
+@dataclass(frozen=True)
+class Unfinished:
+    """A search that ended before it was done: what ended it, "budget" or "interrupted", after how
+    much work (seconds of a processor), and which effects were screened beside the last model but
+    not simulated, with the error E over the runs fitted that first order expects each to leave;
+    the least first."""
+
+    ended_by: EndedBy
+    work_s: float
+    untried: tuple[tuple[str, float], ...]
+
+    @property
+    def sentence(self) -> str:
+        """What more time might still change."""
+        of = "the budget" if self.ended_by == "budget" else "interrupted"
+        said = f"The search ended after {self.work_s:.0f} s of work ({of})."
+        if not self.untried:
+            return f"{said} More time might still change the verdict."
+        names = [f"{name} ({percent(error)})" for name, error in self.untried[:3]]
+        more = len(self.untried) - len(names)
+        others = f", and {more} more" if more else ""
+        return f"{said} Not simulated, with the error expected of each: {', '.join(names)}{others}."
 
 
 UNLIKELY = 0.05
@@ -147,7 +174,8 @@ class Grounds:
     the last rung; ``unseen``, the chance that something is there which these runs could not show;
     ``cramped``, whether a number of an effect sits on its bound; ``louder``, whether that is noise
     only if the sensors are noisier than stated; ``expected_over_floor``, what a right model may
-    leave over the floor (`Floor.expected`).
+    leave over the floor (`Floor.expected`); ``untried``, the chance that another entry would come
+    first had the search not been ended.
     """
 
     log_odds: float
@@ -161,6 +189,7 @@ class Grounds:
     cramped: bool = False
     louder: bool = False
     expected_over_floor: float = 1.0
+    untried: float = 0.0
 
     @property
     def over_expected(self) -> float:
@@ -202,6 +231,7 @@ class Diagnosis:
     limits: tuple[Limit, ...] = ()  #: what else these runs would have shown, and from where on
     findings: tuple[Finding, ...] = ()  #: of the gate before the fit and of the critic after it
     beliefs: tuple[Belief, ...] = ()  #: what was stated and is held to be what is wrong
+    unfinished: Unfinished | None = None  #: None where the search came to its end
 
     def __repr__(self) -> str:
         first, last = self.ladder[0], self.ladder[-1]
@@ -316,7 +346,15 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             for belief in diagnosis.beliefs
         ],
         "findings": findings_to_json(diagnosis.findings),
+        "unfinished": _unfinished(diagnosis.unfinished),
     }
+
+
+def _unfinished(found: Unfinished | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    untried = [{"effect": name, "screened_error": _number(error)} for name, error in found.untried]
+    return {"ended_by": found.ended_by, "work_s": round(found.work_s, 1), "untried": untried}
 
 
 def _linearity(found: Linearity | None) -> dict[str, Any] | None:

@@ -30,7 +30,7 @@ STEADY = 0.3
 
 AS_LIKELY = 0.5
 """The chance that an effect is right whose number sits on its bound, if it is as likely that
-another law is what it stands in for."""
+another law is what it stands in for; or beside which another as good was not tried."""
 
 UNKNOWN_SCALE = 0.3
 """Error over the floor, less one, at which "unknown" is two thirds sure: nearer to the floor an
@@ -129,8 +129,12 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     a number of an effect sits on its bound, so that a law the library lacks is as likely. Of
     "none": how far the likeliest effect is from being accepted, whether noise alone leaves as much,
     and what these runs could have shown. Of "unknown": how far the residual is above the floor's
-    own uncertainty.
+    own uncertainty. All of it less where the search was ended before it was done.
     """
+    return (1.0 - grounds.untried) * _of_what_was_tried(verdict, grounds)
+
+
+def _of_what_was_tried(verdict: Sequence[str], grounds: Grounds) -> float:
     if verdict[0] == "unknown":
         return CEILING * (1.0 - exp(-(grounds.over_expected - 1.0) / UNKNOWN_SCALE))
     if verdict[0] == "none":

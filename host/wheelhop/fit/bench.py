@@ -221,7 +221,8 @@ class Workshop:
     ) -> Iterator[list[T]]:
         """`function` of every item, batch by batch: while the caller works on one batch, the
         threads are at the next. Batches are equally long; of two the items in one place, which may
-        be of the same run, are never worked on at once."""
+        be of the same run, are never worked on at once. Raises OutOfBudget as `each` does."""
+        self.work.check()
 
         def after(previous: Future[T] | None, item: S) -> T:
             wait([previous] if previous is not None else [])

@@ -17,7 +17,7 @@ SIMULATED_PER_SECOND = 6000.0
 WITH_LAWS = 3.0
 """A second with laws of friction, stops or dampers in it costs so many without."""
 
-PER_HEIGHT = 6e-7
+PER_HEIGHT = 1e-6
 """Equations of n unknown heights of the ground cost n³ times this, each time they are solved."""
 
 

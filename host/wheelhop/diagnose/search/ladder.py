@@ -13,7 +13,7 @@ from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
 from wheelhop.diagnose.confirm.in_full import confirm, refit
 from wheelhop.diagnose.confirm.validate import Incumbent
-from wheelhop.diagnose.diagnosis import Diagnosis, Step
+from wheelhop.diagnose.diagnosis import Diagnosis, EndedBy, Step
 from wheelhop.diagnose.score import Rung, nearly_all
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search.forgets import (
@@ -44,7 +44,7 @@ from wheelhop.diagnose.verdict.conclude import conclude
 from wheelhop.diagnose.verdict.critic import criticism, refuted, upheld
 from wheelhop.diagnose.verdict.ranking import why_not
 from wheelhop.effects import Effect, Place, beliefs
-from wheelhop.fit import Workshop
+from wheelhop.fit import OutOfBudget, Workshop
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import linearity
 from wheelhop.vehicle import CORNERS, Vehicle, wheels
@@ -95,15 +95,24 @@ def diagnose_gated(
     effects: Mapping[str, Effect],
     *,
     max_effects: int = 4,
+    budget_s: float | None = None,
     jobs: int | None = None,
     progress: Progress = lambda text: None,
 ) -> tuple[Gated, Diagnosis]:
     """The same of what the gate let through, and what of that was diagnosed: runs that do not
     forget how they began are left out as soon as a model says so, and all begins anew."""
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
-    found = diagnose_from(gated, vehicle, base, effects, max_effects=max_effects, progress=progress)
+    found = diagnose_from(
+        gated,
+        vehicle,
+        base,
+        effects,
+        max_effects=max_effects,
+        budget_s=budget_s,
+        progress=progress,
+    )
     bounced = [f for f in found.findings if f.kind == FORGETS and f not in gated.findings]
-    if not bounced or not remaining(gated.campaign, bounced):
+    if found.unfinished is not None or not bounced or not remaining(gated.campaign, bounced):
         return gated, found
     progress(f"once more without {', '.join(f.about for f in bounced)}")
     return diagnose_gated(
@@ -111,6 +120,7 @@ def diagnose_gated(
         vehicle,
         effects,
         max_effects=max_effects,
+        budget_s=budget_s and budget_s - base.workshop.work.seconds,
         jobs=jobs,
         progress=progress,
     )
@@ -123,21 +133,33 @@ def diagnose_from(
     effects: Mapping[str, Effect],
     *,
     max_effects: int = 4,
+    budget_s: float | None = None,
     progress: Progress = lambda text: None,
     watch: Watch = lambda scored: None,
 ) -> Diagnosis:
     """The same from what the gate let through and a baseline that was fitted to it.
 
     ``watch`` is called with every look at a residual as it stands, whenever it knows more: after
-    screening, and after each effect that was simulated in full.
+    screening, and after each effect that was simulated in full. Beyond `budget_s` of work in the
+    base's workshop, or interrupted, the search ends with the verdict so far; `progress` and `watch`
+    may raise OutOfBudget to that end.
     """
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
-    diagnosis = climb(base, effects, max_effects=max_effects, progress=progress, watch=watch)
+    diagnosis = climb(
+        base,
+        effects,
+        max_effects=max_effects,
+        budget_s=budget_s,
+        progress=progress,
+        watch=watch,
+    )
     bounced = never_forgotten(base.workshop, diagnosis.ladder[-1].rung)
     said = upheld(gated.findings, diagnosis, base.workshop.noise)
     findings = *said, *bounced, *criticism(diagnosis)
     diagnosis = replace(diagnosis, findings=findings, beliefs=tuple(refuted(diagnosis)))
     last = diagnosis.ladder[-1]
+    if diagnosis.unfinished is not None:
+        return diagnosis
     between = any(e.place in BETWEEN for e in last.rung.model.effects) or last.above_floor
     whole = len(wheels(vehicle.values)) == len(CORNERS)
     if not between or not whole or axle_driven(gated.campaign, vehicle) is None:
@@ -151,34 +173,61 @@ def climb(
     effects: Mapping[str, Effect],
     *,
     max_effects: int,
+    budget_s: float | None = None,
     progress: Progress,
     watch: Watch = lambda scored: None,
 ) -> Diagnosis:
     """The diagnosis, from a fitted baseline on."""
     workshop, search = base.workshop, Search(base.workshop, effects, max_effects, progress, watch)
-    steps = [step_of(workshop, base.rung)]
-    look_at(search, steps[0])
-    for _ in range(2 * max_effects):
-        better, below = _better(search, steps)
-        if better is None:
-            break
-        search.settle()
-        rung = beginning_allowed_for(workshop, without_idle(search, search.best(better)))
-        step = step_of(workshop, rung, steps[0])
-        steps = with_step(below, step)
-        bounced = never_forgotten(workshop, rung)
-        if bounced and remaining(workshop.campaign, bounced):  # better begun anew without them
-            search.table[ids_of(rung)] = Scored(rung)
-            break
-        if len(rung.model.effects) == 1:
-            stood_on_alone(search, rung)
-        known = search.table.get(ids_of(rung))
-        if known is not None and known.looked:
-            # It came back, no better: another look would lead to what was just found idle.
-            search.table[ids_of(rung)] = replace(known, rung=rung, chosen=None, together=())
-        else:
-            look_at(search, step)
-    return conclude(search, on_one_floor(workshop, steps))
+    search.table[BASELINE] = Scored(base.rung)
+    steps: Sequence[Step] = [step_of(workshop, base.rung)]
+    below = steps
+    better: Rung | None = None
+    ended_by: EndedBy = None
+    try:
+        with workshop.work.limited(budget_s):
+            look_at(search, steps[0])
+            for _ in range(2 * max_effects):
+                better, below = _better(search, steps)
+                if better is None:
+                    break
+                search.settle()
+                rung = beginning_allowed_for(workshop, without_idle(search, search.best(better)))
+                step = step_of(workshop, rung, steps[0])
+                steps, better = with_step(below, step), None
+                if not _looked_on(search, step):
+                    break
+    except (OutOfBudget, KeyboardInterrupt) as end:
+        ended_by = "budget" if isinstance(end, OutOfBudget) else "interrupted"
+        # What was found, though nobody has asked yet whether all of it is needed.
+        better = better or _best_so_far(search, steps[-1].rung)
+        steps = steps if better is None else with_step(below, step_of(workshop, better, steps[0]))
+    return conclude(search, on_one_floor(workshop, steps), ended_by)
+
+
+def _looked_on(search: Search, step: Step) -> bool:
+    """Look at what a new rung leaves; False where all is better begun anew without some runs."""
+    workshop, rung = search.workshop, step.rung
+    bounced = never_forgotten(workshop, rung)
+    if bounced and remaining(workshop.campaign, bounced):
+        search.table[ids_of(rung)] = Scored(rung)
+        return False
+    if len(rung.model.effects) == 1:
+        stood_on_alone(search, rung)
+    known = search.table.get(ids_of(rung))
+    if known is not None and known.looked:
+        # It came back, no better: another look would lead to what was just found idle.
+        search.table[ids_of(rung)] = replace(known, rung=rung, chosen=None, together=())
+    else:
+        look_at(search, step)
+    return True
+
+
+def _best_so_far(search: Search, rung: Rung) -> Rung | None:
+    """The best model with one effect more that is known to hold, if any is."""
+    known = search.table.get(ids_of(rung))
+    held = [c.rung for c in known.candidates if c.holds] if known and search.room(rung) else []
+    return held[0] if held else None
 
 
 def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequence[Step]]:

@@ -142,13 +142,13 @@ def _looked(search: Search, step: Step) -> Scored:
     scored = Scored(rung, tuple(screen(workshop, rung.fit, left)), looked=True)
     if done or (present and len(present) >= search.max_effects):  # described, not explained
         return scored
-    search.watch(scored)
+    search.told(scored)
     incumbent = Incumbent(workshop, rung)
     candidates = _confirm_best(search, incumbent, scored, step.above_floor)
     candidates = _refit_leaders(incumbent, candidates, step.above_floor, search.progress)
     chosen = next((c for c in candidates if c.holds), None)
     scored = replace(scored, candidates=tuple(candidates), chosen=chosen)
-    search.watch(scored)
+    search.told(scored)
     return scored
 
 
@@ -179,7 +179,7 @@ def _confirm_best(
         new = judged(incumbent, item, confirmed, len(screened))
         likelier = [c for c in found if c.id == new.id and c.rung.evidence > new.rung.evidence]
         found[:] = [c for c in found if c.id != new.id] + (likelier or [new])
-        search.watch(replace(scored, candidates=tuple(_best_first(found, workshop.noise))))
+        search.told(replace(scored, candidates=tuple(_best_first(found, workshop.noise))))
 
     for i, item in enumerate(chosen):
         if item in rivals or not any(c.holds and enough(c.rung) for c in found):

@@ -119,6 +119,11 @@ class Search:
     watch: Watch = lambda scored: None
     table: Table = field(default_factory=dict)
 
+    def told(self, scored: Scored) -> None:
+        """What is known of a set by now."""
+        self.table[ids_of(scored.rung)] = scored
+        self.watch(scored)
+
     def room(self, rung: Rung) -> int:
         """How many effects more the rung's model may have."""
         return self.max_effects - len(rung.model.effects)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, Step
+from wheelhop.diagnose.confirm.validate import Incumbent
+from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, EndedBy, Step, Unfinished
 from wheelhop.diagnose.next_run import NextRun, propose
-from wheelhop.diagnose.posterior import confidence, grounds, noisier
+from wheelhop.diagnose.posterior import AS_LIKELY, confidence, grounds, noisier
 from wheelhop.diagnose.score import lead
 from wheelhop.diagnose.search.look import beside_other_laws
 from wheelhop.diagnose.search.scored import BASELINE, Scored, Search, ids_of
@@ -26,10 +28,12 @@ DOUBT = 0.03
 evidence says: simulations are no more exact than that near the noise."""
 
 
-def conclude(search: Search, steps: Sequence[Step]) -> Diagnosis:
-    """The diagnosis from the ladder's steps and from what the search knows."""
+def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy = None) -> Diagnosis:
+    """The diagnosis from the ladder's steps and from what the search knows, which may have been
+    ended before it was done."""
     workshop, effects = search.workshop, list(search.effects.values())
-    first, last = search.table[BASELINE].with_together(), search.table[ids_of(steps[-1].rung)]
+    first = search.table[BASELINE].with_together()
+    last = search.table.get(ids_of(steps[-1].rung)) or Scored(steps[-1].rung)
     steps = [*steps[:-1], beside_other_laws(steps[-1], last)]
     angles = Angles(first.rung.fit, first.screened, first.candidates)
     accepted = steps[-1].added
@@ -38,11 +42,15 @@ def conclude(search: Search, steps: Sequence[Step]) -> Diagnosis:
     left_over = not_noise or bool(on_bounds)
     verdict = (*accepted, "unknown") if left_over else accepted or ("none",)
     stand = search.stand(steps[-1].rung, verdict[0]) if accepted else None
+    if accepted and stand is None:  # ended before that was fitted: against nothing at all
+        stand = Incumbent(workshop, first.rung).against(steps[-1].rung), [first.rung]
     shown = limits(last if last.screened else first, accepted)
+    ended = _unfinished(search, last, ended_by) if ended_by else None
     stands_on = replace(
         grounds(verdict, steps, last, stand, len(first.screened), workshop.noise),
         unseen=unseen(of_the_vehicle(shown, effects), len(effects)),
         cramped=bool(on_bounds),
+        untried=_untried(search, steps[-1], verdict[0]) if ended else 0.0,
     )
     return Diagnosis(
         verdict=verdict,
@@ -51,11 +59,46 @@ def conclude(search: Search, steps: Sequence[Step]) -> Diagnosis:
         ranking=ranking(first, angles, effects, steps[0]),
         ladder=tuple(steps),
         next_run=_next_run(workshop, accepted, first, angles),
-        explanation=explanation(
-            verdict, steps, first, last, stands_on, of_the_vehicle(shown, effects), on_bounds
+        explanation=(
+            *([ended.sentence] if ended else []),
+            *explanation(
+                verdict, steps, first, last, stands_on, of_the_vehicle(shown, effects), on_bounds
+            ),
         ),
         limits=shown,
+        unfinished=ended,
     )
+
+
+def _untried(search: Search, step: Step, first: str) -> float:
+    """Chance that another entry would come first had all been simulated. An effect that first order
+    puts ahead of one accepted is as likely, and so is one that nothing was held against yet; of
+    what nothing explains so far, the best of them may explain the share that first order says."""
+    ids, left = ids_of(step.rung), step.rung.fit.error
+    accepted = first in ids
+    scored = search.table.get(ids - {first})
+    if scored is None or not scored.screened:
+        return AS_LIKELY if accepted or first == "none" else 1.0
+    expected = min(
+        (error for name, error in _not_simulated(scored) if name not in ids), default=inf
+    )
+    if accepted:
+        return AS_LIKELY if expected < left else 0.0
+    floor = step.comparison.floor.expected_fit
+    return min(max((left**2 - expected**2) / max(left**2 - floor**2, 1e-12), 0.0), 1.0)
+
+
+def _not_simulated(scored: Scored) -> list[tuple[str, float]]:
+    """Effects that are worth their numbers to first order and were not simulated in full beside a
+    set, with the error each is expected to leave; the least first."""
+    found = [
+        (s.id, s.error) for s in scored.screened if s.score > 0 and scored.candidate(s.id) is None
+    ]
+    return sorted(found, key=lambda item: item[1])
+
+
+def _unfinished(search: Search, last: Scored, ended_by: EndedBy) -> Unfinished:
+    return Unfinished(ended_by, search.workshop.work.seconds, tuple(_not_simulated(last)))
 
 
 def _next_run(

@@ -76,7 +76,10 @@ def _change(base: Fit, fitted: Fit) -> Array:
 def ranking(
     scored: Scored, angles: Angles, effects: Sequence[Effect], baseline: Step
 ) -> tuple[Ranked, ...]:
-    """Every effect of the library on the first rung, best first; last those that do not apply."""
+    """Every effect of the library on the first rung, best first; last those that do not apply.
+    None where the search was ended before it had screened any."""
+    if not scored.screened:
+        return ()
     return (*ranked_so_far(scored, angles), *_not_applicable(scored, effects, baseline))
 
 
@@ -153,7 +156,9 @@ def _reason(screened: Screened, candidate: Candidate | None, scored: Scored) -> 
     if candidate is None:
         if screened.score <= 0:
             return "its signature is not in the residual: no gain worth its parameters"
-        return "screened: others explain far more"
+        if any(c.rung.error_fit < screened.error for c in scored.candidates):
+            return "screened: others explain far more"
+        return "screened, not simulated"
     before, after = scored.rung.error_judging, candidate.rung.error_judging
     change = f"error {percent(before)} → {percent(after)}"
     odds = f"p = {chance(candidate.p)}".replace("= <", "<")

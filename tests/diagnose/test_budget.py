@@ -1,0 +1,103 @@
+"""A search that is ended has a verdict at any time, and says what it has not tried."""
+
+import json
+
+import pytest
+
+from tests import truth
+from tests.diagnose.cases import CASES, LIBRARY
+from wheelhop.campaign import read_campaign
+from wheelhop.diagnose import to_json
+from wheelhop.diagnose.search.ladder import diagnose_gated
+from wheelhop.fit import OutOfBudget
+from wheelhop.gate import gate
+from wheelhop.vehicle import read_vehicle
+
+NAMES = ("dry-friction", "digressive-damper", "asymmetric-damper", "driver-seat", "sensor-gain")
+EFFECTS = {name: LIBRARY[name] for name in NAMES}
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    """Eight short runs with friction, of which five effects are known."""
+    case = CASES["dry-friction"]
+    folder = truth.make_campaign(
+        tmp_path_factory.mktemp("budget"),
+        seed=case.seed,
+        effects=case.hidden,
+        short=True,
+        seconds=case.seconds,
+        draft=True,
+    )
+    return read_campaign(folder)
+
+
+def diagnosed(campaign, budget_s=None, jobs=1, progress=lambda text: None):
+    vehicle = read_vehicle(campaign.vehicle_file)
+    gated = gate(campaign, vehicle)
+    return diagnose_gated(gated, vehicle, EFFECTS, budget_s=budget_s, jobs=jobs, progress=progress)[
+        1
+    ]
+
+
+@pytest.fixture(scope="module")
+def unlimited(campaign):
+    return diagnosed(campaign)
+
+
+def test_what_is_found_within_the_budget_is_what_is_found_without(campaign, unlimited):
+    assert unlimited.unfinished is None and unlimited.verdict == ("dry-friction",)
+    enough = diagnosed(campaign, budget_s=1e3)
+    assert enough.verdict == unlimited.verdict
+    assert enough.confidence == unlimited.confidence
+    assert to_json(enough) == to_json(unlimited)
+
+
+def test_nothing_but_the_baseline_is_an_answer_too(campaign, unlimited):
+    """Nothing of the library was tried: that something else is missing is no verdict yet."""
+    found = diagnosed(campaign, budget_s=0.0)
+    assert found.verdict == ("unknown",) and found.confidence == 0.0
+    assert found.unfinished.ended_by == "budget" and found.unfinished.untried == ()
+    assert found.ranking == () and len(found.ladder) == 1
+    assert found.unfinished.sentence in found.explanation
+    assert json.loads(json.dumps(to_json(found)))["unfinished"]["ended_by"] == "budget"
+    rss = [d.ladder[0].rung.fit.rss for d in (found, unlimited)]
+    assert rss[0] == pytest.approx(rss[1], rel=1e-12)
+
+
+def test_more_budget_is_never_less_sure_of_what_is_there(campaign, unlimited):
+    """What is known of friction grows; a verdict does not depend on how many threads work."""
+    said, sure = [], 0.0
+    for budget_s in (0.5, 2.0, 4.0):
+        found = diagnosed(campaign, budget_s=budget_s)
+        said.append(found.verdict)
+        if found.verdict[0] == "dry-friction":
+            assert found.confidence >= sure - 1e-6
+            sure = found.confidence
+    assert said[0] == ("unknown",) and said[-1] == unlimited.verdict
+    again = diagnosed(campaign, budget_s=budget_s, jobs=2)
+    assert (again.verdict, again.unfinished) == (found.verdict, found.unfinished)
+    assert again.confidence == pytest.approx(found.confidence, abs=1e-6)
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt, OutOfBudget])
+@pytest.mark.parametrize("stage", ["screening", "simulating", "fitting the vehicle"])
+def test_interrupted_anywhere_it_says_what_is_known_by_then(campaign, unlimited, end, stage):
+    """Whoever is told of the progress may end it, as Ctrl-C does."""
+
+    def stop(text):
+        if text.startswith(stage):
+            raise end
+
+    found = diagnosed(campaign, progress=stop)
+    expected = "budget" if end is OutOfBudget else "interrupted"
+    assert found.unfinished.ended_by == expected
+    names = {name for name, _ in found.unfinished.untried}
+    if stage == "screening":
+        assert found.verdict == ("unknown",) and found.confidence == 0.0
+    elif stage == "simulating":
+        assert found.verdict == ("unknown",) and "dry-friction" in names
+        assert found.confidence < 0.5
+    else:
+        assert found.verdict[0] == "dry-friction" and "dry-friction" not in names
+        assert 0.2 < found.confidence <= unlimited.confidence
