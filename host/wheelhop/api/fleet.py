@@ -43,6 +43,7 @@ class Fleet:
     library: Source | None = None
     threads: int = 1
     budget_s: float | None = BUDGET_S
+    to_the_end: bool = False
     things = "campaigns"
 
     def __post_init__(self) -> None:
@@ -69,6 +70,7 @@ class Fleet:
             folder,
             effects=self.library,
             max_effects=self.max_effects,
+            to_the_end=self.to_the_end,
             budget_s=self.budget_s,
             jobs=self.threads,
         )
@@ -92,6 +94,7 @@ class Fleet:
             "wheelhop": identity(),
             "max_effects": self.max_effects,
             "budget_s": self.budget_s,
+            "to_the_end": self.to_the_end,
             "campaigns": [[self.name(k), self.files(k)] for k in range(len(self))],
         }
         return hashlib.sha256(json.dumps(known).encode()).hexdigest()
@@ -113,6 +116,7 @@ def diagnose_fleet(
     *,
     effects: str | Path | None = None,
     max_effects: int = 4,
+    to_the_end: bool = False,
     budget_s: float | None = BUDGET_S,
     jobs: int | None = None,
     executor: Executor | None = None,
@@ -130,7 +134,7 @@ def diagnose_fleet(
         the program, the same call goes on from there.
     effects
         A Python file with effects of one's own.
-    max_effects, budget_s, progress
+    max_effects, to_the_end, budget_s, progress
         As for `diagnose`.
     jobs
         Processes; one a processor by default.
@@ -153,6 +157,7 @@ def diagnose_fleet(
         None if effects is None else read_source(Path(effects)),
         1 if executor else max(1, many // len(given)),
         budget_s,
+        to_the_end,
     )
     with workers(min(many, len(given))) if executor is None else nullcontext(executor) as working:
         return run_sweep(fleet, Path(table), working, progress)[1]

@@ -154,6 +154,7 @@ def diagnose(
     vehicle: Vehicle | None = None,
     effects: Library = None,
     max_effects: int = 4,
+    to_the_end: bool = False,
     budget_s: float | None = BUDGET_S,
     jobs: int | None = None,
     progress: Progress = _silent,
@@ -168,6 +169,9 @@ def diagnose(
         As for `compare`.
     max_effects
         The longest ladder.
+    to_the_end
+        Whether it goes on where a further effect takes less of the error than a tenth of what the
+        first one took.
     budget_s
         Work after which the search ends with the verdict so far, in seconds of one processor as
         `wheelhop.fit.Work` counts them, so that no verdict depends on how busy the computer is;
@@ -189,6 +193,7 @@ def diagnose(
             vehicle,
             library,
             max_effects=max_effects,
+            to_the_end=to_the_end,
             budget_s=budget_s,
             jobs=jobs,
             progress=progress,

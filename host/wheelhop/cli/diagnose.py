@@ -41,6 +41,7 @@ def run(arguments: Namespace) -> int:
             arguments.campaign,
             effects=arguments.effects,
             max_effects=arguments.max_effects,
+            to_the_end=arguments.all,
             budget_s=arguments.budget,
             jobs=arguments.jobs,
             progress=progress,

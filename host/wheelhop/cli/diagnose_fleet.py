@@ -35,6 +35,7 @@ def run_fleet(arguments: Namespace) -> int:
             arguments.out,
             effects=arguments.effects,
             max_effects=arguments.max_effects,
+            to_the_end=arguments.all,
             budget_s=arguments.budget,
             jobs=arguments.jobs,
             executor=executor,

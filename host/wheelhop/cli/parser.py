@@ -127,6 +127,11 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "--jobs", metavar="N", type=_count, help="parallel threads (default: one a processor)"
     )
     diagnose.add_argument(
+        "--all",
+        action="store_true",
+        help="go on where an effect takes less than a tenth of what the first one took",
+    )
+    diagnose.add_argument(
         "--budget",
         metavar="SECONDS",
         type=_budget,

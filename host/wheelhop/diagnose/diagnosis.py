@@ -93,10 +93,9 @@ class Unfinished:
         said = f"The search ended after {self.work_s:.0f} s of work ({of})."
         if not self.untried:
             return f"{said} More time might still change the verdict."
-        names = [f"{name} ({percent(error)})" for name, error in self.untried[:3]]
-        more = len(self.untried) - len(names)
-        others = f", and {more} more" if more else ""
-        return f"{said} Not simulated, with the error expected of each: {', '.join(names)}{others}."
+        names = ", ".join(f"{name} ({percent(error)})" for name, error in self.untried[:3])
+        others = f", and {more} more" if (more := len(self.untried[3:])) else ""
+        return f"{said} Not simulated, with the error expected of each: {names}{others}."
 
 
 UNLIKELY = 0.05
@@ -156,6 +155,11 @@ class Step:
         less than that."""
         tolerated = self.expected * (1.0 + 2.0 * self.comparison.floor.tolerance)
         return self.rung.error_judging**2 - tolerated**2 - EXACT**2
+
+    @property
+    def beyond_expected(self) -> float:
+        """E of the runs that judge beyond what a right model may leave."""
+        return float(max(self.rung.error_judging**2 - self.expected**2, 0.0) ** 0.5)
 
     @property
     def above_floor(self) -> bool:
@@ -340,7 +344,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "next_run": _next_run(diagnosis.next_run),
         "limits": [asdict(limit) for limit in diagnosis.limits],
-        "axle_to_body": _linearity(diagnosis.axle_to_body),
+        "axle_to_body": diagnosis.axle_to_body and diagnosis.axle_to_body.to_json(),
         "beliefs": [
             {k: v if isinstance(v, str) else _number(v) for k, v in asdict(belief).items()}
             for belief in diagnosis.beliefs
@@ -353,12 +357,8 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
 def _unfinished(found: Unfinished | None) -> dict[str, Any] | None:
     if found is None:
         return None
-    untried = [{"effect": name, "screened_error": _number(error)} for name, error in found.untried]
+    untried = [{"effect": name, "screened_error": _number(e)} for name, e in found.untried]
     return {"ended_by": found.ended_by, "work_s": round(found.work_s, 1), "untried": untried}
-
-
-def _linearity(found: Linearity | None) -> dict[str, Any] | None:
-    return None if found is None else found.to_json()
 
 
 def _ranked(ranked: Ranked) -> dict[str, Any]:

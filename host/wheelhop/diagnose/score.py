@@ -257,6 +257,12 @@ def above_noise(fit: Fit, noise: float) -> float:
     return fit.charged / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
 
 
+def taken(base: Rung, rung: Rung) -> float:
+    """What a rung takes of the error E that a base leaves of the runs that judge. Errors of
+    different causes add as squares."""
+    return sqrt(max(base.error_judging**2 - rung.error_judging**2, 0.0))
+
+
 def nearly_all(base: Rung, rung: Rung, noise: float) -> bool:
     """Whether a rung explains nearly all that a base leaves above the noise; not if that is not
     known."""

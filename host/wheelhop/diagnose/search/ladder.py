@@ -14,7 +14,7 @@ from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_base
 from wheelhop.diagnose.confirm.in_full import confirm, refit
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Diagnosis, EndedBy, Step
-from wheelhop.diagnose.score import Rung, nearly_all
+from wheelhop.diagnose.score import Rung, nearly_all, taken
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search.forgets import (
     FORGETS,
@@ -48,6 +48,10 @@ from wheelhop.fit import OutOfBudget, Workshop
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import linearity
 from wheelhop.vehicle import CORNERS, Vehicle, wheels
+
+SMALL = 0.1
+"""A ladder ends where a further rung takes less than this share of what the first one took. A real
+car is a little wrong in ten ways at once, and to name them all is no help."""
 
 BETWEEN: tuple[Place, ...] = ("suspension", "body")
 """Places between the measured axles and the sensors on the body."""
@@ -95,6 +99,7 @@ def diagnose_gated(
     effects: Mapping[str, Effect],
     *,
     max_effects: int = 4,
+    to_the_end: bool = False,
     budget_s: float | None = None,
     jobs: int | None = None,
     progress: Progress = lambda text: None,
@@ -108,6 +113,7 @@ def diagnose_gated(
         base,
         effects,
         max_effects=max_effects,
+        to_the_end=to_the_end,
         budget_s=budget_s,
         progress=progress,
     )
@@ -120,6 +126,7 @@ def diagnose_gated(
         vehicle,
         effects,
         max_effects=max_effects,
+        to_the_end=to_the_end,
         budget_s=budget_s and budget_s - base.workshop.work.seconds,
         jobs=jobs,
         progress=progress,
@@ -133,6 +140,7 @@ def diagnose_from(
     effects: Mapping[str, Effect],
     *,
     max_effects: int = 4,
+    to_the_end: bool = False,
     budget_s: float | None = None,
     progress: Progress = lambda text: None,
     watch: Watch = lambda scored: None,
@@ -149,6 +157,7 @@ def diagnose_from(
         base,
         effects,
         max_effects=max_effects,
+        to_the_end=to_the_end,
         budget_s=budget_s,
         progress=progress,
         watch=watch,
@@ -173,12 +182,14 @@ def climb(
     effects: Mapping[str, Effect],
     *,
     max_effects: int,
+    to_the_end: bool = False,
     budget_s: float | None = None,
     progress: Progress,
     watch: Watch = lambda scored: None,
 ) -> Diagnosis:
     """The diagnosis, from a fitted baseline on."""
-    workshop, search = base.workshop, Search(base.workshop, effects, max_effects, progress, watch)
+    workshop = base.workshop
+    search = Search(workshop, effects, max_effects, progress, watch, to_the_end)
     search.table[BASELINE] = Scored(base.rung)
     steps: Sequence[Step] = [step_of(workshop, base.rung)]
     below = steps
@@ -195,19 +206,19 @@ def climb(
                 rung = beginning_allowed_for(workshop, without_idle(search, search.best(better)))
                 step = step_of(workshop, rung, steps[0])
                 steps, better = with_step(below, step), None
-                if not _looked_on(search, step):
+                if not _looked_on(search, steps):
                     break
     except (OutOfBudget, KeyboardInterrupt) as end:
         ended_by = "budget" if isinstance(end, OutOfBudget) else "interrupted"
         # What was found, though nobody has asked yet whether all of it is needed.
-        better = better or _best_so_far(search, steps[-1].rung)
+        better = better or _best_so_far(search, steps)
         steps = steps if better is None else with_step(below, step_of(workshop, better, steps[0]))
     return conclude(search, on_one_floor(workshop, steps), ended_by)
 
 
-def _looked_on(search: Search, step: Step) -> bool:
+def _looked_on(search: Search, steps: Sequence[Step]) -> bool:
     """Look at what a new rung leaves; False where all is better begun anew without some runs."""
-    workshop, rung = search.workshop, step.rung
+    workshop, rung = search.workshop, steps[-1].rung
     bounced = never_forgotten(workshop, rung)
     if bounced and remaining(workshop.campaign, bounced):
         search.table[ids_of(rung)] = Scored(rung)
@@ -219,15 +230,23 @@ def _looked_on(search: Search, step: Step) -> bool:
         # It came back, no better: another look would lead to what was just found idle.
         search.table[ids_of(rung)] = replace(known, rung=rung, chosen=None, together=())
     else:
-        look_at(search, step)
+        look_at(search, steps[-1], _least(search, steps))
     return True
 
 
-def _best_so_far(search: Search, rung: Rung) -> Rung | None:
-    """The best model with one effect more that is known to hold, if any is."""
+def _least(search: Search, steps: Sequence[Step]) -> float:
+    """What a further rung must take at least."""
+    if search.to_the_end or len(steps) < 2:
+        return 0.0
+    return SMALL * taken(steps[0].rung, steps[1].rung)
+
+
+def _best_so_far(search: Search, steps: Sequence[Step]) -> Rung | None:
+    """The best model with one effect more that is known to hold and is worth it, if any is."""
+    rung, least = steps[-1].rung, _least(search, steps)
     known = search.table.get(ids_of(rung))
     held = [c.rung for c in known.candidates if c.holds] if known and search.room(rung) else []
-    return held[0] if held else None
+    return held[0] if held and taken(rung, held[0]) >= least else None
 
 
 def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequence[Step]]:
@@ -235,8 +254,12 @@ def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequenc
     comes first, then another in the place of one, then several."""
     rung, workshop = steps[-1].rung, search.workshop
     here, origin = search.table[ids_of(rung)], search.table[BASELINE]
-    room = search.room(rung)
-    if here.chosen is not None and room > 0:
+    room, least = search.room(rung), _least(search, steps)
+
+    def worth_it(more: Rung) -> bool:
+        return taken(rung, more) >= least
+
+    if here.chosen is not None and room > 0 and worth_it(here.chosen.rung):
         return here.chosen.rung, steps
     better = exchange(search, rung) if len(rung.model.effects) > 1 else None
     if better is not None or not steps[-1].above_floor:
@@ -248,9 +271,9 @@ def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequenc
         if group is not None and Incumbent(workshop, rung).gives_way_to(group):
             return group, steps[:1]
         search.table[BASELINE] = replace(origin, together=())
-    if room > 1 and here.together is None:
+    if room > 1 and here.together is None and steps[-1].beyond_expected >= least:
         better = look_for_several(search, here)
-    return better, steps
+    return (better if better is None or worth_it(better) else None), steps
 
 
 def fit_with(base: Baseline, effects: Sequence[Effect], progress: Progress) -> list[Rung]:

@@ -117,6 +117,7 @@ class Search:
     max_effects: int
     progress: Progress
     watch: Watch = lambda scored: None
+    to_the_end: bool = False  #: small things, too, are made part of the model
     table: Table = field(default_factory=dict)
 
     def told(self, scored: Scored) -> None:

@@ -242,6 +242,13 @@ def explanation(
         lines += _none(steps[0], first, last, grounds, limits)
     for before, after in pairwise(steps):
         lines.append(_fall(before, after))
+    small = [c for c in last.candidates if c.holds and c.id not in verdict]
+    if small and len(steps) > 1:
+        each = [f"{c.id} (error to {percent(c.rung.error_judging)})" for c in small]
+        lines.append(
+            "Small things besides, each taking less than a tenth of what the first step took:"
+            f" {listed(each)}; --all looks into them."
+        )
     if on_bounds:
         plural = "s" * (len(on_bounds) == 1)
         lines.append(
