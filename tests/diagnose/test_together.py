@@ -36,9 +36,8 @@ def quiet(text):
     pass
 
 
-def look_at(folder, library):
+def look_at(base, library):
     """The first look, all effects simulated in full, none believed."""
-    base = baseline_of(folder)
     workshop, rung = base.workshop, base.rung
     screened = screen(workshop, rung.fit, list(library.values()))
     candidates = []
@@ -51,21 +50,25 @@ def look_at(folder, library):
 
 @pytest.fixture(scope="module")
 def loose(tmp_path_factory):
-    return truth.make_campaign(
-        tmp_path_factory.mktemp("loose"),
-        seed=1476,
-        effects=HIDDEN,
-        preset="formula-student",
-        short=True,
-    )
+    """The baseline of a car with friction and a loose sensor."""
+    folder = tmp_path_factory.mktemp("loose")
+    settings = {"preset": "formula-student", "short": True, "draft": True}
+    return baseline_of(truth.make_campaign(folder, seed=1476, effects=HIDDEN, **settings))
+
+
+@pytest.fixture(scope="module")
+def looked(loose):
+    """The first look at it with few effects, and these."""
+    library = {name: LIBRARY[name] for name in FEW}
+    return *look_at(loose, library), library
 
 
 def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
     """The sensor is still loose beside friction, and screening says so."""
     library = {name: LIBRARY[name] for name in ("sensor-mount", "dry-friction")}
-    base = baseline_of(loose)
-    workshop, friction = base.workshop, ladder.fit_with(base, [library["dry-friction"]], quiet)[-1]
-    step = ladder.steps_of(workshop, [base.rung, friction])[-1]
+    friction = ladder.fit_with(loose, [library["dry-friction"]], quiet)[-1]
+    workshop = loose.workshop
+    step = ladder.steps_of(workshop, [loose.rung, friction])[-1]
     assert step.above_floor
     look = ladder.look_at(workshop, step, library, 0, quiet, lambda look: None)
     assert [s.variant.effect.id for s in look.screened] == ["sensor-mount"]
@@ -75,15 +78,14 @@ def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
 def test_a_ladder_of_one_rung_names_one_effect(loose):
     """Two explain the car, and are not asked for."""
     library = {name: LIBRARY[name] for name in FEW}
-    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=1, progress=quiet)
+    diagnosis = ladder.climb(loose, library, max_effects=1, progress=quiet)
     assert diagnosis.verdict == ("sensor-mount", "unknown")
 
 
-def test_a_loose_sensor_that_magnifies_friction(loose):
+def test_a_loose_sensor_that_magnifies_friction(looked):
     """The mount rings at 19 Hz, where friction excites the axle: without friction in the model no
     mount explains channel A2, and with A2 as it is no friction explains the car."""
-    library = {name: LIBRARY[name] for name in FEW}
-    workshop, look = look_at(loose, library)
+    workshop, look, library = looked
     assert not any(at_noise(c.rung, workshop.noise) for c in look.candidates)
     found = look_for_several(workshop, look, library, 2, quiet)
     assert found.chosen is not None
@@ -95,10 +97,9 @@ def test_a_loose_sensor_that_magnifies_friction(loose):
     assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
 
 
-def test_what_the_last_look_screened_beside_an_effect_is_not_screened_again(loose):
+def test_what_the_last_look_screened_beside_an_effect_is_not_screened_again(looked):
     """The pair follows from that as well."""
-    library = {name: LIBRARY[name] for name in FEW}
-    workshop, look = look_at(loose, library)
+    workshop, look, library = looked
     first = next(c for c in look.candidates if c.id == "dry-friction")
     others = [effect for effect in library.values() if effect.id != first.id]
     last = Look(first.rung, tuple(screen(workshop, first.rung.fit, others)), (), None)
@@ -219,7 +220,7 @@ def test_four_of_which_none_is_seen_alone(tmp_path):
         short=True,
     )
     library = {name: LIBRARY[name] for name in (*FIELD, "progressive-tyre")}
-    workshop, look = look_at(folder, library)
+    workshop, look = look_at(baseline_of(folder), library)
     lifting = next(c for c in look.candidates if c.id == "tyre-lift-off")
     assert not lifting.holds
     found = look_for_several(workshop, look, library, 4, quiet)
@@ -272,7 +273,7 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
         return replace(looks[-1], chosen=next(springs) if len(looks) == 1 else None)
 
     monkeypatch.setattr(ladder, "look_at", look_misled)
-    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
+    diagnosis = ladder.climb(loose, library, max_effects=2, progress=quiet)
     assert set(diagnosis.verdict) == set(HIDDEN)
     assert diagnosis.ladder[-1].over_floor <= 1.05
 
@@ -309,6 +310,6 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
 
     monkeypatch.setattr(ladder, "look_at", friction_first)
     monkeypatch.setattr(ladder, "without_idle", mount_is_idle)
-    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
+    diagnosis = ladder.climb(loose, library, max_effects=2, progress=quiet)
     assert diagnosis.verdict == ("dry-friction", "unknown")
     assert not any("together" in ranked.reason for ranked in diagnosis.ranking)
