@@ -26,7 +26,7 @@ def log_odds(diagnosis):
 def recorded(tmp_path_factory):
     """Two runs over the lowest washboard: hardly enough to tell a damper's knee from friction."""
     folder = truth.make_campaign(
-        tmp_path_factory.mktemp("faint"), seed=13, effects=FAINT, short=False, draft=True
+        tmp_path_factory.mktemp("faint"), seed=13, effects=FAINT, short=False
     )
     whole = read_campaign(folder)
     few = [run for run in whole.runs if run.id.startswith("washboard-low")]
