@@ -60,11 +60,11 @@ def test_a_figure_of_a_diagnosis_is_of_the_channel_it_names(folder):
 
 def test_what_is_stored_is_what_was_compared_without_the_dead_sensor(folder, capsys):
     kill_b1(folder)
-    compared = wh.compare(folder, "dry-friction")
-    added = wh.add(folder, "dry-friction")
+    compared = wh.compare(folder, "sensor-gain")
+    added = wh.add(folder, "sensor-gain")
     assert added.parameters().equals(compared.parameters())
     assert [f.about for f in added.findings] == [f.about for f in compared.findings] != []
-    assert main(["add", str(folder), "dry-friction"]) == 0
+    assert main(["add", str(folder), "sensor-gain"]) == 0
     assert "left out: the channel B1" in " ".join(capsys.readouterr().out.split())
 
 

@@ -27,7 +27,11 @@ class Twin(DryFriction):
 def base(tmp_path_factory):
     case = CASES["dry-friction"]
     folder = truth.make_campaign(
-        tmp_path_factory.mktemp("friction"), seed=case.seed, effects=case.hidden, short=True
+        tmp_path_factory.mktemp("friction"),
+        seed=case.seed,
+        effects=case.hidden,
+        short=True,
+        draft=True,
     )
     return baseline_of(folder)
 

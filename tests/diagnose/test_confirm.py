@@ -20,7 +20,7 @@ def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
     small amplitude that fits such a body hardly any frequency is wrong."""
     hidden = {"driver-rocking": {"roll_inertia_kg_m2": 6.0, "freq_hz": 2.4, "zeta": 0.25}}
     folder = truth.make_campaign(
-        tmp_path, seed=103, effects=hidden, preset="formula-student", short=True
+        tmp_path, seed=103, effects=hidden, preset="formula-student", short=True, draft=True
     )
     base = baseline_of(folder)
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["driver-rocking"]])
@@ -31,14 +31,13 @@ def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
     assert rung.model.values["driver-rocking.freq_hz"] == pytest.approx(2.4, rel=0.05)
 
 
-@pytest.mark.parametrize("seed", [103, 105])
-def test_an_effect_whose_lack_has_led_the_vehicle_astray_is_found(tmp_path, seed):
+def test_an_effect_whose_lack_has_led_the_vehicle_astray_is_found(tmp_path):
     """For want of long contact patches the baseline makes wheels of two fifths of their radius or
     less and unsprung masses of a tenth of theirs. From there even a fit with all derivatives ended
-    at 1.9 and 9.6 times the noise's power."""
+    at 9.6 times the noise's power."""
     hidden = {"tyre-envelope": {"front_m": 0.26, "rear_m": 0.32}}
     folder = truth.make_campaign(
-        tmp_path, seed=seed, effects=hidden, preset="formula-student", short=True
+        tmp_path, seed=105, effects=hidden, preset="formula-student", short=True, draft=True
     )
     base = baseline_of(folder)
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["tyre-envelope"]])
@@ -50,7 +49,7 @@ def test_a_driver_on_a_stiff_seat_is_no_negative_mass(tmp_path):
     """Above a formula car's heave: of a soft seat one would need less than nothing there."""
     hidden = {"driver-seat": {"mass_kg": 60.0, "freq_hz": 12.0, "zeta": 0.15, "x_m": 0.05}}
     folder = truth.make_campaign(
-        tmp_path, seed=104, effects=hidden, preset="formula-student", short=True
+        tmp_path, seed=104, effects=hidden, preset="formula-student", short=True, draft=True
     )
     base = baseline_of(folder)
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["driver-seat"]])
@@ -97,7 +96,7 @@ def test_a_switch_is_no_rival_of_what_explains_nearly_all(tmp_path):
     """Friction explains everything here. Whether wheels lift no first order tells: it is simulated,
     and makes it worse however the vehicle is bent; but not beside friction."""
     hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
-    folder = truth.make_campaign(tmp_path, seed=105, effects=hidden, short=True)
+    folder = truth.make_campaign(tmp_path, seed=105, effects=hidden, short=True, draft=True)
     base = baseline_of(folder)
     effects = [LIBRARY["dry-friction"], LIBRARY["tyre-lift-off"]]
     screened = screen(base.workshop, base.rung.fit, effects)

@@ -27,6 +27,7 @@ def test_a_strong_line_is_found_in_the_runs_held_out(tmp_path):
         preset="passenger-car",
         short=True,
         seconds=6.0,
+        draft=True,
     )
     campaign = read_campaign(tmp_path)
     base = fit_baseline(campaign, read_nominal(campaign), progress=lambda text: None)

@@ -20,7 +20,9 @@ def quiet(text):
 @pytest.fixture(scope="module")
 def stopped(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stops")
-    return truth.make_campaign(folder, seed=31, effects={"bump-stop": STOPS}, short=True)
+    return truth.make_campaign(
+        folder, seed=31, effects={"bump-stop": STOPS}, short=True, draft=True
+    )
 
 
 def test_a_pair_of_stops_begins_where_one_of_them_has_ended(stopped):

@@ -20,7 +20,7 @@ SEED = 101
 @pytest.fixture(scope="module")
 def clean(tmp_path_factory):
     folder = truth.make_campaign(
-        tmp_path_factory.mktemp("clean"), seed=SEED, effects={}, short=True
+        tmp_path_factory.mktemp("clean"), seed=SEED, effects={}, short=True, draft=True
     )
     return diagnosed(folder)
 
@@ -44,7 +44,7 @@ def test_the_limit_holds(clean, tmp_path, factor, shown):
     least = {limit.effect: limit.amplitudes for limit in clean.limits}["anti-roll-bar"]
     hidden = {f"stiffness_{end}_N_m": factor * least[f"{end}_N_m"] for end in ("front", "rear")}
     effects = {"anti-roll-bar": hidden}
-    folder = truth.make_campaign(tmp_path, seed=SEED, effects=effects, short=True)
+    folder = truth.make_campaign(tmp_path, seed=SEED, effects=effects, short=True, draft=True)
     found = diagnosed(folder)
     assert found.verdict == (("anti-roll-bar",) if shown else ("none",))
     assert ("anti-roll-bar" in {limit.effect for limit in found.limits}) is not shown
@@ -52,7 +52,7 @@ def test_the_limit_holds(clean, tmp_path, factor, shown):
 
 def test_what_the_runs_cannot_show_is_not_said_to_be_absent(tmp_path):
     """Washboards lift both sides alike: no bar works on them, whatever its rate."""
-    folder = truth.make_campaign(tmp_path, seed=SEED, effects={}, short=True)
+    folder = truth.make_campaign(tmp_path, seed=SEED, effects={}, short=True, draft=True)
     head, *runs = (folder / "campaign.toml").read_text().split("\n[[run]]")
     kept = [run for run in runs if 'track.kind = "washboard"' in run]
     (folder / "campaign.toml").write_text("\n[[run]]".join([head, *kept]))

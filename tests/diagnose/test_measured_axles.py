@@ -23,7 +23,7 @@ def test_the_verdict_on_measured_axles(name, tmp_path):
     records; nothing is made of it."""
     case = CASES[name]
     folder = truth.make_campaign(
-        tmp_path, seed=case.seed, effects=case.hidden, short=True, seconds=6.4
+        tmp_path, seed=case.seed, effects=case.hidden, short=True, seconds=6.4, draft=True
     )
     campaign = read_campaign(folder)
     vehicle = read_vehicle(campaign.vehicle_file)

@@ -24,7 +24,7 @@ UNSTEADY = {"speed-fluctuation": {"fraction": 3e-4, **PERIOD}}
 
 def campaign(folder, seed, hidden):
     return truth.make_campaign(
-        folder, seed=seed, effects=hidden, preset="passenger-car", short=True
+        folder, seed=seed, effects=hidden, preset="passenger-car", short=True, draft=True
     )
 
 

@@ -17,7 +17,7 @@ def test_friction_that_nearly_always_holds_is_found_where_it_is_strong(tmp_path)
     a formula car's friction leaves more than twice the noise's power; begun as strong as shows
     clearly, where the vehicle is believed to be, it is the first of all, and leaves noise."""
     folder = truth.make_campaign(
-        tmp_path, seed=103, effects=HELD, preset="formula-student", short=True
+        tmp_path, seed=103, effects=HELD, preset="formula-student", short=True, draft=True
     )
     base = baseline_of(folder)
     workshop, incumbent = base.workshop, Incumbent(base.workshop, base.rung)
@@ -37,7 +37,7 @@ def test_friction_that_nearly_always_holds_is_found_where_it_is_strong(tmp_path)
 
 def test_where_the_vehicle_is_believable_nothing_is_begun_strong(tmp_path):
     folder = truth.make_campaign(
-        tmp_path, seed=104, effects={}, preset="formula-student", short=True
+        tmp_path, seed=104, effects={}, preset="formula-student", short=True, draft=True
     )
     base = baseline_of(folder)
     screened = screen(base.workshop, base.rung.fit, [LIBRARY["dry-friction"]])

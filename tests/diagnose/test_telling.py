@@ -46,7 +46,9 @@ def quiet(text):
 def strong_friction(tmp_path_factory):
     hidden = CASES["dry-friction"].hidden
     folder = tmp_path_factory.mktemp("friction")
-    return baseline_of(truth.make_campaign(folder, seed=104, effects=hidden, short=True))
+    return baseline_of(
+        truth.make_campaign(folder, seed=104, effects=hidden, short=True, draft=True)
+    )
 
 
 def test_what_explains_far_less_there_is_not_simulated_in_the_others(strong_friction, monkeypatch):

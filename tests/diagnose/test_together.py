@@ -36,9 +36,8 @@ def quiet(text):
     pass
 
 
-def searched(folder, library, room):
+def searched(base, library, room):
     """A search that has simulated all effects in full beside the baseline, none believed."""
-    base = baseline_of(folder)
     workshop, rung = base.workshop, base.rung
     screened = screen(workshop, rung.fit, list(library.values()))
     candidates = []
@@ -52,21 +51,30 @@ def searched(folder, library, room):
 
 @pytest.fixture(scope="module")
 def loose(tmp_path_factory):
-    return truth.make_campaign(
-        tmp_path_factory.mktemp("loose"),
-        seed=1476,
-        effects=HIDDEN,
-        preset="formula-student",
-        short=True,
-    )
+    """The baseline of a car with friction and a loose sensor."""
+    folder = tmp_path_factory.mktemp("loose")
+    settings = {"preset": "formula-student", "short": True, "draft": True}
+    return baseline_of(truth.make_campaign(folder, seed=1476, effects=HIDDEN, **settings))
+
+
+@pytest.fixture(scope="module")
+def looked(loose):
+    """A search of few effects in it that has looked once."""
+    return searched(loose, {name: LIBRARY[name] for name in FEW}, 2)
+
+
+@pytest.fixture
+def search(looked):
+    """The same, to go on from."""
+    return replace(looked, table=dict(looked.table))
 
 
 def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
     """The sensor is still loose beside friction, and screening says so."""
     library = {name: LIBRARY[name] for name in ("sensor-mount", "dry-friction")}
-    base = baseline_of(loose)
-    workshop, friction = base.workshop, ladder.fit_with(base, [library["dry-friction"]], quiet)[-1]
-    step = ladder.steps_of(workshop, [base.rung, friction])[-1]
+    friction = ladder.fit_with(loose, [library["dry-friction"]], quiet)[-1]
+    workshop = loose.workshop
+    step = ladder.steps_of(workshop, [loose.rung, friction])[-1]
     assert step.above_floor
     seen = ladder.look_at(Search(workshop, library, 1, quiet), step)
     assert [s.id for s in seen.screened] == ["sensor-mount"]
@@ -76,14 +84,13 @@ def test_a_model_that_is_full_is_described_and_held_against_nothing(loose):
 def test_a_ladder_of_one_rung_names_one_effect(loose):
     """Two explain the car, and are not asked for."""
     library = {name: LIBRARY[name] for name in FEW}
-    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=1, progress=quiet)
+    diagnosis = ladder.climb(loose, library, max_effects=1, progress=quiet)
     assert diagnosis.verdict == ("sensor-mount", "unknown")
 
 
-def test_a_loose_sensor_that_magnifies_friction(loose):
+def test_a_loose_sensor_that_magnifies_friction(search):
     """The mount rings at 19 Hz, where friction excites the axle: without friction in the model no
     mount explains channel A2, and with A2 as it is no friction explains the car."""
-    search = searched(loose, {name: LIBRARY[name] for name in FEW}, 2)
     known, noise = search.table[BASELINE], search.workshop.noise
     assert not any(at_noise(c.rung, noise) for c in known.candidates)
     found = look_for_several(search, known)
@@ -97,9 +104,8 @@ def test_a_loose_sensor_that_magnifies_friction(loose):
     assert theta["dry-friction.rear_N"] == pytest.approx(51.0, rel=0.15)
 
 
-def test_what_is_known_beside_an_effect_is_not_tried_again(loose, monkeypatch):
+def test_what_is_known_beside_an_effect_is_not_tried_again(search, monkeypatch):
     """The pair follows from that as well, and so does what could stand for the other of the two."""
-    search = searched(loose, {name: LIBRARY[name] for name in FEW}, 2)
     known, told, asked = search.table[BASELINE], list[str](), []
     first = known.candidate("dry-friction").rung
     others = [effect for effect in search.effects.values() if effect.id != "dry-friction"]
@@ -282,13 +288,13 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
     library = {name: LIBRARY[name] for name in FEW}
     look_truly = ladder.look_at
 
-    def look_misled(search, step):
+    def look_misled(search, step, least=0.0):
         seen = look_truly(search, step)
         spring = None if step.added else seen.candidate("progressive-spring")
         search.table[ids_of(step.rung)] = replace(seen, chosen=spring)
 
     monkeypatch.setattr(ladder, "look_at", look_misled)
-    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
+    diagnosis = ladder.climb(loose, library, max_effects=2, progress=quiet)
     assert set(diagnosis.verdict) == set(HIDDEN)
     assert diagnosis.ladder[-1].over_floor <= 1.05
 
@@ -315,7 +321,7 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
     library = {name: LIBRARY[name] for name in FEW}
     look_truly = ladder.look_at
 
-    def friction_first(search, step):
+    def friction_first(search, step, least=0.0):
         seen = look_truly(search, step)
         friction = None if step.added else seen.candidate("dry-friction")
         search.table[ids_of(step.rung)] = replace(seen, chosen=friction)
@@ -325,6 +331,6 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
 
     monkeypatch.setattr(ladder, "look_at", friction_first)
     monkeypatch.setattr(ladder, "without_idle", mount_is_idle)
-    diagnosis = ladder.climb(baseline_of(loose), library, max_effects=2, progress=quiet)
+    diagnosis = ladder.climb(loose, library, max_effects=2, progress=quiet)
     assert diagnosis.verdict == ("dry-friction", "unknown")
     assert not any("together" in ranked.reason for ranked in diagnosis.ranking)

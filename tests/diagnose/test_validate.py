@@ -26,7 +26,7 @@ UNSTEADY = {
 def campaign(folder, hidden, *, seed, severity=1.0):
     effects = truth.make_effects(hidden)
     return truth.write_campaign(
-        folder, rougher(CAR, severity), effects, seed=seed, short=True, noise_rms=0.15
+        folder, rougher(CAR, severity), effects, seed=seed, short=True, noise_rms=0.15, draft=True
     )
 
 

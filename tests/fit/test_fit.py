@@ -64,7 +64,7 @@ def whitened(fitted, true):
 @pytest.fixture(scope="module")
 def mujoco_campaign(tmp_path_factory):
     folder = tmp_path_factory.mktemp("clean")
-    return truth.make_campaign(folder, seed=17, effects={}, short=True, noise_rms=NOISE)
+    return truth.make_campaign(folder, seed=17, effects={}, short=True, noise_rms=NOISE, draft=True)
 
 
 def test_a_campaign_of_another_simulator_gives_back_its_truth(mujoco_campaign):

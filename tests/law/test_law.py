@@ -245,18 +245,22 @@ def test_terms_read_as_an_engineer_writes_them():
     assert r"\langle x\rangle" in beyond(0.0, 0.02).equation
 
 
-def test_a_law_with_a_name_is_called_by_it(tmp_path):
+@pytest.fixture(scope="module")
+def friction(tmp_path_factory):
+    """What is found where friction in a joint is missing."""
     numbers = {"coulomb_N": 250.0, "joint_N_m": 4e5}
-    found = found_in(campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers))
-    assert found.preferred.name == "dry-friction"
-    assert "The nearest name is dry-friction" in " ".join(look(found))
+    folder = tmp_path_factory.mktemp("friction") / "c"
+    return found_in(campaign_of(folder, hidden="dry-friction", numbers=numbers))
 
 
-def test_a_name_is_known_by_the_force_of_a_law_that_was_found(tmp_path):
-    """Friction in a joint, told from the force of a formula alone."""
-    numbers = {"coulomb_N": 250.0, "joint_N_m": 4e5}
-    folder = campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers)
-    found, library = found_in(folder), [e for e in load_effects().values() if e.on_rig]
+def test_a_law_with_a_name_is_called_by_it(friction):
+    assert friction.preferred.name == "dry-friction"
+    assert "The nearest name is dry-friction" in " ".join(look(friction))
+
+
+def test_a_name_is_known_by_the_force_of_a_law_that_was_found(friction):
+    """Told from the force of a formula alone."""
+    found, library = friction, [e for e in load_effects().values() if e.on_rig]
     workshop, law, where = found.workshop, found.formula.rung, found.where
     nearest = nearest_name(workshop, law, where, Moves(workshop, law.model), library)
     assert nearest.name == "dry-friction"
@@ -267,11 +271,9 @@ def test_a_name_is_known_by_the_force_of_a_law_that_was_found(tmp_path):
     assert nearest_name(workshop, law, where, Moves(workshop, law.model), []) is None
 
 
-def test_a_law_that_runs_away_is_told_and_held_against_no_name(tmp_path):
+def test_a_law_that_runs_away_is_told_and_held_against_no_name(friction):
     """As a free law does of which one held-out run goes further than any that was fitted."""
-    numbers = {"coulomb_N": 250.0, "joint_N_m": 4e5}
-    found = found_in(campaign_of(tmp_path / "c", hidden="dry-friction", numbers=numbers))
-    found = replace(found, named=found.named[-1:])
+    found = replace(friction, named=friction.named[-1:])
     (told,) = [line for line in look(found) if "nearest name" in line]
     assert "100 %" not in told
     judging = found.free.rung.validation

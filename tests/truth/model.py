@@ -299,36 +299,44 @@ def _march(
     given_rate[:, 4:] = np.diff(road, axis=0) / step
     stiffness = np.concatenate([drive.suspension_stiffness, drive.tyre_stiffness])
     damping = np.concatenate([drive.suspension_damping, drive.tyre_damping])
+    given_force = given * stiffness + given_rate * damping
 
-    applied = -(given * stiffness + given_rate * damping) @ shape
+    applied = -given_force @ shape
     for name, force in drive.forces.items():
         applied += 0.5 * np.outer(force[1:] + force[:-1], matrix([name])[0])
     applied *= SMALL
 
+    # shortening, its rate and the linear force of every element half a step on: the road's part,
+    # and what q, q' and the q' of a step before make of it
+    of_road = np.hstack([given, given_rate, given_force])
+    shortened = np.hstack([shape, 0.625 * step * shape, -0.125 * step * shape])
+    rate = np.hstack([np.zeros_like(shape), 1.5 * shape, -0.5 * shape])
+    linear = stiffness[:, None] * shortened + damping[:, None] * rate
+    of_motion = np.vstack([shortened, rate, linear]) / SMALL
+
     laws = [effect.suspension for effect in effects if effect.has_law("suspension")]
     tyre_laws = [effect.tyre for effect in effects if effect.has_law("tyre")]
-    data = mujoco.MjData(model)
-    position, velocity = np.zeros((steps + 1, model.nv)), np.zeros((steps + 1, model.nv))
+    data, nv = mujoco.MjData(model), model.nv
+    q, dq, push = data.qpos, data.qvel, data.qfrc_applied
+    motion = np.zeros((steps + 1, 3 * nv))  # q, q' and the q' of a step before
     extra = np.zeros((steps, 8))  # what the laws add to the linear forces
     for n in range(steps):
-        data.qfrc_applied = applied[n]
+        push[:] = applied[n]
         if laws or tyre_laws:
-            q, dq = _mid_step(step, position[n], velocity[n], velocity[max(n - 1, 0)])
-            x, v = given[n] + shape @ q, given_rate[n] + shape @ dq
-            linear = stiffness * x + damping * v
-            force = linear.copy()
+            x, v, force = (of_road[n] + of_motion @ motion[n]).reshape(3, 8)
+            strut, tyre = force[:4], force[4:]
             for law in laws:
-                force[:4] = law(force[:4], x[:4], v[:4])
+                strut = law(strut, x[:4], v[:4])
             for tyre_law in tyre_laws:
-                force[4:] = tyre_law(force[4:], x[4:], v[4:])
-            extra[n] = force - linear
-            data.qfrc_applied -= SMALL * (extra[n] @ shape)
+                tyre = tyre_law(tyre, x[4:], v[4:])
+            extra[n, :4], extra[n, 4:] = strut - force[:4], tyre - force[4:]
+            push -= SMALL * (extra[n] @ shape)
         mujoco.mj_step(model, data)
-        position[n + 1], velocity[n + 1] = data.qpos / SMALL, data.qvel / SMALL
+        motion[n + 1, :nv], motion[n + 1, nv : 2 * nv] = q, dq
+        motion[n + 1, 2 * nv :] = motion[n, nv : 2 * nv]
 
-    before = np.vstack([velocity[:1], velocity[:-2]])
-    q, dq = _mid_step(step, position[:-1], velocity[:-1], before)
-    force = stiffness * (given + q @ shape.T) + damping * (given_rate + dq @ shape.T) + extra
+    force = (of_road + motion[:-1] @ of_motion.T)[:, 16:] + extra
+    position, velocity = motion[:, :nv] / SMALL, motion[:, nv : 2 * nv] / SMALL
     points = matrix(CHANNELS)
     return Motion(
         time=drive.time,
@@ -342,11 +350,6 @@ def _march(
             for i, at in enumerate(model.jnt_dofadr)
         },
     )
-
-
-def _mid_step(step: float, q: Array, dq: Array, dq_before: Array) -> tuple[Array, Array]:
-    """Coordinates and velocities half a step on, from this velocity and the one a step before."""
-    return q + step * (0.625 * dq - 0.125 * dq_before), 1.5 * dq - 0.5 * dq_before
 
 
 def _mean_rate(time: Array, velocity: Array, at: Array, window: float) -> Array:

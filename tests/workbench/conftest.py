@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from tests.patience import PATIENCE_S
-from tests.truth.campaign import make_campaign, write_campaign
+from tests.truth.campaign import write_campaign
 from tests.truth.effects import make_effects
 from tests.truth.presets import PRESETS, planned_runs
 
@@ -123,13 +123,15 @@ def a_few_runs(folder, kept, hidden, seed, **more):
     return write_campaign(folder, PRESETS["atv"], physics, **settings)
 
 
+FITTED = ("washboard-low-slow", "washboard-high-fast", "herringbone-low-fast")
+HELD_OUT = ("washboard-high-slow", "herringbone-high-fast")
+
+
 @pytest.fixture(scope="session")
 def friction(tmp_path_factory):
     hidden = {"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}}
-    fitted = ("washboard-low-slow", "washboard-high-fast", "herringbone-low-fast")
-    held_out = ("washboard-high-slow", "herringbone-high-fast")
-    kept = (*fitted, *held_out)
-    return a_few_runs(tmp_path_factory.mktemp("friction"), kept, hidden, seed=101, seconds=5.0)
+    kept = (*FITTED, *HELD_OUT)
+    return a_few_runs(tmp_path_factory.mktemp("friction"), kept, hidden, seed=101, seconds=3.2)
 
 
 LONG = "a campaign whose name is as long as people make them, so that no line holds it"
@@ -152,5 +154,5 @@ def small_open(small, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def clean(tmp_path_factory):
-    settings = {"seed": 102, "effects": {}, "short": True, "seconds": 5.0, "draft": True}
-    return make_campaign(tmp_path_factory.mktemp("clean"), **settings)
+    kept = (*FITTED, *HELD_OUT)
+    return a_few_runs(tmp_path_factory.mktemp("clean"), kept, {}, seed=102, seconds=3.2)

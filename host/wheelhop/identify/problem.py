@@ -197,12 +197,10 @@ class Problem:
         rigid = RIGID[list(self.inputs)]
         a = np.zeros((len(self.outputs) * 3, self.unknowns))
         by_ratio = np.zeros_like(a)
-        for i in range(len(self.outputs)):
-            for k in range(3):
-                row = 3 * i + k
-                a[row, self.index[i]] = np.outer(scale * rigid[:, k], at_zero).ravel()
-                moved = np.outer(rear * rigid[:, k], at_zero).ravel()
-                by_ratio[row, self.index[i]] = moved
+        held, moved = (np.kron((by[:, None] * rigid).T, at_zero) for by in (scale, rear))
+        for i, at in enumerate(self.index):
+            rows = slice(3 * i, 3 * i + 3)
+            a[rows, at], by_ratio[rows, at] = held, moved
         return a, RIGID[list(self.outputs)].ravel(), by_ratio
 
     def _numerators(self, sums: Gram, sections: Sections, suspension: Array) -> tuple[Array, bool]:
@@ -304,7 +302,7 @@ class Problem:
 def _positive(symmetric: Array) -> bool:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(symmetric), 1e-300))
     scaled = symmetric * scale[:, None] * scale
-    scaled[np.diag_indices_from(scaled)] += RIDGE
+    scaled.flat[:: len(scaled) + 1] += RIDGE
     try:
         linalg.cholesky(scaled, check_finite=False)
     except linalg.LinAlgError:
@@ -355,7 +353,7 @@ def _solve(normal: Array, right: Array) -> Array:
     """Solve symmetric positive equations scaled to a unit diagonal."""
     scale = 1.0 / np.sqrt(np.maximum(np.abs(np.diag(normal)), 1e-300))
     scaled = normal * scale[:, None] * scale
-    scaled[np.diag_indices_from(scaled)] += RIDGE
+    scaled.flat[:: len(scaled) + 1] += RIDGE
     columns = right * (scale if right.ndim == 1 else scale[:, None])
     try:
         out = linalg.cho_solve(linalg.cho_factor(scaled, check_finite=False), columns)
