@@ -57,8 +57,7 @@ WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
 
 AHEAD = 10.0
-"""A fit has no hope to come where ten more steps as good as the last would not lead: on its way
-down a step gains less than the one before."""
+"""A fit has no hope to come where ten more steps as good as the last would not lead."""
 
 
 def fit(
@@ -76,7 +75,7 @@ def fit(
     faster, and a fit that ends a little above the minimum. A fit that has no hope to come below the
     cost `bar` ends early.
     """
-    belief = Belief.of(shared)
+    belief = Belief.of(shared, workshop.measured)
     if shared or len(benches) < 2 or model.random_heights is not None:
         problem = _Problem(workshop, belief, tuple(benches), known, density_free=bool(shared))
         return _solved(problem, model, bar)
@@ -136,7 +135,8 @@ def foreseen(
 ) -> Fit:
     """The fit that runs nobody has driven yet would end in were `model` true: it leaves the stated
     noise and nothing else, whatever stands in their records."""
-    problem = _Problem(workshop, Belief.of(shared), tuple(benches), None, density_free=False)
+    belief = Belief.of(shared, workshop.measured)
+    problem = _Problem(workshop, belief, tuple(benches), None, density_free=False)
     state = problem.linearise(problem.completed(model))
     runs = tuple(
         replace(run, residual=np.zeros(run.bench.size), spread=np.ones(run.bench.size))
@@ -149,7 +149,8 @@ def linearised(
     workshop: Workshop, model: Model, shared: Sequence[Free], benches: Sequence[Bench]
 ) -> Fit:
     """Where a fit begins, with the derivatives there."""
-    problem = _Problem(workshop, Belief.of(shared), tuple(benches), None, density_free=False)
+    belief = Belief.of(shared, workshop.measured)
+    problem = _Problem(workshop, belief, tuple(benches), None, density_free=False)
     return problem.linearise(problem.completed(model))
 
 
@@ -269,7 +270,8 @@ class _Problem:
 
         found |= {run.bench.run.id: run for run in self.workshop.each(linearise_run, benches)}
         runs = tuple(found[bench.run.id] for bench in self.benches)
-        state = Fit(model, self.shared, runs, self.belief.precision, 1.0, np.inf, 0.0)
+        precision, measured = self.belief.precision_at(model.values), self.workshop.measured
+        state = Fit(model, self.shared, runs, precision, 1.0, np.inf, 0.0, measured)
         return self.weighted(state) if np.isfinite(state.rss) else state
 
     def weighted(self, state: Fit) -> Fit:
@@ -334,23 +336,21 @@ class _Problem:
         return replace(state, runs=tuple(runs), precision=precision, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> tuple[Model, float, float]:
-        runs = self.workshop.each(lambda run: self.linear(run, state), state.runs)
-        values = state.model.values
-        precision, pull = self.belief.precision_at(values), self._pull_of_heights(state)
-        prior = Prior(precision, self.belief.pull(values) + pull, self.belief.room(values))
+        values, pull = state.model.values, self._pull_of_heights(state)
+        prior, along = Prior.of(self.belief, values, pull), self.belief.coordinates(values)
+        runs = self.workshop.each(lambda run: self.linear(run, state).along(along), state.runs)
         enough = SOLVED * self.converged * max(state.cost, state.size)
         enough = enough if damping < FIRST_DAMPING else np.inf
         step, own_steps, promised = least(prior, runs, damping, enough)
-        model = state.model.with_values(after(self.shared, state.model.values, step))
+        model = state.model.with_values(self.belief.moved(values, step))
         for run, linear, own_step in zip(state.runs, runs, own_steps, strict=True):
             run_id = run.bench.run.id
-            values = model.runs.get(run_id, {})
-            model = model.with_run(run_id, after(run.own, values, own_step))
+            model = model.with_run(run_id, after(run.own, model.runs.get(run_id, {}), own_step))
             if run.heights is not None and linear.heights is not None:
                 ahead, less = linear.heights
                 moved = run.heights.coefficients + ahead - less @ np.concatenate([step, own_step])
                 model = model.with_heights({run_id: moved.reshape(2, -1)})
-        return model, promised, 2.0 * float(pull @ step)
+        return model, promised, 2.0 * float(pull @ along @ step)
 
     def _pull_of_heights(self, state: Fit) -> Array:
         """Half of how the logarithm of the volume that unknown heights may fill grows (g,) along

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from math import log
+from dataclasses import dataclass, replace
+from math import isfinite, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
 from wheelhop.simulate.job import PATH_KEYS
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
-from wheelhop.vehicle import ABOARD, Vehicle, motions, on_mounts
+from wheelhop.vehicle import ABOARD, Measured, Vehicle, motions, on_mounts
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,23 @@ class Free:
     span_s: tuple[float, float] = (-np.inf, np.inf)
     is_shape: bool = False  #: of an effect, and meaningless while that is absent
     in_proportion: bool = False  #: its logarithm is normal, with the deviation sigma / mean
+    follows_scale: bool = False
+    """Whether mean, sigma and bounds are multiples of the common scale of masses and forces."""
+
+    def at(self, scale: float) -> Free:
+        """The number in a model whose masses and forces have this common scale."""
+        if not self.follows_scale:
+            return self
+        sigma, mean = scale * self.sigma, scale * self.mean
+        return replace(
+            self, mean=mean, sigma=sigma, lower=scale * self.lower, upper=scale * self.upper
+        )
+
+    @classmethod
+    def of(cls, measured: Measured) -> Free:
+        """A relation of several numbers, as if it were one of them."""
+        m = measured
+        return cls(m.name, m.value, m.sigma, m.sigma, in_proportion=True)
 
     def away(self, value: float) -> float:
         """By how many standard deviations a value is more than what is believed."""
@@ -108,7 +125,15 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
         Free(key, value, sigma, sigma)
         if key.endswith(PLACES)
         # What may be nothing is not believed in proportion.
-        else Free(key, value, sigma, sigma, 0.02 * value, in_proportion=sigma < value)
+        else Free(
+            key,
+            value,
+            sigma,
+            sigma,
+            0.02 * value,
+            in_proportion=sigma < value,
+            follows_scale=of_forces(key) and sigma >= value,
+        )
         for key, value in vehicle.values.items()
         if not key.startswith(idle) and (sigma := vehicle.uncertainty[key]) > 0
     ]
@@ -162,8 +187,19 @@ def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Eff
         begun = model.values.get(name, p.absent) if p.is_shape else p.absent
         mean = begun if p.believed is None else p.believed
         sigma = p.scale if p.is_shape else np.inf
-        shape = p.is_shape
-        free.append(Free(name, mean, sigma, p.scale, p.lower, p.upper, is_shape=shape))
+        told = p.is_shape or any(isfinite(b) and b != 0.0 for b in (p.lower, p.upper))
+        free.append(
+            Free(
+                name,
+                mean,
+                sigma,
+                p.scale,
+                p.lower,
+                p.upper,
+                is_shape=p.is_shape,
+                follows_scale=told and of_forces(name),
+            )
+        )
     return free
 
 
