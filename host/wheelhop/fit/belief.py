@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.fit.parameters import Free, after, of_forces
+from wheelhop.fit.parameters import Free, after, of_forces, scale_is_given
 from wheelhop.vehicle.measured import Measured
 
 Array = NDArray[np.float64]
@@ -131,12 +131,24 @@ class Belief:
         return np.asarray(bounds / scale - self._relative(values, self._following))
 
     def moved(self, values: Values, step: Array) -> dict[str, float]:
-        """Numbers after a step (p,) in these coordinates, within their bounds."""
+        """Numbers after a step (p,) in these coordinates, within their bounds, and on the common
+        scale that is likeliest: no record shows it, nor can lead to it."""
         before = self.scale(values)
         relative = {f.name: values[f.name] / before for f in self.free if f.follows_scale}
         found = after(self.free, {**values, **relative}, step)
         now = self.scale({**values, **found})
-        return found | {name: found[name] * now for name in relative}
+        return self._on_scale(values, found | {name: found[name] * now for name in relative})
+
+    def _on_scale(self, values: Values, moved: dict[str, float]) -> dict[str, float]:
+        """Masses and forces times the one factor of which the belief is nearest."""
+        there = {**values, **moved}
+        if self.absolute or not self._shares.any() or scale_is_given(self.free, there):
+            return moved
+        power = np.array([of_forces(f.name) for f in self.free])
+        along = power * self._now(there)
+        more = along @ self.pull(there) / (along @ self.precision_at(there) @ along)
+        factors = np.exp(more * power).tolist()
+        return {f.name: moved[f.name] * k for f, k in zip(self.free, factors, strict=True)}
 
     def _away(self, values: Values) -> Array:
         """How far (p + q,) from the mean: in proportion, the logarithm of that times the mean."""
@@ -173,7 +185,7 @@ class Belief:
     @cached_property
     def _shares(self) -> Array:
         """What each number has to say (p,) of the common scale; the sum is 1, or 0."""
-        weight = np.array([f.in_proportion and of_forces(f.name) for f in self.free], float)
+        weight = np.array([f.in_proportion and of_forces(f.name) > 0 for f in self.free], float)
         weight *= [(f.mean / f.sigma) ** 2 for f in self.free]
         return np.asarray(weight / max(weight.sum(), np.finfo(float).tiny))
 

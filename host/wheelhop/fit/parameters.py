@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, log
 
@@ -25,10 +25,21 @@ PLACES = (".x_m", ".y_m")
 """How numbers end that may be negative."""
 
 
-def of_forces(name: str) -> bool:
+def of_forces(name: str) -> int:
     """Whether a number counts masses or forces, as the unit says that its name ends with: were all
-    of them twice as large, the vehicle would move as it does."""
-    return not {"N", "kg"}.isdisjoint(name.rpartition(".")[2].split("_"))
+    of these twice as large, the vehicle would move as it does. −1 where they divide: "m_N"."""
+    parts = name.rpartition(".")[2].split("_")
+    where = next((i for i, part in enumerate(parts) if part in ("N", "kg")), None)
+    if where is None:
+        return 0
+    return -1 if where and parts[where - 1] in ("1", "m") else 1
+
+
+def scale_is_given(free: Iterable[Free], values: Iterable[str]) -> bool:
+    """Whether one of a model's masses or forces is certain, and tells the others. What is stated
+    of somebody aboard who moves with the body moves nothing."""
+    aboard, names = tuple(f"{name}." for name in ABOARD), {f.name for f in free}
+    return any(of_forces(k) and k not in names and not k.startswith(aboard) for k in values)
 
 
 @dataclass(frozen=True)
@@ -132,7 +143,7 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
             sigma,
             0.02 * value,
             in_proportion=sigma < value,
-            follows_scale=of_forces(key) and sigma >= value,
+            follows_scale=of_forces(key) > 0 and sigma >= value,
         )
         for key, value in vehicle.values.items()
         if not key.startswith(idle) and (sigma := vehicle.uncertainty[key]) > 0
@@ -188,6 +199,7 @@ def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Eff
         mean = begun if p.believed is None else p.believed
         sigma = p.scale if p.is_shape else np.inf
         told = p.is_shape or any(isfinite(b) and b != 0.0 for b in (p.lower, p.upper))
+        follows = told and of_forces(name) > 0
         free.append(
             Free(
                 name,
@@ -197,7 +209,7 @@ def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Eff
                 p.lower,
                 p.upper,
                 is_shape=p.is_shape,
-                follows_scale=told and of_forces(name),
+                follows_scale=follows,
             )
         )
     return free

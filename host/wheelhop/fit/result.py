@@ -13,9 +13,9 @@ from wheelhop.fit.belief import Belief
 from wheelhop.fit.bench import Bench
 from wheelhop.fit.density import Spectrum
 from wheelhop.fit.heights import Heights
-from wheelhop.fit.parameters import Free, of_forces
+from wheelhop.fit.parameters import Free, of_forces, scale_is_given
 from wheelhop.simulate import Model
-from wheelhop.vehicle import ABOARD, Measured
+from wheelhop.vehicle import Measured
 
 Array = NDArray[np.float64]
 
@@ -338,12 +338,10 @@ class Fit:
         common scale of masses and forces, which records do not show; 0 of others, and where one of
         these numbers is given or a rig measures the force."""
         values = {f.name: self.model.values[f.name] * of_forces(f.name) for f in self.shared}
-        aboard = tuple(f"{name}." for name in ABOARD)
-        given = [k for k in self.model.values.keys() - values if of_forces(k)]
         along = np.array([*values.values()]) / [f.scale for f in self.shared]
         told = float(along @ self.believed @ along)
-        stated = any(not key.startswith(aboard) for key in given)
-        if not told > 0.0 or stated or self.runs[0].bench.drive == "rig":
+        given = scale_is_given(self.shared, self.model.values)
+        if not told > 0.0 or given or self.runs[0].bench.drive == "rig":
             return np.zeros(len(along))
         return np.asarray(along / np.sqrt(told))
 
