@@ -131,24 +131,23 @@ class Belief:
         return np.asarray(bounds / scale - self._relative(values, self._following))
 
     def moved(self, values: Values, step: Array) -> dict[str, float]:
-        """Numbers after a step (p,) in these coordinates, within their bounds, and on the common
-        scale that is likeliest: no record shows it, nor can lead to it."""
+        """Numbers after a step (p,) in these coordinates, within their bounds."""
         before = self.scale(values)
         relative = {f.name: values[f.name] / before for f in self.free if f.follows_scale}
         found = after(self.free, {**values, **relative}, step)
         now = self.scale({**values, **found})
-        return self._on_scale(values, found | {name: found[name] * now for name in relative})
+        return found | {name: found[name] * now for name in relative}
 
-    def _on_scale(self, values: Values, moved: dict[str, float]) -> dict[str, float]:
-        """Masses and forces times the one factor of which the belief is nearest."""
-        there = {**values, **moved}
-        if self.absolute or not self._shares.any() or scale_is_given(self.free, there):
-            return moved
+    def on_scale(self, values: Values) -> dict[str, float]:
+        """Masses and forces times the one factor at which they are likeliest: no record tells it.
+        None where one of them is certain."""
+        if self.absolute or not self._shares.any() or scale_is_given(self.free, values):
+            return {}
         power = np.array([of_forces(f.name) for f in self.free])
-        along = power * self._now(there)
-        more = along @ self.pull(there) / (along @ self.precision_at(there) @ along)
+        along = power * self._now(values)
+        more = along @ self.pull(values) / (along @ self.precision_at(values) @ along)
         factors = np.exp(more * power).tolist()
-        return {f.name: moved[f.name] * k for f, k in zip(self.free, factors, strict=True)}
+        return {f.name: values[f.name] * k for f, k in zip(self.free, factors, strict=True)}
 
     def _away(self, values: Values) -> Array:
         """How far (p + q,) from the mean: in proportion, the logarithm of that times the mean."""

@@ -30,19 +30,17 @@ Array = NDArray[np.float64]
 ITERATIONS = 60
 
 FIRST_DAMPING = 1e-3
-"""Until a step has done better than this, what the linearised model foresees of each channel is not
-trusted: they weigh as they do where the step begins."""
+"""Until a step has done better, what the linearised model foresees of a channel is not trusted."""
 
 LEAST_DAMPING = 1e-8
-"""Along what little but the priors holds (every distance gained, against the start) a step of a
-larger damping would be a hundredth of the way."""
+"""Along what little but the priors holds a larger damping would make a hundredth of the way."""
 
 MOST_DAMPING = 10.0
 """Where even a tenth of a step does not help, none does."""
 
 CONVERGED = 1e-4
-"""The fit ends when a step lowers the cost by less than this fraction of it, or, as −2 ln p has no
-zero and may be negative, of the number of data: what noise costs."""
+"""The fit ends when a step lowers the cost by less than this fraction of it, or of the number of
+data: what noise costs, as −2 ln p has no zero."""
 
 CONVERGED_QUICK = 3e-3
 """The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
@@ -330,7 +328,9 @@ class _Problem:
         return self._moved(state, LEAST_DAMPING)[1] >= self.converged * max(state.cost, state.size)
 
     def concluded(self, state: Fit) -> Fit:
-        """The state with precision and prior volume."""
+        """The state on the common scale that is likeliest, with precision and prior volume."""
+        model = state.model.with_values(self.belief.on_scale(state.model.values))
+        state = self._costed(replace(state, model=model))
         precision, log_volume = self._posterior(state)
         runs = self.workshop.each(RunFit.settled, state.runs)
         return replace(state, runs=tuple(runs), precision=precision, log_volume=log_volume)
