@@ -172,7 +172,7 @@ def test_a_search_that_comes_back_to_where_it_stood_ends(searched, monkeypatch):
         groups.append(ids_of(found.rung))
         return more if ids_of(found.rung) else None
 
-    def what_is_known(search, steps):
+    def what_is_known(search, steps, ended_by):
         return steps[-1].added, search.table[ids_of(steps[-1].rung)]
 
     monkeypatch.setattr(ladder, "look_at", look_misled)

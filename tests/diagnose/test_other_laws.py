@@ -105,8 +105,9 @@ def test_no_group_is_sought_among_laws_that_could_not_hold():
 
 def test_a_frame_that_bends_is_no_driver(tmp_path):
     """Its middle moves all four points exactly as a mass on a spring would that no person is. Of
-    all numbers only ratios show: the heaviest driver does, in a car a third lighter than stated.
-    That is not believed of either."""
+    all numbers only ratios show: the heaviest driver would do, in a car a third lighter than
+    stated. But he is bounded as a share of the car, which stays as heavy as it is believed to be.
+    So much is left, and the bound is said."""
     bending = FrameBending(freq_hz=23.0, zeta=0.05, modal_mass_kg=140.0)
     write_campaign(
         tmp_path, PRESETS["formula-student"], [bending], seed=101, short=True, draft=True
@@ -116,10 +117,10 @@ def test_a_frame_that_bends_is_no_driver(tmp_path):
     assert found.confidence < 0.5
     baseline, last = found.ladder[0], found.ladder[-1]
     assert cramped(last) == ["driver-seat.mass_kg"]
-    assert last.rung.error < 1.05 * oracle_of(tmp_path / "truth.toml")
-    before, mass = (step.rung.model.values["body.mass_kg"] for step in (baseline, last))
-    assert mass < 0.67 * before
-    assert "body.mass_kg" in {belief.what for belief in found.beliefs}
+    assert 2.0 * oracle_of(tmp_path / "truth.toml") < last.rung.error < 0.8 * baseline.rung.error
+    fit = last.rung.fit
+    assert fit.belief.scale(fit.model.values) == pytest.approx(1.0, abs=0.02)
+    assert "body.mass_kg" not in {belief.what for belief in found.beliefs}
 
 
 @pytest.mark.slow

@@ -83,7 +83,7 @@ class Shop(SimpleNamespace):
     """A workshop without an engine."""
 
     def __init__(self, noise=SIGMA):
-        super().__init__(noise=noise, watch=lambda iteration, error: None)
+        super().__init__(noise=noise, measured=(), watch=lambda iteration, error: None)
 
     def systems(self, model):
         return {"road": None}

@@ -1,9 +1,12 @@
 """What a fit says of its own uncertainty is how its numbers scatter, whatever the model leaves."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from wheelhop.compare.band import InBand
 from wheelhop.fit import Fit, RunFit
@@ -85,7 +88,7 @@ def test_masses_and_forces_are_known_as_well_as_their_common_scale():
     """Two numbers believed to a tenth tell it to a tenth over √2; a length is no force, and what
     stands in vehicle.toml for a driver who moves with the body moves nothing."""
     mass, stiffness, length = told([HEAVY, STIFF, LONG], "road", {"driver.mass_kg": 75.0})
-    assert mass == stiffness == pytest.approx(0.1 / np.sqrt(2))
+    assert [mass, stiffness] == pytest.approx([0.1 / np.sqrt(2)] * 2)
     assert length < 1e-5
 
 
@@ -95,3 +98,21 @@ def test_masses_and_forces_are_known_as_well_as_their_common_scale():
 def test_the_common_scale_is_known_where_a_force_or_a_mass_is(drive, given):
     """On a rig that measures the force, and on a vehicle of which a part was weighed."""
     assert max(told([HEAVY, STIFF], drive, given)) < 1e-5
+
+
+@given(st.floats(-6.0, 6.0), st.floats(-3.0, 3.0), st.floats(60.0, 200.0))
+def test_no_number_is_known_worse_than_it_was_believed(told, pulled, at):
+    """However much what is left pulls at it half-second by half-second, and wherever it lies."""
+    free = (replace(HEAVY, in_proportion=True), LONG)
+    column = 10.0**told * np.array([[1.0, 0.5]])
+    run = SimpleNamespace(
+        bench=SimpleNamespace(drive="road"),
+        followed=lambda: column,
+        by_block=lambda columns: 10.0**pulled * columns,
+    )
+    model = Model({HEAVY.name: at, LONG.name: 1.3}, ())
+    fit = Fit(model, free, (run,), np.eye(2), SIGMA, 0.0, 0.0)
+    fit = replace(fit, precision=fit.believed + column.T @ column / SIGMA**2)
+    for number in free:
+        believed = number.sigma_at(model.values[number.name])
+        assert fit.uncertainty(number.name) <= believed * (1.0 + 1e-9)

@@ -79,7 +79,7 @@ def test_a_spring_and_the_ride_frequency_it_gives_are_the_same_knowledge():
 
 
 def test_the_file_reads_back_and_marks_what_is_a_guess(tmp_path):
-    known = weighed(CAR, {"spring_N_m": 25e3})
+    known = weighed(CAR, {"spring_N_m": 25e3}, {"ride_hz": 1.5})
     file = tmp_path / "vehicle.toml"
     file.write_text(vehicle_toml(known))
     vehicle, numbers = read_vehicle(file), estimate(known)
@@ -89,3 +89,10 @@ def test_the_file_reads_back_and_marks_what_is_a_guess(tmp_path):
     marked = marked_numbers(file, ESTIMATED)
     assert {"body.pitch_inertia_kg_m2", "wheel.rear.tyre_stiffness_N_m"} < set(marked)
     assert not {"geometry.wheelbase_m", "suspension.front.stiffness_N_m"} & set(marked)
+    # What was weighed and counted stands there, too, and all that follows from it agrees.
+    measured = {m.key: m for m in vehicle.measured}
+    assert measured["front_axle_kg"].value == pytest.approx(known.front.load_kg, rel=1e-3)
+    assert measured["front_axle_kg"].relative == pytest.approx(0.02, rel=0.05)
+    assert set(measured) == {"front_axle_kg", "rear_axle_kg", "rear_ride_hz"}
+    for one in vehicle.measured:
+        assert one.of(vehicle.values) == pytest.approx(one.value, rel=1e-3)

@@ -152,3 +152,37 @@ def test_numbers_that_nothing_on_wheels_has_are_refused(file, key, value, words)
     at = text.index(f"{name} =", text.index(f"[{table}]"))
     file.write_text(f"{text[:at]}{name} = {value!r}\n#{text[at:]}")
     assert f"{name} = {value:g} " in complaint(file) and words in complaint(file)
+
+
+def test_what_scales_and_a_stopwatch_tell_of_the_whole_stands_beside_its_numbers(file):
+    assert read_vehicle(file).measured == ()
+    told = "total_mass_kg = 280.0\nfront_axle_kg = 130.0\nfront_axle_kg_uncertainty = 2.0\n"
+    file.write_text(f"{VEHICLE}\n[measured]\n{told}rear_ride_hz = 1.9\n")
+    vehicle = read_vehicle(file)
+    total, front, ride = vehicle.measured
+    assert (front.name, front.value, front.sigma) == ("measured.front_axle_kg", 130.0, 2.0)
+    assert (total.sigma, ride.sigma) == pytest.approx((28.0, 0.19))  # relative_uncertainty
+    whole = vehicle["body.mass_kg"] + 2 * (15.0 + 12.5)
+    behind = vehicle["geometry.cg_to_front_axle_m"] / vehicle["geometry.wheelbase_m"]
+    assert total.of(vehicle.values) == pytest.approx(whole)
+    assert front.of(vehicle.values) == pytest.approx(
+        vehicle["body.mass_kg"] * (1.0 - behind) + 2 * 15.0
+    )
+    rate = 1.0 / (1.0 / vehicle["suspension.rear.stiffness_N_m"] + 1.0 / 40e3)
+    carried = vehicle["body.mass_kg"] * behind / 2
+    assert ride.of(vehicle.values) == pytest.approx((rate / carried) ** 0.5 / 6.2832, rel=1e-4)
+    assert vehicle.with_values({"body.mass_kg": 250.0}).measured == vehicle.measured
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("front_axel_kg = 130.0", "did you mean 'front_axle_kg'?"),
+        ("front_axle_kg = -130.0", "[measured]: front_axle_kg"),
+        ("front_axle_lb = 130.0", "is given in"),
+        ("rear_ride_hz_uncertainty = 0.1", "'rear_ride_hz' is missing"),
+    ],
+)
+def test_what_was_measured_is_held_to_the_same_rules(file, line, said):
+    file.write_text(f"{VEHICLE}\n[measured]\n{line}\n")
+    assert said in complaint(file)

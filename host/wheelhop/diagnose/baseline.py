@@ -62,7 +62,7 @@ def fit_baseline(
     """
     _check(campaign, vehicle)
     model = initial_model(campaign, vehicle)
-    workshop = Workshop(campaign, model, jobs=jobs)
+    workshop = Workshop(campaign, model, measured=vehicle.measured, jobs=jobs)
     progress("finding each run's start and speed")
     free = tuple(vehicle_parameters(campaign, vehicle))
     model = model.with_values({f.name: known[f.name] for f in free if f.name in known})

@@ -23,7 +23,7 @@ from wheelhop.fit.spread import cost, cost_of, spread, weights_of
 from wheelhop.fit.work import WITH_LAWS, Work
 from wheelhop.simulate import Model, Response, RunSimulator, Simulator, drive_of, make_simulator
 from wheelhop.simulate.abreast import integrate_jobs, shared_out
-from wheelhop.vehicle import Drive, System
+from wheelhop.vehicle import Drive, Measured, System
 
 Array = NDArray[np.float64]
 RUN_UP = 7.0
@@ -146,17 +146,20 @@ Watch = Callable[[int, float], None]
 
 class Workshop:
     """All runs of a campaign on their benches, worked on by a few threads; `model` is the nominal
-    vehicle, `watch` sees every fit converge."""
+    vehicle, `measured` what is known of sums and relations of its numbers; `watch` sees every fit
+    converge."""
 
     def __init__(
         self,
         campaign: Campaign,
         model: Model,
         *,
+        measured: Sequence[Measured] = (),
         noise_rms: float | None = None,
         jobs: int | None = None,
     ) -> None:
         self.campaign = campaign
+        self.measured = tuple(measured)
         self.nominal = model.values
         self.watch: Watch = lambda iteration, error: None
         self.work = Work()
@@ -180,8 +183,8 @@ class Workshop:
         self.noise = 0.0 if rms is None else float(rms * np.sqrt(band.n / band.count))
 
     def parameters_of(self, effect: Effect) -> Sequence[Parameter]:
-        """An effect's parameters on this vehicle. Their scales and bounds follow from its nominal
-        numbers: a model that lacks an effect may be fitted with a sixth of the spring."""
+        """An effect's parameters on the nominal vehicle. A fit follows the model's own scale of
+        masses and forces from there (`Free.follows_scale`)."""
         return effect.parameters_for(self.nominal, self.campaign.channels)
 
     def systems(self, model: Model) -> dict[Drive, System]:

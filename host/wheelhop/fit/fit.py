@@ -30,19 +30,17 @@ Array = NDArray[np.float64]
 ITERATIONS = 60
 
 FIRST_DAMPING = 1e-3
-"""Until a step has done better than this, what the linearised model foresees of each channel is not
-trusted: they weigh as they do where the step begins."""
+"""Until a step has done better, what the linearised model foresees of a channel is not trusted."""
 
 LEAST_DAMPING = 1e-8
-"""Along what little but the priors holds (every distance gained, against the start) a step of a
-larger damping would be a hundredth of the way."""
+"""Along what little but the priors holds a larger damping would make a hundredth of the way."""
 
 MOST_DAMPING = 10.0
 """Where even a tenth of a step does not help, none does."""
 
 CONVERGED = 1e-4
-"""The fit ends when a step lowers the cost by less than this fraction of it, or, as −2 ln p has no
-zero and may be negative, of the number of data: what noise costs."""
+"""The fit ends when a step lowers the cost by less than this fraction of it, or of the number of
+data: what noise costs, as −2 ln p has no zero."""
 
 CONVERGED_QUICK = 3e-3
 """The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
@@ -57,8 +55,7 @@ WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
 
 AHEAD = 10.0
-"""A fit has no hope to come where ten more steps as good as the last would not lead: on its way
-down a step gains less than the one before."""
+"""A fit has no hope to come where ten more steps as good as the last would not lead."""
 
 
 def fit(
@@ -76,7 +73,7 @@ def fit(
     faster, and a fit that ends a little above the minimum. A fit that has no hope to come below the
     cost `bar` ends early.
     """
-    belief = Belief.of(shared)
+    belief = Belief.of(shared, workshop.measured)
     if shared or len(benches) < 2 or model.random_heights is not None:
         problem = _Problem(workshop, belief, tuple(benches), known, density_free=bool(shared))
         return _solved(problem, model, bar)
@@ -136,7 +133,8 @@ def foreseen(
 ) -> Fit:
     """The fit that runs nobody has driven yet would end in were `model` true: it leaves the stated
     noise and nothing else, whatever stands in their records."""
-    problem = _Problem(workshop, Belief.of(shared), tuple(benches), None, density_free=False)
+    belief = Belief.of(shared, workshop.measured)
+    problem = _Problem(workshop, belief, tuple(benches), None, density_free=False)
     state = problem.linearise(problem.completed(model))
     runs = tuple(
         replace(run, residual=np.zeros(run.bench.size), spread=np.ones(run.bench.size))
@@ -149,7 +147,8 @@ def linearised(
     workshop: Workshop, model: Model, shared: Sequence[Free], benches: Sequence[Bench]
 ) -> Fit:
     """Where a fit begins, with the derivatives there."""
-    problem = _Problem(workshop, Belief.of(shared), tuple(benches), None, density_free=False)
+    belief = Belief.of(shared, workshop.measured)
+    problem = _Problem(workshop, belief, tuple(benches), None, density_free=False)
     return problem.linearise(problem.completed(model))
 
 
@@ -269,7 +268,8 @@ class _Problem:
 
         found |= {run.bench.run.id: run for run in self.workshop.each(linearise_run, benches)}
         runs = tuple(found[bench.run.id] for bench in self.benches)
-        state = Fit(model, self.shared, runs, self.belief.precision, 1.0, np.inf, 0.0)
+        precision, measured = self.belief.precision_at(model.values), self.workshop.measured
+        state = Fit(model, self.shared, runs, precision, 1.0, np.inf, 0.0, measured)
         return self.weighted(state) if np.isfinite(state.rss) else state
 
     def weighted(self, state: Fit) -> Fit:
@@ -328,29 +328,29 @@ class _Problem:
         return self._moved(state, LEAST_DAMPING)[1] >= self.converged * max(state.cost, state.size)
 
     def concluded(self, state: Fit) -> Fit:
-        """The state with precision and prior volume."""
+        """The state on the common scale that is likeliest, with precision and prior volume."""
+        model = state.model.with_values(self.belief.on_scale(state.model.values))
+        state = self._costed(replace(state, model=model))
         precision, log_volume = self._posterior(state)
         runs = self.workshop.each(RunFit.settled, state.runs)
         return replace(state, runs=tuple(runs), precision=precision, log_volume=log_volume)
 
     def _moved(self, state: Fit, damping: float) -> tuple[Model, float, float]:
-        runs = self.workshop.each(lambda run: self.linear(run, state), state.runs)
-        values = state.model.values
-        precision, pull = self.belief.precision_at(values), self._pull_of_heights(state)
-        prior = Prior(precision, self.belief.pull(values) + pull, self.belief.room(values))
+        values, pull = state.model.values, self._pull_of_heights(state)
+        prior, along = Prior.of(self.belief, values, pull), self.belief.coordinates(values)
+        runs = self.workshop.each(lambda run: self.linear(run, state).along(along), state.runs)
         enough = SOLVED * self.converged * max(state.cost, state.size)
         enough = enough if damping < FIRST_DAMPING else np.inf
         step, own_steps, promised = least(prior, runs, damping, enough)
-        model = state.model.with_values(after(self.shared, state.model.values, step))
+        model = state.model.with_values(self.belief.moved(values, step))
         for run, linear, own_step in zip(state.runs, runs, own_steps, strict=True):
             run_id = run.bench.run.id
-            values = model.runs.get(run_id, {})
-            model = model.with_run(run_id, after(run.own, values, own_step))
+            model = model.with_run(run_id, after(run.own, model.runs.get(run_id, {}), own_step))
             if run.heights is not None and linear.heights is not None:
                 ahead, less = linear.heights
                 moved = run.heights.coefficients + ahead - less @ np.concatenate([step, own_step])
                 model = model.with_heights({run_id: moved.reshape(2, -1)})
-        return model, promised, 2.0 * float(pull @ step)
+        return model, promised, 2.0 * float(pull @ along @ step)
 
     def _pull_of_heights(self, state: Fit) -> Array:
         """Half of how the logarithm of the volume that unknown heights may fill grows (g,) along

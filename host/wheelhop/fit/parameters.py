@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from math import log
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
 from wheelhop.simulate.job import PATH_KEYS
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
-from wheelhop.vehicle import ABOARD, Vehicle, motions, on_mounts
+from wheelhop.vehicle import ABOARD, Measured, Vehicle, motions, on_mounts
 
 Array = NDArray[np.float64]
 
@@ -25,10 +25,21 @@ PLACES = (".x_m", ".y_m")
 """How numbers end that may be negative."""
 
 
-def of_forces(name: str) -> bool:
+def of_forces(name: str) -> int:
     """Whether a number counts masses or forces, as the unit says that its name ends with: were all
-    of them twice as large, the vehicle would move as it does."""
-    return not {"N", "kg"}.isdisjoint(name.rpartition(".")[2].split("_"))
+    of these twice as large, the vehicle would move as it does. −1 where they divide: "m_N"."""
+    parts = name.rpartition(".")[2].split("_")
+    where = next((i for i, part in enumerate(parts) if part in ("N", "kg")), None)
+    if where is None:
+        return 0
+    return -1 if where and parts[where - 1] in ("1", "m") else 1
+
+
+def scale_is_given(free: Iterable[Free], values: Iterable[str]) -> bool:
+    """Whether one of a model's masses or forces is certain, and tells the others. What is stated
+    of somebody aboard who moves with the body moves nothing."""
+    aboard, names = tuple(f"{name}." for name in ABOARD), {f.name for f in free}
+    return any(of_forces(k) and k not in names and not k.startswith(aboard) for k in values)
 
 
 @dataclass(frozen=True)
@@ -45,6 +56,23 @@ class Free:
     span_s: tuple[float, float] = (-np.inf, np.inf)
     is_shape: bool = False  #: of an effect, and meaningless while that is absent
     in_proportion: bool = False  #: its logarithm is normal, with the deviation sigma / mean
+    follows_scale: bool = False
+    """Whether mean, sigma and bounds are multiples of the common scale of masses and forces."""
+
+    def at(self, scale: float) -> Free:
+        """The number in a model whose masses and forces have this common scale."""
+        if not self.follows_scale:
+            return self
+        sigma, mean = scale * self.sigma, scale * self.mean
+        return replace(
+            self, mean=mean, sigma=sigma, lower=scale * self.lower, upper=scale * self.upper
+        )
+
+    @classmethod
+    def of(cls, measured: Measured) -> Free:
+        """A relation of several numbers, as if it were one of them."""
+        m = measured
+        return cls(m.name, m.value, m.sigma, m.sigma, in_proportion=True)
 
     def away(self, value: float) -> float:
         """By how many standard deviations a value is more than what is believed."""
@@ -108,7 +136,15 @@ def vehicle_parameters(campaign: Campaign, vehicle: Vehicle) -> list[Free]:
         Free(key, value, sigma, sigma)
         if key.endswith(PLACES)
         # What may be nothing is not believed in proportion.
-        else Free(key, value, sigma, sigma, 0.02 * value, in_proportion=sigma < value)
+        else Free(
+            key,
+            value,
+            sigma,
+            sigma,
+            0.02 * value,
+            in_proportion=sigma < value,
+            follows_scale=of_forces(key) > 0 and sigma >= value,
+        )
         for key, value in vehicle.values.items()
         if not key.startswith(idle) and (sigma := vehicle.uncertainty[key]) > 0
     ]
@@ -162,8 +198,20 @@ def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Eff
         begun = model.values.get(name, p.absent) if p.is_shape else p.absent
         mean = begun if p.believed is None else p.believed
         sigma = p.scale if p.is_shape else np.inf
-        shape = p.is_shape
-        free.append(Free(name, mean, sigma, p.scale, p.lower, p.upper, is_shape=shape))
+        told = p.is_shape or any(isfinite(b) and b != 0.0 for b in (p.lower, p.upper))
+        follows = told and of_forces(name) > 0
+        free.append(
+            Free(
+                name,
+                mean,
+                sigma,
+                p.scale,
+                p.lower,
+                p.upper,
+                is_shape=p.is_shape,
+                follows_scale=follows,
+            )
+        )
     return free
 
 

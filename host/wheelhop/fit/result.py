@@ -13,9 +13,9 @@ from wheelhop.fit.belief import Belief
 from wheelhop.fit.bench import Bench
 from wheelhop.fit.density import Spectrum
 from wheelhop.fit.heights import Heights
-from wheelhop.fit.parameters import Free, of_forces
+from wheelhop.fit.parameters import Free, of_forces, scale_is_given
 from wheelhop.simulate import Model
-from wheelhop.vehicle import ABOARD
+from wheelhop.vehicle import Measured
 
 Array = NDArray[np.float64]
 
@@ -167,7 +167,7 @@ class Fit:
     `Free.scale`.
     ``sigma`` is the standard deviation of the sensors' noise of one in-band coefficient, ``cost``
     −2 × the logarithm of likelihood and prior, and ``log_volume`` half the logarithm of prior over
-    posterior precision of all parameters.
+    posterior precision of all parameters. ``measured`` is what was known of several of them.
     """
 
     model: Model
@@ -177,6 +177,7 @@ class Fit:
     sigma: float
     cost: float
     log_volume: float
+    measured: tuple[Measured, ...] = ()
 
     @property
     def derivatives(self) -> dict[str, dict[str, NDArray[np.floating]]]:
@@ -237,9 +238,14 @@ class Fit:
 
     @property
     def believed(self) -> Array:
-        """Precision (g,) with which each shared parameter is believed, per scale, where it lies."""
-        values = self.model.values
-        return np.array([(f.scale / f.sigma_at(values[f.name])) ** 2 for f in self.shared])
+        """Precision (g, g) with which the shared parameters are believed, per scale, where they
+        lie."""
+        return self.belief.precision_at(self.model.values)
+
+    @cached_property
+    def belief(self) -> Belief:
+        """What was believed of the shared parameters before anything was fitted."""
+        return Belief.of(self.shared, self.measured)
 
     @property
     def posterior(self) -> Belief:
@@ -259,7 +265,7 @@ class Fit:
     def ahead(self) -> dict[str, float]:
         """How much further each shared number would go if nothing bounded it, in its unit: one
         undamped step, to first order."""
-        pull = Belief.of(self.shared).pull(self.model.values)
+        pull = self.belief.pull(self.model.values)
         with np.errstate(invalid="ignore", over="ignore"):  # of a model that runs away
             for run in self.runs:
                 pull += run.followed().T @ run.surprise / self.sigma**2
@@ -274,36 +280,70 @@ class Fit:
         the pulls of its half-seconds do (J. MacKinnon, M. Nielsen, M. Webb, Cluster-robust
         inference, J. Econometrics 232 (2023) 272, eq. 7). They are never known better than noise
         alone would have them, nor masses and forces better than what is believed of their common
-        scale, whatever derivatives with an error seem to tell of it.
+        scale, whatever derivatives with an error seem to tell of it; and none worse than it was
+        believed: however little the runs tell, they take nothing away from that.
         """
-        g = len(self.shared)
-        more = np.zeros((g, g))
+        scale = np.array([free.scale for free in self.shared])
+        spread = (scale * self._spread(np.eye(len(scale)))).tolist()
+        believed = self.believed_deviations
+        pairs = zip(self.shared, spread, strict=True)
+        return {f.name: min(believed[f.name], s) if s == s else s for f, s in pairs}
+
+    @cached_property
+    def believed_deviations(self) -> dict[str, float]:
+        """Standard deviation of each shared parameter in its unit, were it believed beforehand to
+        lie where it was fitted; infinite where nothing was believed."""
+        spread = self.belief.deviations_at(self.model.values).tolist()
+        return {f.name: f.scale * s for f, s in zip(self.shared, spread, strict=True)}
+
+    @cached_property
+    def relations(self) -> dict[str, tuple[float, float]]:
+        """What was `measured` of the vehicle, by its name, as fitted: value and standard
+        deviation."""
+        values = self.model.values
+        spread = self._spread(self.belief.slopes_of_measured(values))
+        return {
+            m.name: (value := m.of(values), value * min(float(s), m.relative))
+            for m, s in zip(self.belief.measured, spread, strict=True)
+        }
+
+    @cached_property
+    def _scatter(self) -> Array:
+        """How much more the shared numbers scatter (g, g) than noise alone would have them, per
+        scale."""
+        scale = np.array([free.scale for free in self.shared])
+        more = np.zeros((len(scale), len(scale)))
+        for run in self.runs:
+            columns = run.followed()
+            pulls = run.by_block(columns) / self.sigma**2
+            more += pulls.T @ pulls - columns.T @ columns / self.sigma**2
+        half = self.covariance / scale  # per what the pulls are per
+        return np.asarray(half @ more @ half.T)
+
+    def _spread(self, along: Array) -> Array:
+        """Standard deviation (k,) of k sums of shared numbers (k, g), per scale."""
+        scale = np.array([free.scale for free in self.shared])
+        covariance = self.covariance / np.outer(scale, scale)
         with np.errstate(invalid="ignore", over="ignore"):  # of a model that runs away
-            for run in self.runs:
-                columns = run.followed()
-                pulls = run.by_block(columns) / self.sigma**2
-                more += pulls.T @ pulls - columns.T @ columns / self.sigma**2
-            scale = np.array([free.scale for free in self.shared])
-            half = self.covariance / scale  # per what the pulls are per
-            grown = np.einsum("ij,jk,ik->i", half, more, half)
-            spread = np.sqrt(np.diag(self.covariance) + np.maximum(grown, 0.0))
-        spread = np.maximum(spread, self._of_scale)
-        return {f.name: float(s) for f, s in zip(self.shared, spread, strict=True)}
+            white, more = (
+                np.einsum("ki,ij,kj->k", along, matrix, along)
+                for matrix in (covariance, self._scatter / np.outer(scale, scale))
+            )
+            spread = np.sqrt(white + np.maximum(more, 0.0))
+        return np.asarray(np.maximum(spread, abs(along @ self._of_scale)))
 
     @property
     def _of_scale(self) -> Array:
-        """Standard deviation (g,) that every shared number has because records do not show the
-        common scale of masses and forces; 0 of others, and where one of these numbers is given or
-        a rig measures the force."""
+        """How much every shared number moves (g,), per scale, with one standard deviation of the
+        common scale of masses and forces, which records do not show; 0 of others, and where one of
+        these numbers is given or a rig measures the force."""
         values = {f.name: self.model.values[f.name] * of_forces(f.name) for f in self.shared}
-        aboard = tuple(f"{name}." for name in ABOARD)
-        given = [k for k in self.model.values.keys() - values if of_forces(k)]
-        scales = np.array([f.scale for f in self.shared])
-        told = float(self.believed @ (np.array([*values.values()]) / scales) ** 2)
-        stated = any(not key.startswith(aboard) for key in given)
-        if not told or stated or self.runs[0].bench.drive == "rig":
-            return np.zeros(len(values))
-        return np.asarray(np.abs([*values.values()]) / np.sqrt(told))
+        along = np.array([*values.values()]) / [f.scale for f in self.shared]
+        told = float(along @ self.believed @ along)
+        given = scale_is_given(self.shared, self.model.values)
+        if not told > 0.0 or given or self.runs[0].bench.drive == "rig":
+            return np.zeros(len(along))
+        return np.asarray(along / np.sqrt(told))
 
     def uncertainty(self, name: str) -> float:
         """Standard deviation of a shared parameter, in its unit; see `deviations`."""

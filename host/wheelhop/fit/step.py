@@ -36,6 +36,13 @@ class Prior:
     pull: Array
     room: Array
 
+    @classmethod
+    def of(cls, belief: Belief, values: Mapping[str, float], pull: Array) -> Prior:
+        """What a belief says there, in its `coordinates`; with what else pulls (p,)."""
+        along = belief.coordinates(values)
+        precision = along.T @ belief.precision_at(values) @ along
+        return cls(precision, along.T @ (belief.pull(values) + pull), belief.room(values))
+
     def cost(self, step: Array) -> float:
         """By how much the squared distance from the mean grows."""
         return float(step @ self.precision @ step - 2.0 * step @ self.pull)
@@ -102,6 +109,19 @@ class Linear:
             None if even else run.bench.counted,
         )
         return found if run.heights is None else found.freed(run.heights, run)
+
+    def along(self, coordinates: Array) -> Linear:
+        """The same with the g shared numbers in other coordinates (g, g)."""
+        g, m = len(coordinates), self.slopes.shape[1]
+        turn = np.eye(m)
+        turn[:g, :g] = coordinates
+        ahead, less = self.heights or (None, None)
+        return replace(
+            self,
+            squares=turn.T @ self.squares @ turn,
+            slopes=self.slopes @ turn,
+            heights=None if ahead is None or less is None else (ahead, less @ turn),
+        )
 
     def freed(self, heights: Heights, run: RunFit) -> Linear:
         """The same with the unknown heights of the run's ground eliminated."""

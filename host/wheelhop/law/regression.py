@@ -147,7 +147,7 @@ class Sums:
         self._tables = workshop.each(table, list(given))
         known = base.believed * base.sigma**2
         self._matrix = np.sum([t.matrix for t in self._tables], axis=0)
-        self._matrix[: len(known), : len(known)] += np.diag(known)
+        self._matrix[: len(known), : len(known)] += known
         self._gradient = np.sum([t.gradient for t in self._tables], axis=0)
         self._power = sum(float(run.surprise @ run.surprise) for run in base.runs)
 

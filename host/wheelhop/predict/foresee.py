@@ -36,7 +36,7 @@ class Foreseen:
 
     `numbers` (g) are those of the vehicle that the runs can show; `variants` the effects, those of
     one effect one after the other, with a amplitudes altogether. `information` (drives, g + a,
-    g + a) is what one drive adds, and `prior` (g,) what is believed of the numbers before. `size`
+    g + a) is what one drive adds, and `prior` (g, g) what is believed of the numbers before. `size`
     is the number of data of one run.
     """
 
@@ -87,7 +87,7 @@ def foresee(
     with threadpool_limits(1):
         progress(f"driving {len(case.drives)} runs")
         campaign, model = case.campaign(noise_rms)
-        workshop = Workshop(campaign, model, jobs=jobs)
+        workshop = Workshop(campaign, model, measured=case.vehicle.measured, jobs=jobs)
         numbers = tuple(vehicle_parameters(campaign, case.vehicle))
         base = foreseen(workshop, model, numbers, tuple(workshop.benches.values()))
         if not np.isfinite(base.precision).all():

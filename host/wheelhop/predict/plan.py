@@ -175,7 +175,8 @@ def worth(foreseen: Foreseen, chosen: Sequence[int]) -> Worth:
     """What some of the runs tell together."""
     total = _sum(foreseen, chosen)
     matrix = _numbers(foreseen, total)
-    numbers = np.linalg.slogdet(matrix)[1] - np.log(np.maximum(foreseen.prior, TINY)).sum()
+    before = _numbers(foreseen, np.zeros_like(total))
+    numbers = np.linalg.slogdet(matrix)[1] - np.linalg.slogdet(before)[1]
     effects = 0.0
     if foreseen.variants:
         left = np.log1p(_Strengths.of(foreseen, total).beside_rivals.min(axis=1))
@@ -207,7 +208,7 @@ def _sum(foreseen: Foreseen, chosen: Sequence[int]) -> Array:
 def _numbers(foreseen: Foreseen, total: Array) -> Array:
     """Precision (g, g) of the vehicle's numbers where no effect is missing."""
     g = len(foreseen.numbers)
-    return np.asarray(total[:g, :g] + np.diag(np.maximum(foreseen.prior, TINY)))
+    return np.asarray(total[:g, :g] + foreseen.prior + TINY * np.eye(g))
 
 
 @dataclass(frozen=True, eq=False)

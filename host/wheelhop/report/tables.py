@@ -184,10 +184,11 @@ def effect_parameters_table(effect: Effect, step: Step, campaign: Campaign) -> s
 
 
 def vehicle_table(step: Step) -> str:
-    """The vehicle's numbers: nominal, fitted, and how far the fit moved them."""
-    rows = []
+    """The vehicle's numbers, and what was measured of several of them: nominal, fitted, and how far
+    the fit moved them."""
+    rows, fitted = [], step.rung.fit
     effects = tuple(f"{effect.id}." for effect in step.rung.model.effects)
-    for free in step.rung.fit.shared:
+    for free in (*fitted.shared, *map(Free.of, fitted.measured)):
         if free.name.startswith(effects):
             continue
         value, deviation = step.parameters[free.name]

@@ -34,6 +34,7 @@ from wheelhop.vehicle.layout import (
     static_tyre_load,
     wheels,
 )
+from wheelhop.vehicle.measured import Measured
 from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mounted
 from wheelhop.vehicle.nominal import read_nominal
@@ -50,6 +51,7 @@ __all__ = [
     "Coordinate",
     "Drive",
     "Law",
+    "Measured",
     "Motion",
     "Strut",
     "System",

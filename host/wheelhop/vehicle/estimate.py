@@ -13,6 +13,7 @@ from math import hypot, pi, sqrt
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import quoted
 from wheelhop.files.units import STANDARD_GRAVITY_M_S2
+from wheelhop.vehicle.measured import AXLE, MEASURED, RIDE
 from wheelhop.vehicle.vehicle import TABLES
 
 GIVEN, ESTIMATED = "given", "estimated"
@@ -92,6 +93,20 @@ def estimate(known: Known) -> dict[str, Number]:
     return found | dict(_driver(known))
 
 
+def measured(known: Known) -> dict[str, Number]:
+    """What [measured] of vehicle.toml says: the weights and ride frequencies that are given. How
+    much of a weight is wheels is a guess, the weight is not."""
+    ends = {"front": known.front, "rear": known.rear}
+    found = {
+        f"{end}_{AXLE}": Number(axle.load_kg, SCALES * axle.load_kg, GIVEN)
+        for end, axle in ends.items()
+    }
+    hz = {end: axle.ride_hz for end, axle in ends.items() if axle.ride_hz is not None}
+    return found | {
+        f"{end}_{RIDE}": Number(one, RIDE_FREQUENCY * one, GIVEN) for end, one in hz.items()
+    }
+
+
 def vehicle_toml(known: Known, better: Mapping[str, Number] | None = None) -> str:
     """The text of a vehicle.toml; the numbers that are estimated are marked so. Those known
     `better`, by their dotted names, replace them. Raises as `estimate` does."""
@@ -104,13 +119,16 @@ def vehicle_toml(known: Known, better: Mapping[str, Number] | None = None) -> st
         "# docs/vehicle-file.md says how.",
         f"relative_uncertainty = {SPRING}  # of a number that stands without its own",
     ]
-    for table, keys in TABLES.items():
-        if f"{table}.{keys[0]}" in numbers:
-            lines += ["", f"[{table}]"]
-            for key in keys:
-                number = numbers[f"{table}.{key}"]
-                lines.append(f"{key} = {number.value:.4g}  # {number.source}")
-                lines.append(f"{key}_uncertainty = {number.uncertainty:.2g}")
+    tables = {
+        table: {key: numbers[f"{table}.{key}"] for key in keys}
+        for table, keys in TABLES.items()
+        if f"{table}.{keys[0]}" in numbers
+    }
+    for table, stated in {**tables, MEASURED: measured(known)}.items():
+        lines += ["", f"[{table}]"]
+        for key, number in stated.items():
+            lines.append(f"{key} = {number.value:.4g}  # {number.source}")
+            lines.append(f"{key}_uncertainty = {number.uncertainty:.2g}")
     return "\n".join(lines) + "\n"
 
 

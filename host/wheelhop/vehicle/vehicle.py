@@ -16,6 +16,7 @@ from wheelhop.frame import read_corner_modes
 from wheelhop.vehicle.aboard import ABOARD, more_than_there_is, on_mounts
 from wheelhop.vehicle.frame_modes import mode_values
 from wheelhop.vehicle.layout import FULL_CAR, MODELS
+from wheelhop.vehicle.measured import MEASURED, Measured, measurable
 from wheelhop.vehicle.mount import mount_values
 
 if TYPE_CHECKING:
@@ -66,12 +67,14 @@ class Vehicle:
 
     `uncertainty` holds one standard deviation for every key of `values`, in the same unit. The
     keys of what is aboard are there only if the file has its table, those of "mount.…" and
-    "frame.…" if it names a specimen, or a frame: these are certain.
+    "frame.…" if it names a specimen, or a frame: these are certain. `measured` are sums and
+    relations of the values that were measured, too.
     """
 
     name: str
     values: Mapping[str, float]
     uncertainty: Mapping[str, float]
+    measured: tuple[Measured, ...] = ()
 
     def __getitem__(self, key: str) -> float:
         return self.values[key]
@@ -107,6 +110,8 @@ def read_vehicle(path: Path) -> Vehicle:
 
     `model` is one of `MODELS`, "full-car" if not given: half and quarter cars have fewer numbers.
     [driver], [engine], [battery], [payload] with stiffness_N_m and damping_N_s_m are on mounts.
+    [measured] may hold what scales and a stopwatch tell of the whole vehicle
+    (`wheelhop.vehicle.measured`), uncertainties as above.
     `mount` names a specimen's file beside it, the bushing that every strut may stand on; [frame]
     that of a frame whose modes the body of a full car has besides its rigid motions.
 
@@ -118,7 +123,7 @@ def read_vehicle(path: Path) -> Vehicle:
     top.format()
     model = top.text("model", FULL_CAR, choices=tuple(MODELS))
     tables, absent = _tables(model), f"; a {model} has none"
-    known = ["format", "name", "model", "relative_uncertainty", "mount"]
+    known = ["format", "name", "model", "relative_uncertainty", "mount", MEASURED]
     if model == FULL_CAR:
         known.append("frame")
     top.only((*known, *(name.split(".")[0] for name in tables)), absent)
@@ -155,7 +160,7 @@ def read_vehicle(path: Path) -> Vehicle:
         modes = _frame(top.table("frame"), path.parent)
         values |= modes
         uncertainty |= dict.fromkeys(modes, 0.0)
-    vehicle = Vehicle(name, values, uncertainty)
+    vehicle = Vehicle(name, values, uncertainty, _measured(top, values, relative, absent))
     _check_whole(top, vehicle)
     return vehicle
 
@@ -174,6 +179,24 @@ def changed(vehicle: Vehicle, changes: Mapping[str, float], source: Path) -> Veh
     after = vehicle.with_values(changes)
     _check_whole(Table({}, source, kind=CampaignError), after)
     return after
+
+
+def _measured(
+    top: Table, values: Mapping[str, float], relative: float, absent: str
+) -> tuple[Measured, ...]:
+    """What [measured] holds; nothing if it is not there."""
+    if MEASURED not in top:
+        return ()
+    table, keys = top.table(MEASURED), measurable(values)
+    table.only([f"{key}{end}" for key in keys for end in ENDINGS], absent)
+    for key in keys:
+        if f"{key}{ENDINGS[1]}" in table:
+            table.number(key)  # an uncertainty alone is a mistake
+    found = {key: _value(table, key) for key in keys if key in table}
+    return tuple(
+        Measured(key, value, _uncertainty(table, key, value, relative))
+        for key, value in found.items()
+    )
 
 
 def _frame(table: Table, folder: Path) -> dict[str, float]:

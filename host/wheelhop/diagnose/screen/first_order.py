@@ -346,7 +346,7 @@ def _taken(
     g, weight = len(base.shared), _weight(base)
     matrix = np.sum([t.matrix for t in tables], axis=0)
     gradient = np.sum([t.gradient for t in tables], axis=0)
-    matrix[:g, :g] += np.diag(weight + 1e-9 * (base.sigma**2 + weight))
+    matrix[:g, :g] += weight + 1e-9 * (base.sigma**2 * np.eye(g) + weight)
     if not np.isfinite(matrix).all():  # the simulation ran away: not at this strength
         return np.zeros(len(gradient)), Taken(-np.inf, base.rss)
     # A signature these runs hardly show must not call for an absurd amplitude.
@@ -361,14 +361,14 @@ def _taken(
 
 
 def _weight(base: Fit) -> Array:
-    """What is believed of the shared parameters, per scale, times σ²."""
+    """Precision (g, g) with which the shared parameters are believed, per scale, times σ²."""
     return base.believed * base.sigma**2
 
 
 def _information(matrix: Array, weight: Array, sigma: float) -> Array:
     """Precision (a, a) of the amplitudes, the shared parameters with this `weight` eliminated."""
     g = len(weight)
-    shared = matrix[:g, :g] + np.diag(weight + 1e-9 * (sigma**2 + weight))
+    shared = matrix[:g, :g] + weight + 1e-9 * (sigma**2 * np.eye(g) + weight)
     back = np.linalg.solve(shared, matrix[:g, g:])
     return np.asarray((matrix[g:, g:] - matrix[g:, :g] @ back) / sigma**2)
 

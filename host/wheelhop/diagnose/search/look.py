@@ -70,10 +70,11 @@ def on_one_floor(workshop: Workshop, steps: Sequence[Step]) -> list[Step]:
 
 
 def parameters_of(rung: Rung) -> dict[str, tuple[float, float]]:
-    """Every fitted number and its standard deviation; switches, and numbers that stand for what is
-    free in each run, have none (NaN)."""
+    """Every fitted number, and relation of them that was measured, and its standard deviation;
+    switches, and numbers that stand for what is free in each run, have none (NaN)."""
     values, fitted = rung.model.values, rung.fit
     found = {f.name: (values[f.name], fitted.uncertainty(f.name)) for f in fitted.shared}
+    found |= fitted.relations
     for effect in rung.model.effects:
         fixed = rung.model.theta(effect) | summary_of(rung, effect)
         for name, value in fixed.items():
@@ -96,10 +97,13 @@ def beside_other_laws(step: Step, scored: Scored) -> Step:
         and c.rung.evidence > rung.evidence
         and c.rung.error_judging < rung.error_judging
     ]
-    parameters = {}
-    for name, (value, sd) in step.parameters.items():
-        moved = max((abs(other.get(name, value) - value) for other in others), default=0.0)
-        parameters[name] = value, hypot(sd, moved)
+    believed = rung.fit.believed_deviations
+
+    def wider(name: str, value: float, sd: float) -> float:
+        furthest = max((abs(o.get(name, value) - value) for o in others), default=0.0)
+        return min(hypot(sd, furthest), believed.get(name, inf)) if furthest else sd
+
+    parameters = {name: (v, wider(name, v, sd)) for name, (v, sd) in step.parameters.items()}
     return replace(step, parameters=parameters)
 
 

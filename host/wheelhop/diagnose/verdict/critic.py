@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import erfc, isfinite, sqrt
 
 import numpy as np
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.diagnose.score import at_noise, nearly_all
+from wheelhop.diagnose.verdict.numbers import Number, measured_of, numbers_of
 from wheelhop.effects import Effect
 from wheelhop.files.words import listed, percent, significant
-from wheelhop.fit import Free, of_forces
+from wheelhop.fit import of_forces
 from wheelhop.gate import Finding
 from wheelhop.gate.numbers import impossible
 from wheelhop.vehicle import Vehicle
@@ -34,37 +35,6 @@ leaves more than there is; and if it holds at least this much of the band, count
 MISFIT = 1.5  # an estimated floor over a second estimate
 ALONG_SCALE = 0.9
 NAMED = 3  # numbers, in one sentence
-
-
-@dataclass(frozen=True)
-class Number:
-    """A number that runs share, as fitted: what was believed of it, its value and standard
-    deviation, and how much further it would go without bounds."""
-
-    free: Free
-    value: float
-    sd: float
-    ahead: float
-
-    @property
-    def name(self) -> str:
-        """As the model calls it."""
-        return self.free.name
-
-    @property
-    def sigma(self) -> float:
-        """What it was believed to, where it lies; infinite where nothing was."""
-        return self.free.sigma_at(self.value)
-
-
-def numbers_of(step: Step) -> tuple[list[Number], Array]:
-    """All that the critic wants to know of a fit: its shared numbers and their covariance."""
-    fitted = step.rung.fit
-    values, covariance = fitted.model.values, np.asarray(fitted.covariance)
-    return [
-        Number(f, values[f.name], sd, fitted.ahead[f.name])
-        for f, sd in zip(fitted.shared, np.sqrt(np.diag(covariance)).tolist(), strict=True)
-    ], covariance
 
 
 def upheld(findings: Iterable[Finding], diagnosis: Diagnosis, noise: float) -> list[Finding]:
@@ -91,7 +61,7 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
         ),
         *_laws(numbers, effects),
         *_bounds(numbers, effects),
-        *_moved(numbers, effects),
+        *_moved([*numbers, *measured_of(step)], effects),
         *_no_vehicle(step, numbers),
         *_untold(numbers, covariance),
         *_fair_band(diagnosis.ladder),
@@ -101,7 +71,7 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
 
 def refuted(diagnosis: Diagnosis) -> list[Belief]:
     """What was stated and is held to be wrong: the beliefs in the model, and the vehicle's numbers
-    that moved too far."""
+    that moved too far, or what was measured of several of them."""
     step = diagnosis.ladder[-1]
     effects, found = step.rung.model.effects, []
     for effect in effects:
@@ -109,7 +79,7 @@ def refuted(diagnosis: Diagnosis) -> list[Belief]:
             error, sd = step.parameters[f"{effect.id}.{name}"]
             sure = diagnosis.confidence if effect.id == diagnosis.verdict[0] else None
             found.append(Belief(what, stated, stated + error, sd, sure))
-    vehicle = _of_vehicle(numbers_of(step)[0], effects)
+    vehicle = _of_vehicle([*numbers_of(step)[0], *measured_of(step)], effects)
     for n in vehicle:
         if (away := _moved_by(n)) > MOVED:
             by_chance = len(vehicle) * erfc(away / sqrt(2.0))

@@ -41,7 +41,7 @@ class Angles:
     ) -> None:
         weight = base.believed * base.sigma**2
         stack = np.vstack([run.weighed[:, : run.derivatives.shared] for run in base.runs])
-        inner = np.linalg.pinv(stack.T @ stack + np.diag(weight), hermitian=True)
+        inner = np.linalg.pinv(stack.T @ stack + weight, hermitian=True)
         self._signatures: dict[str, Array] = {}
         for item in screened:
             if any(part.any() for part in item.contribution.values()):
