@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from wheelhop.diagnose.confirm.starts import Start
 from wheelhop.diagnose.search import look as looking
 from wheelhop.diagnose.search.scored import Scored, Search
 from wheelhop.effects import load_effects
@@ -106,19 +107,19 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
 
     scores = {"play": 49.0, "damper": 43.0, "tyre": 20.0, "skew": 1.0, "lift-off": -1.0}
     items = [item(*pair) for pair in scores.items()]
-    chosen, tried = items[-1:], []
+    chosen, tried, start = items[-1:], [], Start(None, "strong play", None, anew=True)
 
-    def confirm(incumbent, screened, beside):
+    def confirm(incumbent, screened, beside, further):
         tried.append(screened.id)
         return incumbent.rung
 
     def confirm_strong(incumbent, start, beside):
-        tried.append(start)
+        tried.append(start.why)
         return SimpleNamespace(evidence=2.0)
 
     monkeypatch.setattr(looking, "worth_simulating", lambda *asked, **how: chosen)
     monkeypatch.setattr(looking, "confirm", confirm)
-    monkeypatch.setattr(looking, "strong", lambda incumbent, items: [(items[0], "strong play")])
+    monkeypatch.setattr(looking, "strong", lambda incumbent, items: [(items[0], start)])
     monkeypatch.setattr(looking, "confirm_strong", confirm_strong)
     monkeypatch.setattr(looking, "judged", judged)
     monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))

@@ -9,7 +9,8 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
 from wheelhop.diagnose.confirm import in_full as confirming
-from wheelhop.diagnose.confirm.in_full import _saturated, confirm, refit, worth_simulating
+from wheelhop.diagnose.confirm.in_full import confirm, refit, worth_simulating
+from wheelhop.diagnose.confirm.starts import Start, saturated
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import Rung
 from wheelhop.diagnose.screen.first_order import screen
@@ -81,7 +82,8 @@ def test_a_gap_wider_than_any_strut_moves_is_tried(tmp_path):
     folder = truth.make_campaign(tmp_path, seed=108, effects=hidden, preset="atv", short=True)
     base = baseline_of(folder)
     (screened,) = screen(base.workshop, base.rung.fit, [LIBRARY["backlash"]])
-    wide = _saturated(base.workshop, base.rung, screened)
+    (start,) = saturated(base.workshop, base.rung, screened)
+    wide = start.model
     assert wide.values["backlash.balance"] == 0.0  # of all that fit alike, what is believed
     assert wide.values["backlash.gap_m"] > 0.005
     wider = wide.with_values({"backlash.gap_m": 3.0 * wide.values["backlash.gap_m"]})
@@ -145,9 +147,8 @@ def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(
         return rung
 
     workshop = SimpleNamespace(noise=1.0, of_role=lambda role: [])
-    monkeypatch.setattr(confirming, "_starts", lambda *_: [("", model)])
-    monkeypatch.setattr(confirming, "fitted_from", lambda *_: (quick, True))
-    monkeypatch.setattr(confirming, "all_noise", lambda *_: False)
+    monkeypatch.setattr(confirming, "starts", lambda *_: [Start(model, "", base)])
+    monkeypatch.setattr(confirming, "fitted_from", lambda *_: quick)
     monkeypatch.setattr(confirming, "begun", lambda *_: model)
     monkeypatch.setattr(confirming, "validate", lambda workshop, fit, update: Rung(fit, None))
     monkeypatch.setattr(confirming, "refit", full)

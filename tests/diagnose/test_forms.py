@@ -7,7 +7,7 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
 from wheelhop.diagnose import climb
-from wheelhop.diagnose.confirm import forms
+from wheelhop.diagnose.confirm.starts import richer
 from wheelhop.effects import form_of
 
 STOPS = {"clearance_m": 0.02, "rebound_clearance_m": 0.032, "stiffness_N_m": 1.5e4}
@@ -38,7 +38,7 @@ def test_a_pair_of_stops_begins_where_one_of_them_has_ended(stopped):
 
 
 @pytest.mark.parametrize(
-    ("effect", "form", "richer"),
+    ("effect", "form", "expected"),
     [
         ("bump-stop", "compression", ["both"]),
         ("bump-stop", "rebound", ["both"]),
@@ -49,16 +49,16 @@ def test_a_pair_of_stops_begins_where_one_of_them_has_ended(stopped):
         ("mount-bushing", "", []),
     ],
 )
-def test_a_richer_form_has_all_numbers_and_more(stopped, effect, form, richer):
+def test_a_richer_form_has_all_numbers_and_more(stopped, effect, form, expected):
     """What was found stays as it was, the vehicle and other effects included."""
     base = baseline_of(stopped)
     workshop, driver = base.workshop, LIBRARY["driver-seat"]
     chosen = LIBRARY[effect].with_choice(form)
     model = base.rung.model.with_effect(driver, workshop.parameters_of(driver))
     model = model.with_effect(chosen, workshop.parameters_of(chosen))
-    found = list(forms._richer(workshop, SimpleNamespace(model=model)))
+    found = list(richer(workshop, SimpleNamespace(model=model)))
     channels = workshop.campaign.channels
-    assert [form_of(m.effects[-1], channels) for m in found] == richer
+    assert [form_of(m.effects[-1], channels) for m in found] == expected
     for other in found:
         assert other.effects[:-1] == model.effects[:-1]
         assert other.values.items() > model.values.items()

@@ -4,8 +4,8 @@ import pytest
 
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
-from wheelhop.diagnose.confirm.in_full import confirm
-from wheelhop.diagnose.confirm.strong import confirm_strong, strong
+from wheelhop.diagnose.confirm.in_full import confirm, confirm_strong
+from wheelhop.diagnose.confirm.starts import strong
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.screen.first_order import screen
 

@@ -6,29 +6,33 @@ so several places on the track are tried, each run by itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
-from math import inf, isclose, isfinite
+from math import inf
 
 import numpy as np
 
-from wheelhop.diagnose.confirm.validate import Incumbent, believable, misfits, validate
-from wheelhop.diagnose.score import HOPELESS, Rung, all_noise, material, noticeable, unforeseen
-from wheelhop.diagnose.screen.first_order import Screened
-from wheelhop.diagnose.screen.signatures import with_variant
-from wheelhop.effects import Effect
-from wheelhop.fit import (
-    CONVERGED_QUICK,
-    Bench,
-    Fit,
-    FitProbe,
-    RunFit,
-    Workshop,
-    effect_parameters,
-    fit,
-    seek_again,
+from wheelhop.diagnose.confirm.starts import (
+    Start,
+    begun,
+    placings,
+    richer,
+    shapes_as_believed,
+    starts,
 )
+from wheelhop.diagnose.confirm.validate import Incumbent, validate
+from wheelhop.diagnose.score import (
+    HOPELESS,
+    Rung,
+    all_noise,
+    at_noise,
+    best_first,
+    material,
+    noticeable,
+    unforeseen,
+)
+from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.fit import CONVERGED_QUICK, Fit, RunFit, Workshop, effect_parameters, fit
 from wheelhop.simulate import Model
 
 CONFIRMED = 5
@@ -86,26 +90,29 @@ def worth_simulating(
     return chosen
 
 
-def confirm(incumbent: Incumbent, screened: Screened, beside: Sequence[Rung] = ()) -> Rung:
-    """Fit the model of a rung with the screened effect added.
+def confirm(
+    incumbent: Incumbent,
+    screened: Screened,
+    beside: Sequence[Rung] = (),
+    further: Callable[[Start], None] = lambda start: None,
+) -> Rung:
+    """Fit the model of a rung with the screened effect added, from one start after the other:
+    `further` is told of every one but the first.
 
     Derivatives with respect to the rung's parameters are taken from it: a quick fit that ends a
-    little above the minimum; `refit` goes all the way. Where the vehicle of the rung is hard to
-    believe, that may be for want of the effect, and no way may lead back: then another fit begins
-    where the vehicle is believed to be, and what ends likelier counts. A switch changes everything
-    at once: where it makes things worse by more than a quick fit neglects, the derivatives have
-    changed, and only a full fit does it justice, if there is hope. What has none to come as far as
-    one of the models `beside` it ends early.
+    little above the minimum; `refit` goes all the way. A switch changes everything at once: where
+    it makes things worse by more than a quick fit neglects, the derivatives have changed, and only
+    a full fit does it justice, if there is hope. What has none to come as far as one of the models
+    `beside` it ends early.
     """
-    workshop, base = incumbent.workshop, incumbent.rung
-    bar = -inf if screened.variant.effect.has_random_heights else least_cost(beside)
-    best = _begun_at(workshop, base, screened, bar)
-    if not all_noise(best, workshop.noise) and incumbent.as_believed is not None:
-        (_, start), *_ = _starts(workshop, incumbent.as_believed, screened)
-        other, _ = fitted_from(workshop, incumbent.as_believed, start, bar)
-        best = max(best, other, key=lambda one: one.evidence)
+    workshop, base, effect = incumbent.workshop, incumbent.rung, screened.variant.effect
+    bar, raced = -inf if effect.has_random_heights else least_cost(beside), list[Fit]()
+    for start in starts(incumbent, screened, raced):
+        if raced:
+            further(start)
+        raced.append(fitted_from(workshop, start, bar))
+    best = max(raced, key=lambda one: one.evidence)
     # A run held out took no part in the fit: it begins about the numbers found.
-    effect = screened.variant.effect
     shapes, held_out = best.model.theta(effect), workshop.of_role("validate")
     foreseeing = begun(workshop, base.model, best.model, effect, shapes, held_out)
     rough = validate(workshop, replace(best, model=foreseeing), base.update)
@@ -118,49 +125,26 @@ def confirm(incumbent: Incumbent, screened: Screened, beside: Sequence[Rung] = (
     return rough
 
 
-def _begun_at(workshop: Workshop, base: Rung, screened: Screened, bar: float) -> Fit:
-    """The best quick fit that begins at a rung.
-
-    One that ends far above what screening expects, or at numbers hard to believe, has gone astray
-    and begins again elsewhere, and so does one that leaves more than noise while another form is as
-    likely: to first order a strong effect shows little difference between its forms.
-    """
-    best: Fit | None = None
-    believed = False
-    starts = _starts(workshop, base, screened)[: len(SHARES)]
-    forms = [choice for choice, _ in starts]
-    for i, (_, model) in enumerate(starts):
-        found, believable = fitted_from(workshop, base, model, bar)
-        if best is None or found.evidence > best.evidence:
-            best, believed = found, believable
-        fine = best.error < ASTRAY * screened.error and believed
-        tried = all_noise(best, workshop.noise) or set(forms[i + 1 :]) <= set(forms[: i + 1])
-        if fine and tried:
-            break
-    assert best is not None
-    if not believed and any(p.is_shape for p in screened.variant.parameters):
-        saturated = _saturated(workshop, base, screened)
-        if saturated is not None:
-            found, _ = fitted_from(workshop, base, saturated, bar)
-            best = max(best, found, key=lambda one: one.evidence)
-    return best
-
-
-def fitted_from(
-    workshop: Workshop, base: Rung, start: Model, bar: float, *, anew: bool = False
-) -> tuple[Fit, bool]:
-    """A quick fit that begins at a model, and whether the numbers of its last effect lie where they
-    are believed to. `anew`: with derivatives of its own, which is slow."""
-    known = None if anew else base.fit
-    effect, benches = start.effects[-1], workshop.of_role("fit")
-    free = effect_parameters(workshop.parameters_of(effect), start, effect)
+def fitted_from(workshop: Workshop, start: Start, bar: float) -> Fit:
+    """A quick fit from a start, or a slow one with derivatives of its own."""
+    model, base, benches = start.model, start.base.fit, workshop.of_role("fit")
+    known = None if start.anew else base
+    effect = model.effects[-1]
+    free = effect_parameters(workshop.parameters_of(effect), model, effect)
     # Where an amplitude is not yet what it should be, shapes would run away to make up for it.
     amplitudes = [f for f in free if not f.is_shape]
     if 0 < len(amplitudes) < len(free):
-        shared = [*base.fit.shared, *amplitudes]
-        start = fit(workshop, start, shared, benches, known, bar=bar).model
-    found = fit(workshop, start, [*base.fit.shared, *free], benches, known, bar=bar)
-    return found, believable(found, free)
+        shared = [*base.shared, *amplitudes]
+        model = fit(workshop, model, shared, benches, known, bar=bar).model
+    return fit(workshop, model, [*base.shared, *free], benches, known, bar=bar)
+
+
+def confirm_strong(incumbent: Incumbent, start: Start, beside: Sequence[Rung]) -> Rung:
+    """The rung that a fit from a strong effect ends at, all derivatives following the model: those
+    of the vehicle without know nothing of it. It ends early where it has no hope to come as far as
+    the incumbent and the models `beside` it."""
+    found = fitted_from(incumbent.workshop, start, least_cost([incumbent.rung, *beside]))
+    return validate(incumbent.workshop, found, before=start.model)
 
 
 def refit(workshop: Workshop, rung: Rung, bar: float = -inf) -> Rung:
@@ -177,23 +161,10 @@ def refit(workshop: Workshop, rung: Rung, bar: float = -inf) -> Rung:
 
 
 def off_the_plateau(workshop: Workshop, found: Fit) -> Fit:
-    """A fit with the shapes of its last effect where they are believed to be, if that costs less.
-
-    No derivative leads to a stop that the model never reaches, and a fit may stay wherever it came
-    upon such a plateau. So each shape is put back to what is believed of it, the other numbers
-    along with it as the data hold them together, and the fit goes on.
-    """
-    last, best, benches = found.model.effects[-1].id, found, workshop.of_role("fit")
-    values, covariance = found.model.values, found.covariance
-    for i, shape in enumerate(found.shared):
-        if not shape.name.startswith(f"{last}.") or not (shape.is_shape and isfinite(shape.sigma)):
-            continue
-        along = covariance[i] / covariance[i, i] * (shape.mean - values[shape.name])
-        start = {
-            f.name: min(max(values[f.name] + float(d), f.lower), f.upper)
-            for f, d in zip(found.shared, along, strict=True)
-        }
-        model = found.model.with_values(start)
+    """A fit that goes on where the shapes of its last effect are believed to be, if that costs
+    less."""
+    best, benches = found, workshop.of_role("fit")
+    for model in shapes_as_believed(found):
         trial = fit(workshop, model, found.shared, benches, found, bar=found.cost)
         best = min(best, trial, key=lambda one: one.cost)
     return best if best is found else fit(workshop, best.model, found.shared, benches)
@@ -214,128 +185,42 @@ def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = Fal
     return validate(workshop, fit(workshop, model, shared, workshop.of_role("fit"), known))
 
 
-SHARES = (1.0, 0.4, 0.1)
-"""A fit begins at one of these shares of the amplitudes that screening expects: to first order
-strong effects are overrated."""
+def best_form(incumbent: Incumbent, screened: Screened, found: Rung) -> Rung:
+    """The effect that was added to a rung in the form that explains most in full simulation.
 
-DOUBLINGS = 7
-"""Or, where shapes have ended hard to believe, where twice the strength changes nothing any more: a
-gap that is never used up moves the records as any wider one does. It is sought up to a hundred
-times what screening expects."""
-
-SMALLEST_START = 0.05
-"""And with at least this fraction of an amplitude's scale: at zero some laws are flat."""
-
-ASTRAY = 1.2
-"""A fit that ends this many times above the error that screening expects has gone astray."""
-
-
-def _starts(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[str, Model]]:
-    """The models where the fit of an effect may begin, each with its form: the likeliest variants,
-    each as it fits best at some share of what screening expects, the vehicle as it is or moved
-    along; then more shares of the likeliest."""
-    by_variant, fitted = [], workshop.of_role("fit")
-    for item in (screened, *screened.others):
-        switches = all(p.switch for p in item.variant.amplitudes)
-        shares = SHARES[:1] if switches else SHARES
-        models = list(starts_of(workshop, base, item, shares))
-        order = np.argsort(misfits(workshop, models, fitted, base.fit.sigma), kind="stable")
-        by_variant.append([(item.variant.choice, models[i]) for i in order])
-    return [*(models[0] for models in by_variant), *by_variant[0][1:]]
+    Forms that screening could not tell from the one `found` are begun where screening puts them:
+    to first order a strong effect shows little difference. One with no hope to come as far as that
+    in the runs fitted is fitted no further, and what held-out runs say of it means nothing. Where
+    something is left, a `richer` form begins where it has ended.
+    """
+    workshop = incumbent.workshop
+    tried = (screened, *screened.others)
+    present = {s.variant.choice for s in tried if s.variant.effect in found.model.effects}
+    for other in tried:
+        if other.variant.choice not in present:
+            present.add(other.variant.choice)
+            rival = confirm(incumbent, replace(other, others=()), beside=[found])
+            if rival.error_judging <= HOPELESS * found.error_judging:
+                rival = refit(workshop, rival, least_cost([found]))
+            found = _better(workshop, found, rival)
+    for model in () if at_noise(found, workshop.noise) else richer(workshop, found):
+        effect = model.effects[-1]
+        free = effect_parameters(workshop.parameters_of(effect), model, effect)
+        shared, benches = [*incumbent.rung.fit.shared, *free], workshop.of_role("fit")
+        fitted = fit(workshop, model, shared, benches, bar=least_cost([found]))
+        found = _better(workshop, found, validate(workshop, fitted, before=model))
+    return found
 
 
-def _saturated(workshop: Workshop, base: Rung, screened: Screened) -> Model | None:
-    """The least strength, found by doubling, of which twice as much does the same, in the form that
-    fits best, what is believed of its shapes included; None where none does."""
-    shares = [2.0**k for k in range(DOUBLINGS + 1)]
-    found: list[tuple[float, Model]] = []
-    fitted = workshop.of_role("fit")
-    for item in (screened, *screened.others):
-        models = [next(starts_of(workshop, base, item, [share])) for share in shares]
-        misfit = misfits(workshop, models, fitted, base.fit.sigma)
-        # Strengths that end at one bound are the same; only others that do the same are saturated.
-        same = [
-            isfinite(one) and isclose(one, other) and model.values != twice.values
-            for (one, model), (other, twice) in pairwise(zip(misfit, models, strict=True))
-        ]
-        if any(same):
-            away = sum(
-                ((item.variant.shapes[p.name] - p.believed) / p.scale) ** 2
-                for p in item.variant.parameters
-                if p.is_shape and p.believed is not None
-            )
-            found.append((misfit[same.index(True)] + away, models[same.index(True)]))
-    return min(found, key=lambda one: one[0])[1] if found else None
+def _better(workshop: Workshop, found: Rung, rival: Rung) -> Rung:
+    if rival.fit.cost >= found.fit.cost:
+        return found
+    return best_first([found, rival], workshop.noise)[0]
 
-
-def starts_of(
-    workshop: Workshop, base: Rung, screened: Screened, shares: Sequence[float]
-) -> Iterator[Model]:
-    """The models where the fit of one form of an effect may begin, at some shares of the amplitudes
-    that screening expects: with the vehicle as it is, and moved along with them."""
-    variant = screened.variant
-    absent = with_variant(base.model, variant, {})
-    everywhere = list(workshop.benches.values())
-    begins = begun(workshop, base.model, absent, variant.effect, variant.shapes, everywhere)
-    for share in shares:
-        amplitudes = {}
-        for p in variant.amplitudes:
-            away = (screened.amplitudes[p.name] - p.absent) * (1.0 if p.switch else share)
-            least = SMALLEST_START * p.scale
-            away = away if abs(away) > least else least
-            amplitudes[p.name] = min(max(p.absent + away, p.lower), p.upper)
-        model = begins.with_values({f"{variant.effect.id}.{k}": v for k, v in amplitudes.items()})
-        yield model
-        along = {
-            f.name: min(max(model.values[f.name] + share * d, f.lower), f.upper)
-            for f in base.fit.shared
-            if (d := screened.along.get(f.name, 0.0))
-        }
-        if along:
-            yield model.with_values(along)
-
-
-Values = Mapping[str, float]
 
 OUT_OF_STEP = 0.1
 """A run whose residual holds this share of its energy may be out of step with its track: a sine
 that is a twentieth of its wave late leaves (2 sin(π/20))² = 0.1 of its own."""
-
-
-def with_starts(model: Model, effect: Effect, run_id: str, start: Values) -> Model:
-    """The model with what an effect begins with in one run; speed and start are the run's own."""
-    whole = ("speed_m_s", "start_m")
-    return model.with_run(
-        run_id, {k if k in whole else f"{effect.id}.{k}": v for k, v in start.items()}
-    )
-
-
-def begun(
-    workshop: Workshop,
-    base: Model,
-    model: Model,
-    effect: Effect,
-    shapes: Values,
-    benches: Sequence[Bench],
-) -> Model:
-    """`model`, which is `base` with the effect in these shapes, these runs where they may best
-    begin."""
-    probe = FitProbe(workshop, base, benches)
-    systems = workshop.systems(model)
-
-    def best(bench: Bench) -> Values:
-        starts = effect.run_starts(probe, bench.simulator.setting, shapes)
-        if len(starts) == 1:
-            return starts[0]
-        trials = [with_starts(model, effect, bench.run.id, start) for start in starts]
-        measured = bench.measured[:, bench.predicted].ravel()
-        records = bench.records([(trial, systems) for trial in trials])
-        residuals = [measured - bench.coefficients(record) for record in records]
-        return starts[int(np.argmin([float(r @ r) for r in residuals]))]
-
-    for bench, start in zip(benches, workshop.each(best, benches), strict=True):
-        model = with_starts(model, effect, bench.run.id, start)
-    return model
 
 
 def placed_anew(workshop: Workshop, rung: Rung) -> Model:
@@ -350,27 +235,11 @@ def placed_anew(workshop: Workshop, rung: Rung) -> Model:
     return placed
 
 
-def _best_place(workshop: Workshop, model: Model, run: RunFit) -> tuple[str, Values]:
+def _best_place(workshop: Workshop, model: Model, run: RunFit) -> tuple[str, Mapping[str, float]]:
     """What a run leaves free, fitted by itself from wherever it may begin; the best end counts."""
     bench, run_id = run.bench, run.bench.run.id
-    ends = [run.rss]
-    places = [model.runs[run_id]]
-    for start in _begins(workshop, model, bench):
+    ends = [(run.rss, model.runs[run_id])]
+    for start in placings(workshop, model, bench):
         found = fit(workshop, start, (), [bench])
-        ends.append(found.rss)
-        places.append(found.model.runs[run_id])
-    return run_id, places[int(np.argmin(ends))]
-
-
-def _begins(workshop: Workshop, model: Model, bench: Bench) -> Sequence[Model]:
-    run_id = bench.run.id
-    sought = seek_again(workshop.campaign, bench, model, workshop.systems(model))
-    again = model.with_run(run_id, sought)
-    found = [again] if sought else []
-    for effect in model.effects:
-        if effect.per_run(bench.simulator.setting):
-            probe = FitProbe(workshop, again.without_effect(effect.id), [bench])
-            shapes = model.theta(effect)
-            starts = effect.run_starts(probe, bench.simulator.setting, shapes)
-            found += [with_starts(again, effect, run_id, start) for start in starts if start]
-    return found
+        ends.append((found.rss, found.model.runs[run_id]))
+    return run_id, min(ends, key=lambda end: end[0])[1]

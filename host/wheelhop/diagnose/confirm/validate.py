@@ -7,15 +7,16 @@ noise although no physics is missing. Nor is it better than the simulation that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, isfinite, sqrt
+from math import isfinite
 
 import numpy as np
 
+from wheelhop.diagnose.confirm.starts import believable, misfits, shapes_nearby
 from wheelhop.diagnose.score import Rung, best_first, log_odds, unforeseen
-from wheelhop.fit import Bench, Fit, Free, Workshop, fit, follow, linearised, update
+from wheelhop.fit import Bench, Fit, Workshop, fit, follow, linearised, update
 from wheelhop.fit.bench import RUNS_AWAY
 from wheelhop.simulate import Model
 
@@ -54,53 +55,13 @@ def validate(
 
 
 def from_elsewhere(workshop: Workshop, fitted: Fit, foreseen: Model, moved: Fit) -> Fit:
-    """The update begun where the runs fitted may leave a shape of an effect, the other numbers
-    along with it, or `moved` if that costs less.
-
-    Stops that the runs fitted hardly reach may lie millimetres from where they are foreseen, and
-    the fit of a run that does reach them ends in a false minimum. So each shape is moved one
-    standard deviation up and down, and the update begins once more where the runs held out like it
-    best.
-    """
-    middle, covariance = fitted.model.values, fitted.covariance
-    benches = workshop.of_role("validate")
-    starts = []
-    for i, shape in enumerate(fitted.shared):
-        if shape.is_shape and covariance[i, i] > 0.0:
-            for side in (-1.0, 1.0):
-                along = side * covariance[i] / sqrt(covariance[i, i])
-                steps = zip(fitted.shared, along, strict=True)
-                values = {f.name: min(max(middle[f.name] + d, f.lower), f.upper) for f, d in steps}
-                starts.append(foreseen.with_values(values))
+    """The update begun where the runs fitted may leave a shape of an effect, at that of these
+    places which the runs held out like best, or `moved` if that costs less."""
+    benches, starts = workshop.of_role("validate"), list(shapes_nearby(fitted, foreseen))
     if not starts:
         return moved
     best = starts[int(np.argmin(misfits(workshop, starts, benches, moved.sigma)))]
     return min(moved, update(workshop, fitted, best, benches), key=lambda one: one.cost)
-
-
-def misfits(
-    workshop: Workshop, models: Sequence[Model], benches: Sequence[Bench], sigma: float
-) -> list[float]:
-    """−2 ln p of what each model leaves of these runs, `sigma` being the noise of a coefficient."""
-    trials = [(model, workshop.systems(model)) for model in models]
-
-    def of_run(bench: Bench) -> list[float]:
-        measured = bench.measured[:, bench.predicted].ravel()
-        residuals = [measured - bench.coefficients(record) for record in bench.records(trials)]
-        return [bench.cost(residual, sigma) for residual in residuals]
-
-    total = np.sum(workshop.each(of_run, benches), axis=0)
-    return [float(t) if isfinite(t) else inf for t in total]
-
-
-FAR = 3.0
-"""A fit that ends so many standard deviations from what is believed of a number has gone astray."""
-
-
-def believable(found: Fit, free: Sequence[Free]) -> bool:
-    """Whether these numbers of a fit lie where they are believed to."""
-    values = found.model.values
-    return all(abs(f.away(values[f.name])) < FAR for f in free)
 
 
 @dataclass(frozen=True, eq=False)

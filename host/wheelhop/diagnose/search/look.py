@@ -8,9 +8,16 @@ from dataclasses import replace
 from math import hypot, inf
 
 from wheelhop.diagnose.baseline import Progress, comparison_of
-from wheelhop.diagnose.confirm.forms import best_form
-from wheelhop.diagnose.confirm.in_full import SEEN, confirm, least_cost, refit, worth_simulating
-from wheelhop.diagnose.confirm.strong import confirm_strong, strong
+from wheelhop.diagnose.confirm.in_full import (
+    SEEN,
+    best_form,
+    confirm,
+    confirm_strong,
+    least_cost,
+    refit,
+    worth_simulating,
+)
+from wheelhop.diagnose.confirm.starts import Start, strong
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.score import (
@@ -31,7 +38,6 @@ from wheelhop.diagnose.screen.first_order import Screened, screen
 from wheelhop.diagnose.search.scored import BASELINE, Candidate, Scored, Search, ids_of, remembered
 from wheelhop.effects import Effect, OwnValues
 from wheelhop.fit import Workshop
-from wheelhop.simulate import Model
 
 LAST_RESORT = 3
 """Where none holds and something is left, so many effects, those that the fitted runs favour, are
@@ -183,11 +189,12 @@ def _confirm_best(
     rivals = worth_simulating(workshop, rung, screened, at_least=1, settled=True)
     found: list[Candidate] = []
 
-    def simulate(item: Screened, which: str, start: Model | None = None) -> None:
-        search.progress(f"simulating {item.id} ({which})")
-        beside = [c.rung for c in found]
+    def simulate(item: Screened, which: str, start: Start | None = None) -> None:
+        said, beside = f"simulating {item.id} ({which})", [c.rung for c in found]
+        search.progress(said)
         if start is None:
-            confirmed = confirm(incumbent, item, beside)
+            tell = search.progress
+            confirmed = confirm(incumbent, item, beside, lambda one: tell(f"{said}, {one.why}"))
         else:
             confirmed = confirm_strong(incumbent, start, beside)
         new = judged(incumbent, item, confirmed, len(screened))
@@ -204,7 +211,7 @@ def _confirm_best(
             simulate(item, f"{i + 1} of {len(more)} more")
         strongest = [] if any(c.holds for c in found) else strong(incumbent, screened)[:LAST_RESORT]
         for i, (item, start) in enumerate(strongest):
-            simulate(item, f"{i + 1} of {len(strongest)} strong ones", start)
+            simulate(item, f"{i + 1} of {len(strongest)} {start.why}", start)
     return _best_first(found, workshop.noise)
 
 

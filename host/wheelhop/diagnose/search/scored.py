@@ -56,11 +56,6 @@ class Candidate:
         """Chance that any of the effects tried does so well without being there."""
         return p_value(self.log_odds, self.tried)
 
-    def remembered(self) -> Candidate:
-        """The candidate without signatures and derivatives."""
-        screened = replace(self.screened, contribution={})
-        return replace(self, screened=screened, rung=remembered(self.rung))
-
 
 @dataclass(frozen=True, eq=False)
 class Scored:
@@ -93,13 +88,13 @@ class Scored:
     def remembered(self) -> Scored:
         """The same as others ask for it: how well each effect did, without signatures and
         derivatives. What was chosen has had its turn."""
-        return replace(
-            self,
-            rung=remembered(self.rung),
-            screened=tuple(replace(s, contribution={}) for s in self.screened),
-            candidates=tuple(c.remembered() for c in self.candidates),
-            chosen=None,
+        candidates = (
+            replace(c, screened=replace(c.screened, contribution={}), rung=remembered(c.rung))
+            for c in self.candidates
         )
+        screened, rung = (replace(s, contribution={}) for s in self.screened), remembered(self.rung)
+        together = self.together and ()
+        return Scored(rung, tuple(screened), tuple(candidates), None, self.looked, together)
 
 
 Watch = Callable[[Scored], None]

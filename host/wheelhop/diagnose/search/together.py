@@ -287,7 +287,9 @@ def _tried_in_place(search: Search, rung: Rung, accepted: Effect) -> Scored:
     absent = [effect for name, effect in library.items() if name not in present]
     screened = screen_best(workshop, base.fit, [library[accepted.id], *absent])
     settled = nearly_all(base, rung, workshop.noise)
-    near = _near(screened, accepted)
+    # What leaves far more than the effect itself, both to first order, could not stand for it.
+    own = next((s.error for s in screened if s.id == accepted.id), inf)
+    near = [s for s in screened if s.id != accepted.id and s.error < HOPELESS * own]
     items = worth_simulating(workshop, base, near, at_least=RIVALS, reach=1.0, settled=settled)
     found = [(item, confirm(bare, item, beside=[rung])) for item in items]
     found += [(item, rung) for item in screened if item.id == accepted.id]
@@ -295,10 +297,3 @@ def _tried_in_place(search: Search, rung: Rung, accepted: Effect) -> Scored:
     scored = Scored(base, tuple(screened), tuple(candidates))
     search.table[ids_of(base)] = scored
     return scored
-
-
-def _near(screened: Sequence[Screened], accepted: Effect) -> list[Screened]:
-    """What could stand for the accepted effect: not what leaves far more, both to first order."""
-    own = min((s.error for s in screened if s.id == accepted.id), default=inf)
-    others = (s for s in screened if s.id != accepted.id)
-    return [s for s in others if s.error < HOPELESS * own]

@@ -1,0 +1,66 @@
+"""Where a fit begins, and when it begins somewhere else, too."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from wheelhop.diagnose.confirm import starts as starting
+from wheelhop.diagnose.confirm.starts import Start, starts
+
+NOISE = 1.0
+SHAPE = SimpleNamespace(is_shape=True)
+
+
+def ended(error, evidence, away=0.0):
+    """A fit with one number of its last effect, so many deviations from what is believed."""
+    free = SimpleNamespace(name="stop.clearance", away=lambda value: value)
+    model = SimpleNamespace(values={"stop.clearance": away})
+    return SimpleNamespace(error=error, evidence=evidence, shared=[free], model=model)
+
+
+def begun(monkeypatch, forms, results, *, believed=True):
+    """Why each fit of a stop began that screening expects to leave an error of 1, in these forms,
+    if they end like this; `believed`: whether the vehicle is believable."""
+    item = SimpleNamespace(id="stop", error=1.0, variant=SimpleNamespace(parameters=[SHAPE]))
+    known = SimpleNamespace(workshop=SimpleNamespace(noise=NOISE), rung="fitted")
+    known.as_believed = None if believed else "believed"
+
+    def screened(workshop, base, item):
+        return [(form, Start(None, form, base)) for form in forms]
+
+    def saturated(workshop, base, item):
+        yield Start(None, "saturated", base)
+
+    monkeypatch.setattr(starting, "_screened", screened)
+    monkeypatch.setattr(starting, "saturated", saturated)
+    monkeypatch.setattr(starting, "all_noise", lambda fit, noise: fit.error < NOISE)
+    fits, why = [], []
+    for start, result in zip(starts(known, item, fits), results, strict=False):
+        why.append(start.why)
+        fits.append(result)
+    return why
+
+
+NEAR, ASTRAY, IN_NOISE = ended(1.1, 1.0), ended(1.3, 1.0), ended(0.9, 2.0)
+WRONG, BETTER = ended(1.1, 1.0, away=5.0), ended(1.1, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("forms", "results", "expected"),
+    [
+        (["one"] * 3, [NEAR, NEAR], ["one"]),  # as near as screening expects
+        (["one"] * 3, [ASTRAY] * 4, ["one"] * 3),  # never: every share is tried
+        (["one", "other", "one"], [NEAR] * 3, ["one", "other"]),  # another form may be nearer
+        (["one", "other", "one"], [IN_NOISE] * 3, ["one"]),  # none can be
+        (["one"] * 3, [WRONG] * 5, ["one"] * 3 + ["saturated"]),  # hard to believe
+        (["one"] * 3, [WRONG, BETTER, NEAR], ["one"] * 2),  # the likeliest one counts
+    ],
+)
+def test_a_fit_begins_anew_until_one_has_come_far_enough(forms, results, expected, monkeypatch):
+    assert begun(monkeypatch, forms, results) == expected
+
+
+@pytest.mark.parametrize(("result", "more"), [(NEAR, 1), (IN_NOISE, 0)])
+def test_where_something_is_left_it_begins_in_the_vehicle_as_believed(result, more, monkeypatch):
+    found = begun(monkeypatch, ["one"], [result] * 3, believed=False)
+    assert found == ["one"] + more * ["in the vehicle as believed"]
