@@ -4,9 +4,9 @@ import signal
 
 import pytest
 
-from wheelhop.workbench.order import GiveWay, Order, how_it_ended
+from wheelhop.workbench.order import Enough, GiveWay, Order, how_it_ended
 from wheelhop.workbench.session import Choice
-from wheelhop.workbench.shown import Climbed, Converging, Done, Refused
+from wheelhop.workbench.shown import Climbed, Concluded, Converging, Done, Refused, Said
 from wheelhop.workbench.worker import Worker
 
 
@@ -33,6 +33,23 @@ def test_a_model_no_longer_wanted_gives_way_and_what_is_fitted_stays(small):
     Worker(heard.append, lambda: GiveWay(both)).obey(friction)
     assert any(isinstance(m, Climbed) and m.rungs[-1].added == ("dry-friction",) for m in heard)
     assert any(isinstance(m, Converging) for m in heard)  # it is on the way to both
+
+
+def test_where_enough_is_known_a_diagnosis_ends_with_the_verdict_so_far(small):
+    """It is enough once the first effect is simulated; said before and after, it means nothing."""
+    heard = []
+
+    def newer():
+        simulated = [m for m in heard if isinstance(m, Said) and "simulating" in m.text]
+        return Enough() if len(simulated) > 1 or not heard else None
+
+    worker = Worker(heard.append, newer)
+    worker.obey(Order(small, Choice(), diagnose=True))
+    (concluded,) = [m for m in heard if isinstance(m, Concluded)]
+    assert "interrupted" in repr(concluded.verdict)
+    assert heard[-1] == Done("")
+    worker.obey(Order(small, Choice()))
+    assert heard[-1] == Done("")
 
 
 BROKEN = """

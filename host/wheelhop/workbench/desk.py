@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files import InputError, Source, away_from_here
-from wheelhop.workbench.order import GiveWay, Order, how_it_ended, obey_orders
+from wheelhop.workbench.order import Enough, GiveWay, Order, how_it_ended, obey_orders
 from wheelhop.workbench.results import Made, Results
 from wheelhop.workbench.session import (
     Choice,
@@ -54,8 +54,8 @@ if TYPE_CHECKING:
 @dataclass
 class Job:
     """What the worker is at: a title, the line it said last, since when (s), whether it diagnoses,
-    whether it is so long that another wish ends it, what its results are made of, and the error E
-    its fit is at."""
+    whether it is so long that another wish ends it, what its results are made of, the error E its
+    fit is at, and whether it was asked to end with what it knows."""
 
     title: str
     line: str
@@ -64,6 +64,7 @@ class Job:
     long: bool
     made: Made
     error: float = float("nan")
+    ending: bool = False
 
 
 class Desk:
@@ -210,8 +211,13 @@ class Desk:
         self._work(write=what)
 
     def cancel(self) -> None:
-        """Give up the work that is going on; what it has found stays."""
+        """Give up the work that is going on; what it has found stays. A diagnosis is first asked
+        for the verdict so far."""
         self._next = None
+        if self.job and self.job.diagnosing and not self.job.ending and self._orders:
+            self.job.ending = True
+            self._orders.send(Enough())
+            return self._changed("ending with what is known by now; Stop once more gives it up")
         self._stop()
         self._changed("given up")
 

@@ -37,6 +37,11 @@ class GiveWay:
     following: Order
 
 
+@dataclass(frozen=True)
+class Enough:
+    """The diagnosis shall end with the verdict so far."""
+
+
 def obey_orders(orders: Connection) -> None:
     """Obey until the page's process is gone. Only here what computes is loaded."""
     _give_way()

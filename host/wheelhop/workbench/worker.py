@@ -26,7 +26,7 @@ from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
 from wheelhop.workbench.export import write_figures, write_tables
-from wheelhop.workbench.order import GiveWay, Order
+from wheelhop.workbench.order import Enough, GiveWay, Order
 from wheelhop.workbench.shown import (
     Climbed,
     Concluded,
@@ -69,9 +69,12 @@ class Worker:
     """Works off orders; `say` takes every message on its way to the page, and `newer` gives what
     has been said since of the order to come, if anything."""
 
-    def __init__(self, say: Say, newer: Callable[[], GiveWay | None] = lambda: None) -> None:
+    def __init__(
+        self, say: Say, newer: Callable[[], GiveWay | Enough | None] = lambda: None
+    ) -> None:
         self._say, self._newer = say, newer
         self._fitting: tuple[str, ...] | None = None
+        self._searching = self._enough = False
         self._data: tuple[object, ...] = ()
         self._following: Order | None = None
         self._key: tuple[object, ...] = ()
@@ -100,6 +103,7 @@ class Worker:
             self._say(Refused(_fault(error)))
         finally:
             self._fitting = self._following = None
+            self._searching = self._enough = False
 
     def _prepared(self, order: Order) -> Work:
         self._data = _data_of(order)
@@ -142,6 +146,7 @@ class Worker:
 
     def _diagnose(self, work: Work) -> None:
         base, traced = work.base, show.Traced()
+        self._searching = True
         work.diagnosis = diagnose_from(
             work.gated,
             work.vehicle,
@@ -150,6 +155,7 @@ class Worker:
             progress=self._progress,
             watch=lambda scored: self._say(show.ranking(base.workshop, scored, traced)),
         )
+        self._searching = False
         work.linearity = work.diagnosis.axle_to_body or work.linearity
         for step in work.diagnosis.ladder:
             work.steps[step.added] = step
@@ -209,12 +215,20 @@ class Worker:
         self._go_on()
 
     def _go_on(self) -> None:
-        """Raise `_NotWanted` where the model being fitted is not on the way to the one wanted."""
+        """Raise `_NotWanted` where the model being fitted is not on the way to the one wanted, and
+        KeyboardInterrupt, which ends a search with the verdict so far, where that is enough."""
         fitting = self._fitting
+        if fitting is None and not self._searching:
+            return
+        match self._newer():
+            case GiveWay(order):
+                self._following = order
+            case Enough():
+                self._enough = True
+        if self._searching and self._enough:
+            raise KeyboardInterrupt
         if fitting is None:
             return
-        if (said := self._newer()) is not None:
-            self._following = said.following
         if (following := self._following) is not None:
             on_the_way = following.choice.added[: len(fitting)] == fitting
             if not on_the_way or _data_of(following) != self._data:

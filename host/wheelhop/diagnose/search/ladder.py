@@ -173,8 +173,11 @@ def diagnose_from(
     whole = len(wheels(vehicle.values)) == len(CORNERS)
     if not between or not whole or axle_driven(gated.campaign, vehicle) is None:
         return diagnosis
-    progress("asking whether what lies between axle and body is linear")
-    return replace(diagnosis, axle_to_body=linearity(gated.campaign, vehicle))
+    try:
+        progress("asking whether what lies between axle and body is linear")
+        return replace(diagnosis, axle_to_body=linearity(gated.campaign, vehicle))
+    except (OutOfBudget, KeyboardInterrupt):
+        return diagnosis  # the verdict is there
 
 
 def climb(
