@@ -37,6 +37,7 @@ from wheelhop.diagnose.score import (
 from wheelhop.diagnose.screen.first_order import Screened, screen
 from wheelhop.diagnose.search.scored import BASELINE, Candidate, Scored, Search, ids_of, remembered
 from wheelhop.effects import Effect, OwnValues
+from wheelhop.files.words import percent
 from wheelhop.fit import Workshop
 
 LAST_RESORT = 3
@@ -164,6 +165,10 @@ def _looked(search: Search, step: Step, least: float) -> Scored:
     return scored
 
 
+def _fall(rung: Rung, leader: Candidate) -> str:
+    return f"{leader.id} {percent(rung.error_judging)} → {percent(leader.rung.error_judging)}"
+
+
 def _could_take(rung: Rung, screened: Screened, least: float) -> bool:
     """Whether an effect may take so much of the error E, screening seeing a part of it; of one that
     takes nothing to first order that is not known."""
@@ -190,7 +195,9 @@ def _confirm_best(
     found: list[Candidate] = []
 
     def simulate(item: Screened, which: str, start: Start | None = None) -> None:
-        said, beside = f"simulating {item.id} ({which})", [c.rung for c in found]
+        leader = next((c for c in _best_first(found, workshop.noise) if c.holds), None)
+        so_far = "" if leader is None else f"; {_fall(rung, leader)} so far"
+        said, beside = f"simulating {item.id} ({which}){so_far}", [c.rung for c in found]
         search.progress(said)
         if start is None:
             tell = search.progress
