@@ -59,6 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--answers", type=Path, nargs="+", default=(), help="count those of earlier tables, too"
     )
+    parser.add_argument("--budget", help="with run: what each diagnosis may spend, s, or none")
     parser.add_argument("--before", help="with compare: the set of results to compare with")
     parser.add_argument("--again", action="store_true", help="forget earlier results")
     return parser
@@ -105,7 +106,12 @@ def _run(cases: Sequence[Case], work: Work, given: argparse.Namespace) -> int:
         said = f"{', '.join(seen.verdict) or 'no answer'} ({seen.confidence:.2f})"
         return f"{case.name}: {said}, {ended['seconds']} s{'' if seen.passed else '  FAIL'}"
 
-    return _each(waiting, partial(ask, work=work, threads=given.threads), say, given.jobs)
+    return _each(
+        waiting,
+        partial(ask, work=work, threads=given.threads, budget=given.budget),
+        say,
+        given.jobs,
+    )
 
 
 def _each(

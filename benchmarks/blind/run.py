@@ -16,8 +16,9 @@ ROOT = Path(__file__).parents[2]
 LONGEST_S = 900.0
 
 
-def ask(case: Case, work: Work, threads: int) -> dict[str, Any]:
-    """Diagnose the case's campaign; returns how the program ended and how long it took."""
+def ask(case: Case, work: Work, threads: int, budget: str | None = None) -> dict[str, Any]:
+    """Diagnose the case's campaign, with a `--budget` if one is given; returns how the program
+    ended and how long it took."""
     answer = work.diagnosis(case.name)
     answer.parent.mkdir(parents=True, exist_ok=True)
     answer.unlink(missing_ok=True)
@@ -26,6 +27,7 @@ def ask(case: Case, work: Work, threads: int) -> dict[str, Any]:
         program = ["benchmarks.blind.without", case.hidden[0]]
     command = [sys.executable, "-m", *program, "diagnose", str(work.campaign(case.campaign))]
     command += ["--json", str(answer), "--jobs", str(threads)]
+    command += ["--budget", budget] if budget else []
     begin, spent = time.perf_counter(), _spent_by_children()
     try:
         done = subprocess.run(
