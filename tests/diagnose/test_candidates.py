@@ -7,7 +7,7 @@ import pytest
 
 from wheelhop.diagnose.confirm.starts import Start
 from wheelhop.diagnose.search import look as looking
-from wheelhop.diagnose.search.scored import Scored, Search
+from wheelhop.diagnose.search.scored import Scored
 from wheelhop.effects import load_effects
 
 
@@ -115,7 +115,7 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
 
     def confirm_strong(incumbent, start, beside):
         tried.append(start.why)
-        return SimpleNamespace(evidence=2.0)
+        return SimpleNamespace(evidence=2.0, error_judging=0.1)
 
     monkeypatch.setattr(looking, "worth_simulating", lambda *asked, **how: chosen)
     monkeypatch.setattr(looking, "confirm", confirm)
@@ -123,9 +123,9 @@ def test_what_first_order_thinks_little_of_is_tried_where_the_baseline_leaves_so
     monkeypatch.setattr(looking, "confirm_strong", confirm_strong)
     monkeypatch.setattr(looking, "judged", judged)
     monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))
-    rung = SimpleNamespace(model=SimpleNamespace(effects=present), evidence=1.0)
+    rung = SimpleNamespace(model=SimpleNamespace(effects=present), evidence=1.0, error_judging=0.1)
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
-    search = Search(incumbent.workshop, {}, 4, lambda text: None)
+    search = SimpleNamespace(progress=lambda text: None, told=lambda scored: None)
     found = looking._confirm_best(search, incumbent, Scored(rung, items), above_floor)
     assert tried == simulated
     evidence = {c.id: c.rung.evidence for c in found}

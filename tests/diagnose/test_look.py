@@ -77,7 +77,7 @@ def test_a_minimum_reached_by_way_of_another_effect_is_the_effects_own(tmp_path,
     library = {name: load_effects()[name] for name in ("dry-friction", "driver-seat")}
     look_truly = ladder.look_at
 
-    def look_misled(search, step, least=0.0):
+    def look_misled(search, step):
         seen = look_truly(search, step)
         if step.added:
             return
@@ -162,7 +162,7 @@ def test_a_search_that_comes_back_to_where_it_stood_ends(searched, monkeypatch):
     more = one_more(base.workshop, wrong, searched.effects["dry-friction"], quiet)
     look_truly, looks, groups = ladder.look_at, [], []
 
-    def look_misled(search, step, least=0.0):
+    def look_misled(search, step):
         seen = look_truly(search, step)
         looks.append(step.added)
         chosen = None if step.added else replace(seen.candidates[0], rung=wrong)

@@ -288,7 +288,7 @@ def test_a_first_choice_that_was_wrong_gives_its_place_back(loose, monkeypatch):
     library = {name: LIBRARY[name] for name in FEW}
     look_truly = ladder.look_at
 
-    def look_misled(search, step, least=0.0):
+    def look_misled(search, step):
         seen = look_truly(search, step)
         spring = None if step.added else seen.candidate("progressive-spring")
         search.table[ids_of(step.rung)] = replace(seen, chosen=spring)
@@ -321,7 +321,7 @@ def test_a_group_that_comes_down_to_one_effect_is_no_group(loose, monkeypatch):
     library = {name: LIBRARY[name] for name in FEW}
     look_truly = ladder.look_at
 
-    def friction_first(search, step, least=0.0):
+    def friction_first(search, step):
         seen = look_truly(search, step)
         friction = None if step.added else seen.candidate("dry-friction")
         search.table[ids_of(step.rung)] = replace(seen, chosen=friction)

@@ -35,20 +35,20 @@ def test_a_model_no_longer_wanted_gives_way_and_what_is_fitted_stays(small):
     assert any(isinstance(m, Converging) for m in heard)  # it is on the way to both
 
 
-def test_where_enough_is_known_a_diagnosis_ends_with_the_verdict_so_far(small):
-    """It is enough once the first effect is simulated; said before and after, it means nothing."""
+def test_where_enough_is_known_a_diagnosis_ends_with_the_verdict_so_far(friction):
+    """It is enough once the first effect is simulated; said afterwards, it means nothing."""
     heard = []
 
     def newer():
         simulated = [m for m in heard if isinstance(m, Said) and "simulating" in m.text]
-        return Enough() if len(simulated) > 1 or not heard else None
+        return Enough() if len(simulated) > 1 else None
 
     worker = Worker(heard.append, newer)
-    worker.obey(Order(small, Choice(), diagnose=True))
+    worker.obey(Order(friction, Choice(), diagnose=True))
     (concluded,) = [m for m in heard if isinstance(m, Concluded)]
     assert "interrupted" in repr(concluded.verdict)
     assert heard[-1] == Done("")
-    worker.obey(Order(small, Choice()))
+    worker.obey(Order(friction, Choice(added=("driver-seat",))))
     assert heard[-1] == Done("")
 
 

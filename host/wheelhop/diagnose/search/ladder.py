@@ -233,7 +233,7 @@ def _looked_on(search: Search, steps: Sequence[Step]) -> bool:
         # It came back, no better: another look would lead to what was just found idle.
         search.table[ids_of(rung)] = replace(known, rung=rung, chosen=None, together=())
     else:
-        look_at(search, steps[-1], _least(search, steps))
+        look_at(search, steps[-1])
     return True
 
 

@@ -9,7 +9,6 @@ from math import hypot, inf
 
 from wheelhop.diagnose.baseline import Progress, comparison_of
 from wheelhop.diagnose.confirm.in_full import (
-    SEEN,
     best_form,
     confirm,
     confirm_strong,
@@ -135,15 +134,14 @@ def _run_by_run(rung: Rung, effect: Effect) -> list[OwnValues]:
     return found
 
 
-def look_at(search: Search, step: Step, least: float = 0.0) -> Scored:
+def look_at(search: Search, step: Step) -> Scored:
     """Screen what is not in the model yet, simulate the best in full, choose one or none. Nothing
-    is simulated where the model has no room for more, or that could not take as much of the error E
-    as the `least` that counts."""
-    found = search.table[ids_of(step.rung)] = _looked(search, step, least)
+    is simulated where the model has no room for more."""
+    found = search.table[ids_of(step.rung)] = _looked(search, step)
     return found
 
 
-def _looked(search: Search, step: Step, least: float) -> Scored:
+def _looked(search: Search, step: Step) -> Scored:
     rung, workshop = step.rung, search.workshop
     done = bool(rung.model.effects) and not noticeable(rung, workshop.noise)
     if done and not step.above_floor:
@@ -152,12 +150,11 @@ def _looked(search: Search, step: Step, least: float) -> Scored:
     left = [effect for effect in search.effects.values() if effect.id not in present]
     search.progress(f"screening {len(left)} effects")
     scored = Scored(rung, tuple(screen(workshop, rung.fit, left)), looked=True)
-    small = step.beyond_expected < least
-    if done or small or (present and len(present) >= search.max_effects):
-        return scored  # described, not explained
+    if done or (present and len(present) >= search.max_effects):  # described, not explained
+        return scored
     search.told(scored)
     incumbent = Incumbent(workshop, rung)
-    candidates = _confirm_best(search, incumbent, scored, step.above_floor, least)
+    candidates = _confirm_best(search, incumbent, scored, step.above_floor)
     candidates = _refit_leaders(incumbent, candidates, step.above_floor, search.progress)
     chosen = next((c for c in candidates if c.holds), None)
     scored = replace(scored, candidates=tuple(candidates), chosen=chosen)
@@ -169,15 +166,8 @@ def _fall(rung: Rung, leader: Candidate) -> str:
     return f"{leader.id} {percent(rung.error_judging)} → {percent(leader.rung.error_judging)}"
 
 
-def _could_take(rung: Rung, screened: Screened, least: float) -> bool:
-    """Whether an effect may take so much of the error E, screening seeing a part of it; of one that
-    takes nothing to first order that is not known."""
-    power = (rung.fit.error**2 - screened.error**2) / SEEN
-    return power <= 0.0 or power >= least**2
-
-
 def _confirm_best(
-    search: Search, incumbent: Incumbent, scored: Scored, above_floor: bool, least: float
+    search: Search, incumbent: Incumbent, scored: Scored, above_floor: bool
 ) -> list[Candidate]:
     """Full simulation of the most promising effects, the best first. Once one explains nearly all,
     only what screening puts beside it is a rival. Where none holds and the baseline leaves
@@ -190,7 +180,6 @@ def _confirm_best(
         return at_noise(found, workshop.noise) or nearly_all(rung, found, workshop.noise)
 
     chosen = worth_simulating(workshop, rung, screened)
-    chosen = [item for item in chosen if _could_take(rung, item, least)]
     rivals = worth_simulating(workshop, rung, screened, at_least=1, settled=True)
     found: list[Candidate] = []
 
