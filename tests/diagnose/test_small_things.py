@@ -1,4 +1,6 @@
-"""A ladder ends where what a further step takes is small beside what the first one took."""
+"""A ladder ends where a further step lowers the error by little beside what the first one did."""
+
+from math import log
 
 from tests import truth
 from tests.diagnose.cases import CASES
@@ -9,9 +11,9 @@ from wheelhop.gate import gate
 from wheelhop.vehicle import read_vehicle
 
 
-def test_what_takes_less_than_a_tenth_of_what_the_first_took_is_not_named(tmp_path):
-    """Beside friction a channel's scale is off by so little that it takes a twentieth of what
-    friction takes. (`test_together` has effects that both count.)"""
+def test_what_lowers_the_error_by_less_than_a_tenth_of_the_first_is_not_named(tmp_path):
+    """Beside friction a channel's scale is off by so little that the error falls by a tenth.
+    (`test_together` has effects that both count.)"""
     case = CASES["dry-friction"]
     off = {"channel": "B2", "gain_error": 0.012}
     folder = truth.make_campaign(
@@ -31,6 +33,6 @@ def test_what_takes_less_than_a_tenth_of_what_the_first_took_is_not_named(tmp_pa
     )
     assert all_of_it.verdict == ("dry-friction", "sensor-gain")
     baseline, first, second = (step.rung.error_judging for step in all_of_it.ladder)
-    assert first**2 - second**2 < SMALL**2 * (baseline**2 - first**2)
+    assert log(first / second) < SMALL * log(baseline / first)
     assert asked.verdict == ("dry-friction",)
     assert asked.unfinished is None and asked.confidence > 0.8

@@ -170,8 +170,8 @@ def diagnose(
     max_effects
         The longest ladder.
     to_the_end
-        Whether it goes on where a further effect takes less of the error than a tenth of what the
-        first one took.
+        Whether it goes on where a further effect lowers the logarithm of the error by less than a
+        tenth of what the first one did.
     budget_s
         Work after which the search ends with the verdict so far, in seconds of one processor as
         `wheelhop.fit.Work` counts them, so that no verdict depends on how busy the computer is;

@@ -129,7 +129,7 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     diagnose.add_argument(
         "--all",
         action="store_true",
-        help="go on where an effect takes less than a tenth of what the first one took",
+        help="name small things, too: less than a tenth of the first effect, in log error",
     )
     diagnose.add_argument(
         "--budget",

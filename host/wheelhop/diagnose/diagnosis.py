@@ -157,9 +157,9 @@ class Step:
         return self.rung.error_judging**2 - tolerated**2 - EXACT**2
 
     @property
-    def beyond_expected(self) -> float:
-        """E of the runs that judge beyond what a right model may leave."""
-        return float(max(self.rung.error_judging**2 - self.expected**2, 0.0) ** 0.5)
+    def above_expected(self) -> float:
+        """Logarithm of E of the runs that judge over what a right model may leave."""
+        return float(np.log(self.rung.error_judging / self.expected))
 
     @property
     def above_floor(self) -> bool:

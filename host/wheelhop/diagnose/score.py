@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import erfc, hypot, inf, isfinite, sqrt
+from math import erfc, hypot, inf, isfinite, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -257,10 +257,10 @@ def above_noise(fit: Fit, noise: float) -> float:
     return fit.charged / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
 
 
-def taken(base: Rung, rung: Rung) -> float:
-    """What a rung takes of the error E that a base leaves of the runs that judge. Errors of
-    different causes add as squares."""
-    return sqrt(max(base.error_judging**2 - rung.error_judging**2, 0.0))
+def fall(base: Rung, rung: Rung) -> float:
+    """How far the error E of the runs that judge falls, as a logarithm: from 8 to 4 % as far as
+    from 2 to 1 %."""
+    return log(base.error_judging / rung.error_judging)
 
 
 def nearly_all(base: Rung, rung: Rung, noise: float) -> bool:

@@ -11,13 +11,13 @@ from contextlib import contextmanager
 from math import inf
 from threading import Lock
 
-SIMULATED_PER_SECOND = 6000.0
+SIMULATED_PER_SECOND = 8000.0
 """So many seconds of driving are simulated, fitted and screened in one of a processor."""
 
 WITH_LAWS = 3.0
 """A second with laws of friction, stops or dampers in it costs so many without."""
 
-PER_HEIGHT = 1e-6
+PER_HEIGHT = 1.5e-6
 """Equations of n unknown heights of the ground cost n³ times this, each time they are solved."""
 
 

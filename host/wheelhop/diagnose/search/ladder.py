@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import inf
 from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
@@ -14,7 +15,7 @@ from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_base
 from wheelhop.diagnose.confirm.in_full import confirm, refit
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Diagnosis, EndedBy, Step
-from wheelhop.diagnose.score import Rung, nearly_all, taken
+from wheelhop.diagnose.score import Rung, fall, nearly_all
 from wheelhop.diagnose.screen.first_order import screen
 from wheelhop.diagnose.search.forgets import (
     FORGETS,
@@ -50,8 +51,8 @@ from wheelhop.identify import linearity
 from wheelhop.vehicle import CORNERS, Vehicle, wheels
 
 SMALL = 0.1
-"""A ladder ends where a further rung takes less than this share of what the first one took. A real
-car is a little wrong in ten ways at once, and to name them all is no help."""
+"""A ladder ends where a further rung lowers the error, in logarithms, by less than this share of
+what the first one did. A real car is a little wrong in ten ways: to name them all is no help."""
 
 BETWEEN: tuple[Place, ...] = ("suspension", "body")
 """Places between the measured axles and the sensors on the body."""
@@ -238,10 +239,10 @@ def _looked_on(search: Search, steps: Sequence[Step]) -> bool:
 
 
 def _least(search: Search, steps: Sequence[Step]) -> float:
-    """What a further rung must take at least."""
+    """How far the error must fall with a further rung."""
     if search.to_the_end or len(steps) < 2:
-        return 0.0
-    return SMALL * taken(steps[0].rung, steps[1].rung)
+        return -inf
+    return SMALL * fall(steps[0].rung, steps[1].rung)
 
 
 def _best_so_far(search: Search, steps: Sequence[Step]) -> Rung | None:
@@ -249,7 +250,7 @@ def _best_so_far(search: Search, steps: Sequence[Step]) -> Rung | None:
     rung, least = steps[-1].rung, _least(search, steps)
     known = search.table.get(ids_of(rung))
     held = [c.rung for c in known.candidates if c.holds] if known and search.room(rung) else []
-    return held[0] if held and taken(rung, held[0]) >= least else None
+    return held[0] if held and fall(rung, held[0]) >= least else None
 
 
 def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequence[Step]]:
@@ -260,7 +261,7 @@ def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequenc
     room, least = search.room(rung), _least(search, steps)
 
     def worth_it(more: Rung) -> bool:
-        return taken(rung, more) >= least
+        return fall(rung, more) >= least
 
     if here.chosen is not None and room > 0 and worth_it(here.chosen.rung):
         return here.chosen.rung, steps
@@ -274,7 +275,7 @@ def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequenc
         if group is not None and Incumbent(workshop, rung).gives_way_to(group):
             return group, steps[:1]
         search.table[BASELINE] = replace(origin, together=())
-    if room > 1 and here.together is None and steps[-1].beyond_expected >= least:
+    if room > 1 and here.together is None and steps[-1].above_expected >= least:
         better = look_for_several(search, here)
     return (better if better is None or worth_it(better) else None), steps
 

@@ -246,7 +246,8 @@ def explanation(
     if small and len(steps) > 1:
         each = [f"{c.id} (error to {percent(c.rung.error_judging)})" for c in small]
         lines.append(
-            "Small things besides, each taking less than a tenth of what the first step took:"
+            "Small things besides, each lowering the error by less than a tenth of what the first"
+            " step did, in logarithms:"
             f" {listed(each)}; --all looks into them."
         )
     if on_bounds:
