@@ -8,10 +8,11 @@ from tests.fit.test_bench import MODEL, workshop_of
 from tests.patience import PATIENCE_S
 from wheelhop.effects import load_effects
 from wheelhop.fit import OutOfBudget
-from wheelhop.fit.work import SIMULATED_PER_SECOND, WITH_LAWS
+from wheelhop.fit.work import PER_RECORD_S, PER_SECOND, PER_STEP
 
 
-def test_a_second_of_driving_is_a_second_of_work_and_laws_cost_more():
+def test_steps_of_integration_are_work_and_so_are_records():
+    """Friction asks for shorter steps; a record that is known is only looked at."""
     shop = workshop_of(jobs=2)
     friction = load_effects(None)["dry-friction"]
     held = MODEL.with_effect(friction, shop.parameters_of(friction)).with_values(
@@ -19,14 +20,16 @@ def test_a_second_of_driving_is_a_second_of_work_and_laws_cost_more():
     )
     bench = shop.benches["run"]
     seconds = bench.run.time_s[-1] - bench.run.time_s[0]
-    for model, cost in ((MODEL, 1.0), (held, WITH_LAWS)):
-        before = shop.work.done
+    costs = []
+    for model in (MODEL, held, held):
+        before, steps = shop.work.done, bench.simulator.steps
         bench.modelled(model, shop.systems(model))
-        assert shop.work.done - before == pytest.approx(cost * seconds)
-    before, trial = shop.work.done, (MODEL, shop.systems(MODEL))
-    bench.changes(trial, [trial, trial])
-    assert shop.work.done - before == pytest.approx(2.0 * seconds)
-    assert shop.work.seconds == pytest.approx(shop.work.done / SIMULATED_PER_SECOND)
+        costs.append(shop.work.done - before)
+        made = bench.simulator.steps - steps
+        assert costs[-1] == pytest.approx(PER_RECORD_S * seconds + PER_STEP * made)
+    linear, with_laws, known = (cost - PER_RECORD_S * seconds for cost in costs)
+    assert with_laws > 1.9 * linear > 0.0 and known == pytest.approx(0.0)
+    assert shop.work.seconds == pytest.approx(shop.work.done / PER_SECOND)
 
 
 def test_beyond_what_is_allowed_nothing_is_begun():
@@ -39,8 +42,8 @@ def test_beyond_what_is_allowed_nothing_is_begun():
         return amount
 
     with pytest.raises(OutOfBudget), shop.work.limited(1.0):
-        assert shop.each(one, [0.4 * SIMULATED_PER_SECOND] * 2) == [0.4 * SIMULATED_PER_SECOND] * 2
-        assert len(shop.each(one, [0.4 * SIMULATED_PER_SECOND] * 2)) == 2
+        assert shop.each(one, [0.4 * PER_SECOND] * 2) == [0.4 * PER_SECOND] * 2
+        assert len(shop.each(one, [0.4 * PER_SECOND] * 2)) == 2
         shop.each(one, [1.0])
     assert len(done) == 4
     assert shop.each(one, [1.0, 2.0]) == [1.0, 2.0]

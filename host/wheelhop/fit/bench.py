@@ -20,7 +20,7 @@ from wheelhop.compare.band import InBand
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit.measured_axles import doubt, led_astray
 from wheelhop.fit.spread import cost, cost_of, spread, weights_of
-from wheelhop.fit.work import WITH_LAWS, Work
+from wheelhop.fit.work import PER_RECORD_S, PER_STEP, Work
 from wheelhop.simulate import Model, Response, RunSimulator, Simulator, drive_of, make_simulator
 from wheelhop.simulate.abreast import integrate_jobs, shared_out
 from wheelhop.vehicle import Drive, Measured, System
@@ -56,10 +56,14 @@ class Bench:
     noise_ratio: Array  #: the same without motion folded into measured axles
     work: Work  #: where what is simulated is counted
 
-    def _count(self, trials: Sequence[Trial]) -> None:
-        time_s = self.run.time_s
-        costs = (1.0 if systems[self.drive].is_linear else WITH_LAWS for _, systems in trials)
-        self.work.add(sum(costs) * float(time_s[-1] - time_s[0]))
+    def _counted(self, trials: Sequence[Trial], done: Callable[[], T]) -> T:
+        """What is done with the records of these models, counted as work."""
+        before, time_s = self.simulator.steps, self.run.time_s
+        found = done()
+        seconds = len(trials) * float(time_s[-1] - time_s[0])
+        steps = self.simulator.steps - before
+        self.work.add(PER_RECORD_S * seconds + PER_STEP * steps)
+        return found
 
     @property
     def drive(self) -> Drive:
@@ -92,8 +96,9 @@ class Bench:
 
     def response(self, model: Model, systems: dict[Drive, System]) -> Response:
         """What the model says this run should have measured."""
-        self._count([(model, systems)])
-        found = self.simulator.simulate(model, systems[self.drive])
+        found = self._counted(
+            [(model, systems)], lambda: self.simulator.simulate(model, systems[self.drive])
+        )
         if self.drive != "axles":
             return found
         return replace(found, doubt=self.doubt, noise_ratio=self.noise_ratio)
@@ -101,22 +106,21 @@ class Bench:
     @RUNS_AWAY
     def modelled(self, model: Model, systems: dict[Drive, System]) -> Array:
         """In-band model coefficients (size,) of the predicted channels."""
-        self._count([(model, systems)])
-        return self.coefficients(self.simulator.record(model, systems[self.drive]))
+        (record,) = self.records([(model, systems)])
+        return self.coefficients(record)
 
     @RUNS_AWAY
     def records(self, trials: Sequence[Trial]) -> list[Array]:
         """What several models say the instrument should have recorded (n, channels), at much less
         cost than one after the other."""
-        self._count(trials)
-        return self.simulator.records([(model, s[self.drive]) for model, s in trials])
+        asked = [(model, s[self.drive]) for model, s in trials]
+        return self._counted(trials, lambda: self.simulator.records(asked))
 
     @RUNS_AWAY
     def changes(self, base: Trial, trials: Sequence[Trial]) -> list[Array]:
         """By how much the records (n, channels) of several models differ from that of `base`."""
-        self._count(trials)
         first, *others = [(model, s[self.drive]) for model, s in (base, *trials)]
-        return self.simulator.changes(first, others)
+        return self._counted(trials, lambda: self.simulator.changes(first, others))
 
     @RUNS_AWAY
     def coefficients(self, record: Array) -> Array:
@@ -259,7 +263,9 @@ class Workshop:
             return
         due = self.each(RUNS_AWAY(lambda s: s.due(model, systems[s.drive])), rolling)
         asked = [(s, job) for s, job in zip(rolling, due, strict=True) if job is not None]
+        before = sum(simulator.steps for simulator in rolling)
         self.each(RUNS_AWAY(integrate_jobs), shared_out(asked, self._workers))
+        self.work.add(PER_STEP * (sum(simulator.steps for simulator in rolling) - before))
         for simulator, job in asked:
             simulator.keep(job)
 

@@ -1,7 +1,7 @@
 """How much work was done, and how much may be: a verdict must not depend on how busy a computer is.
 
-Work is counted in seconds of driving that were simulated with a linear vehicle. Seconds of a
-computer are only what it is calibrated to, on a processor of 2024.
+Work is counted in thousands of integration steps, and what is made of a record costs as many as it
+lasts seconds. Seconds of a computer are only what it is calibrated to, on a processor of 2024.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from contextlib import contextmanager
 from math import inf
 from threading import Lock
 
-SIMULATED_PER_SECOND = 8000.0
-"""So many seconds of driving are simulated, fitted and screened in one of a processor."""
+PER_SECOND = 6000.0
+"""So much is simulated, fitted and screened in a second of a processor."""
 
-WITH_LAWS = 3.0
-"""A second with laws of friction, stops or dampers in it costs so many without."""
+PER_STEP, PER_RECORD_S = 1e-3, 1.2
+"""What a step of the integration costs, and what is done with a second of a record."""
 
-PER_HEIGHT = 1.5e-6
+PER_HEIGHT = 1.1e-6
 """Equations of n unknown heights of the ground cost n³ times this, each time they are solved."""
 
 
@@ -26,7 +26,7 @@ class OutOfBudget(Exception):
 
 
 class Work:
-    """Counts what was simulated, in seconds of driving; threads may add to it."""
+    """Counts what was done; threads may add to it."""
 
     def __init__(self) -> None:
         self.done = 0.0
@@ -41,7 +41,7 @@ class Work:
     @property
     def seconds(self) -> float:
         """What was done, as seconds of a processor."""
-        return self.done / SIMULATED_PER_SECOND
+        return self.done / PER_SECOND
 
     def check(self) -> None:
         """Raise `OutOfBudget` where what is allowed is done."""
@@ -52,7 +52,7 @@ class Work:
     def limited(self, seconds: float | None) -> Iterator[None]:
         """Within this, work beyond so many seconds of a processor, those before it included, is
         refused; None: any amount is allowed."""
-        self._most = inf if seconds is None else seconds * SIMULATED_PER_SECOND
+        self._most = inf if seconds is None else seconds * PER_SECOND
         try:
             yield
         finally:

@@ -37,6 +37,8 @@ def integrate_jobs(asked: Iterable[Asked]) -> None:
     """Integrate jobs, those of one make together: their accelerations are there afterwards."""
     for group in _alike(asked):
         tasks = [simulator.task(job) for simulator, job in group]
+        for (simulator, _), task in zip(group, tasks, strict=True):
+            simulator.steps += len(task.height)
         samples = [simulator.samples(job) for simulator, job in group]
         steps = max(len(task.height) for task in tasks)
         found = integrate(

@@ -42,7 +42,7 @@ class RigSimulator:
     series: HeightSeries | None = None
 
     def __init__(self, campaign: ComponentCampaign, run: RigRun) -> None:
-        self.campaign, self.run = campaign, run
+        self.campaign, self.run, self.steps = campaign, run, 0
         begin, end = float(run.time_s[0]), float(run.time_s[-1])
         self.setting = RunSetting(run.id, 0.0, begin, begin, end, on_road=False, on_rig=True)
         self._motions: dict[int, Array] = {}
@@ -83,6 +83,7 @@ class RigSimulator:
 
     def _records(self, trials: Sequence[tuple[Model, System, int]]) -> list[Array]:
         """Records of several models, each at so many steps per sample."""
+        self.steps += len(self.run.time_s) * sum(stride for _, _, stride in trials)
         if self.campaign.drive == "displacement":
             return [self._force(system, stride)[:, None] for _, system, stride in trials]
         alike: dict[object, list[int]] = {}

@@ -97,7 +97,7 @@ class RunSimulator:
     """
 
     def __init__(self, campaign: Campaign, run: Run, run_up_s: float) -> None:
-        self.campaign, self.run = campaign, run
+        self.campaign, self.run, self.steps = campaign, run, 0
         self.drive: Drive = "axles" if run.track.kind == "unknown" else "road"
         period = 1.0 / campaign.sample_rate_hz
         self._margin = math.ceil(2 * campaign.averaging.reach_s / period) + 1

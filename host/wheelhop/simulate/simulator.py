@@ -25,6 +25,10 @@ class Simulator(Protocol):
         """The campaign the run belongs to."""
 
     @property
+    def steps(self) -> int:
+        """How many steps it has integrated so far, of all models."""
+
+    @property
     def drive(self) -> Drive:
         """What moves the model."""
 
