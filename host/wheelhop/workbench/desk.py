@@ -211,10 +211,11 @@ class Desk:
         self._work(write=what)
 
     def cancel(self) -> None:
-        """Give up the work that is going on; what it has found stays. A diagnosis is first asked
-        for the verdict so far."""
+        """Give up the work that is going on; what it has found stays. The first diagnosis of some
+        data is asked for the verdict so far, before that."""
         self._next = None
-        if self.job and self.job.diagnosing and not self.job.ending and self._orders:
+        first = self.job and self.job.diagnosing and self.job.made[0] not in self._results.diagnoses
+        if self.job and first and not self.job.ending and self._orders:
             self.job.ending = True
             self._orders.send(Enough())
             return self._changed("ending with what is known by now; Stop once more gives it up")
@@ -229,8 +230,6 @@ class Desk:
     def say(self, line: str) -> None:
         """Show a line to the user, in every tab."""
         self._changed(line)
-
-    # What the worker does.
 
     def _choose(self, choice: Choice) -> None:
         try:
