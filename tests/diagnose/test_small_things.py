@@ -1,12 +1,17 @@
 """A ladder ends where a further step lowers the error by little beside what the first one did."""
 
 from math import log
+from types import SimpleNamespace
+
+import pytest
 
 from tests import truth
 from tests.diagnose.cases import CASES
 from tests.diagnose.test_budget import EFFECTS
 from wheelhop.campaign import read_campaign
+from wheelhop.diagnose.search import ladder
 from wheelhop.diagnose.search.ladder import SMALL, diagnose_gated
+from wheelhop.diagnose.search.scored import BASELINE, Scored, Search, ids_of
 from wheelhop.gate import gate
 from wheelhop.vehicle import read_vehicle
 
@@ -36,3 +41,24 @@ def test_what_lowers_the_error_by_less_than_a_tenth_of_the_first_is_not_named(tm
     assert log(first / second) < SMALL * log(baseline / first)
     assert asked.verdict == ("dry-friction",)
     assert asked.unfinished is None and asked.confidence > 0.8
+
+
+@pytest.mark.parametrize(
+    ("error", "to_the_end", "taken"),
+    [(0.0080, False, False), (0.0079, False, True), (0.0099, True, True)],
+)
+def test_after_a_fall_to_a_tenth_the_next_has_to_be_by_a_fifth(error, to_the_end, taken):
+    """In logarithms a tenth as far: 10^(-1/10) is 0.794."""
+
+    def rung(error, *names):
+        model = SimpleNamespace(effects=[SimpleNamespace(id=name) for name in names])
+        return SimpleNamespace(error_judging=error, model=model)
+
+    errors = [rung(0.1), rung(0.01, "friction"), rung(error, "friction", "gain")]
+    steps = [SimpleNamespace(rung=one, above_floor=False) for one in errors[:2]]
+    search = Search(SimpleNamespace(noise=1.0), {}, 4, print, to_the_end=to_the_end)
+    search.table[BASELINE] = Scored(errors[0])
+    chosen = SimpleNamespace(rung=errors[2])
+    search.table[ids_of(errors[1])] = Scored(errors[1], chosen=chosen)
+    better, _ = ladder._better(search, steps)
+    assert better is (errors[2] if taken else None)

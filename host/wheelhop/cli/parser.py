@@ -129,7 +129,7 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     diagnose.add_argument(
         "--all",
         action="store_true",
-        help="name small things, too: less than a tenth of the first effect, in log error",
+        help="add effects, too, that lower the error by little beside what the first did",
     )
     diagnose.add_argument(
         "--budget",

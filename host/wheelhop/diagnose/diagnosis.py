@@ -72,7 +72,7 @@ class Belief:
     confidence: float | None
 
 
-EndedBy = Literal["budget", "interrupted"] | None
+EndedBy = Literal["budget", "interrupted"]
 
 
 @dataclass(frozen=True)

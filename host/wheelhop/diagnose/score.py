@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import erfc, hypot, inf, isfinite, log, sqrt
+from math import erfc, hypot, inf, isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -260,7 +260,8 @@ def above_noise(fit: Fit, noise: float) -> float:
 def fall(base: Rung, rung: Rung) -> float:
     """How far the error E of the runs that judge falls, as a logarithm: from 8 to 4 % as far as
     from 2 to 1 %."""
-    return log(base.error_judging / rung.error_judging)
+    with np.errstate(divide="ignore"):  # of a model that leaves nothing, or runs away
+        return float(np.log(base.error_judging) - np.log(rung.error_judging))
 
 
 def nearly_all(base: Rung, rung: Rung, noise: float) -> bool:

@@ -167,15 +167,11 @@ class Ground:
         response = self._paths
         return self._overlap() * (response.conj() @ response.T)
 
-    def pull(self, weight: ComplexArray) -> ComplexArray:
-        """Half of how tr(`weight` GᴴG) grows (2k, c) with the response along both paths; `weight`
-        (2k, 2k) is Hermitian."""
-        return np.asarray((weight.T * self._overlap()) @ self._paths)
-
-    def changes(self, pull: ComplexArray, others: Sequence[Ground]) -> Array:
-        """By how much that grows (m,) where the heights are heard as about m others, to first
-        order."""
+    def changes(self, weight: ComplexArray, others: Sequence[Ground]) -> Array:
+        """By how much tr(`weight` GᴴG) grows (m,) where the heights are heard as about m others, to
+        first order; `weight` (2k, 2k) is Hermitian."""
         here = self._paths
+        pull = (weight.T * self._overlap()) @ here
         return np.array([2.0 * np.vdot(other._paths - here, pull).real for other in others])
 
     @property

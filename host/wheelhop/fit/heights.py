@@ -28,10 +28,6 @@ ComplexArray = NDArray[np.complex128]
 Values = Mapping[str, float]
 Systems = Mapping[Drive, System]
 
-SAME = 0.003
-"""Deviations of heights, or of the noise, that differ by less are the same: what a fit ends at
-changes by the square of that."""
-
 LEAST_VARIANCE_M2 = 1e-24
 """Heights of a picometre can be divided by."""
 
@@ -51,22 +47,14 @@ class Heights:
     sigma: float
 
     def believed(self, effect: Effect, theta: Values, sigma: float) -> Heights:
-        """The same heights; what is believed of them is what the effect's density says. Where that
-        is next to nothing new they stay as they are: their matrices are by far most of the work."""
+        """The same heights; what is believed of them is what the effect's density says."""
         density = effect.height_density(theta, self.ground.wave_number_rad_m)
         variance = np.maximum(density * self.ground.step_rad_m, LEAST_VARIANCE_M2)
-        count = len(variance)
-        known = self.sigma * np.sqrt(variance), sigma * np.sqrt(self.variance[:count])
-        if np.allclose(*known, rtol=SAME, atol=0.0) and np.isclose(sigma, self.sigma, rtol=SAME):
-            return self
         return replace(self, variance=np.tile(variance, 2), sigma=sigma)
 
     def at(self, coefficients: ComplexArray) -> Heights:
         """The same with other heights, those (2, k) of the left and the right path."""
-        moved = replace(self, coefficients=coefficients.ravel())
-        kept = ("_lower", "_pull", "freedom", "log_volume", "_remainder")
-        moved.__dict__.update({k: v for k, v in self.__dict__.items() if k in kept})
-        return moved
+        return replace(self, coefficients=coefficients.ravel())
 
     def settled(self) -> Heights:
         """These heights without the large matrices that led to them, 20 MB a run."""
@@ -93,9 +81,12 @@ class Heights:
 
     def growths(self, others: Sequence[tuple[Model, Systems]]) -> Array:
         """By how much that is larger (m,) about m other models, to first order."""
-        ground = self.ground
+        self._count()
+        ground, deviation = self.ground, np.sqrt(self.variance) / self.sigma
         beside = [ground.about(model, systems[ground.bench.drive]) for model, systems in others]
-        return -2.0 * ground.changes(self._pull, beside)
+        lower, _ = linalg.lapack.zpotri(self._lower, lower=1)
+        inverse = lower + np.tril(lower, -1).conj().T
+        return -2.0 * ground.changes(inverse * np.outer(deviation, deviation), beside)
 
     def _count(self) -> None:
         self.ground.bench.work.add(PER_HEIGHT * len(self.coefficients) ** 3)
@@ -136,15 +127,6 @@ class Heights:
         adjoint = response.conj().transpose(0, 2, 1)
         inner = np.linalg.inv(np.eye(2) + gain * (adjoint @ response))
         return np.asarray(np.eye(response.shape[1]) - response @ (gain * inner) @ adjoint)
-
-    @cached_property
-    def _pull(self) -> ComplexArray:
-        """What `Ground.changes` weighs changes of the response with."""
-        self._count()
-        deviation = np.sqrt(self.variance) / self.sigma
-        lower, _ = linalg.lapack.zpotri(self._lower, lower=1)
-        inverse = lower + np.tril(lower, -1).conj().T
-        return self.ground.pull(inverse * np.outer(deviation, deviation))
 
     @cached_property
     def _lower(self) -> ComplexArray:

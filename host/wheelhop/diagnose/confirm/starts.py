@@ -94,7 +94,7 @@ def _screened(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[
         models = list(at_shares(workshop, base, item, SHARES[:1] if switches else SHARES))
         order = np.argsort(misfits(workshop, models, fitted, base.fit.sigma), kind="stable")
         choice = item.variant.choice
-        by_variant.append([(choice, Start(models[i], "as screened", base)) for i in order])
+        by_variant.append([(choice, Start(models[i], "from elsewhere", base)) for i in order])
     return [*(each[0] for each in by_variant), *by_variant[0][1:]]
 
 

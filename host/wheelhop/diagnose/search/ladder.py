@@ -198,7 +198,7 @@ def climb(
     steps: Sequence[Step] = [step_of(workshop, base.rung)]
     below = steps
     better: Rung | None = None
-    ended_by: EndedBy = None
+    ended_by: EndedBy | None = None
     try:
         with workshop.work.limited(budget_s):
             look_at(search, steps[0])

@@ -28,7 +28,7 @@ DOUBT = 0.03
 evidence says: simulations are no more exact than that near the noise."""
 
 
-def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy = None) -> Diagnosis:
+def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = None) -> Diagnosis:
     """The diagnosis from the ladder's steps and from what the search knows, which may have been
     ended before it was done."""
     workshop, effects = search.workshop, list(search.effects.values())

@@ -246,9 +246,8 @@ def explanation(
     if small and len(steps) > 1:
         each = [f"{c.id} (error to {percent(c.rung.error_judging)})" for c in small]
         lines.append(
-            "Small things besides, each lowering the error by less than a tenth of what the first"
-            " step did, in logarithms:"
-            f" {listed(each)}; --all looks into them."
+            "Small things besides, which lower the error by little beside what the first step did:"
+            f" {listed(each)}; --all adds them."
         )
     if on_bounds:
         plural = "s" * (len(on_bounds) == 1)
