@@ -1,9 +1,12 @@
 """CSV and Parquet: what they hold, and what is refused before anything is written."""
 
 import os
+import sys
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -139,3 +142,26 @@ def test_what_a_library_says_is_one_short_line(error, reason):
             raise error
     assert str(caught.value) == f"run.mf4: cannot be read: {reason}"
     assert not heard
+
+
+def test_files_read_side_by_side_leave_standard_output_alone():
+    together = Barrier(4)
+
+    def read_badly(i):
+        together.wait()
+        with pytest.raises(ExchangeError), guarded(Path(f"{i}.mf4"), "be read"):
+            for _ in range(2000):
+                print("what a library thinks of the file")
+            raise ValueError
+
+    before, output, filters = sys.getswitchinterval(), sys.stdout, list(warnings.filters)
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            for _ in range(20):
+                list(pool.map(read_badly, range(4)))
+                assert sys.stdout is output
+                assert warnings.filters == filters
+    finally:
+        sys.setswitchinterval(before)
+        sys.stdout = output

@@ -1,6 +1,8 @@
 """From three files of another recorder to a campaign: what can be guessed is."""
 
 import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -367,3 +369,18 @@ def test_a_unit_of_time_that_is_not_known_is_not_taken_for_seconds(tmp_path):
     with pytest.raises(InputError, match=r"drive 1\.csv: .*time_unit.*ticks") as caught:
         Draft(tmp_path / "draft").add(file)
     assert "map.toml" not in str(caught.value)
+
+
+def test_files_that_arrive_together_are_all_added(tmp_path):
+    """The page adds each file in a thread of its own; here threads change as often as they can."""
+    files = write_foreign(tmp_path)
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(len(files)) as pool:
+            for i in range(200):
+                draft = Draft(tmp_path / f"draft-{i}")
+                list(pool.map(draft.add, files))
+                assert draft.files == files
+    finally:
+        sys.setswitchinterval(before)

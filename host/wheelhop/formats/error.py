@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
@@ -13,6 +14,7 @@ from types import ModuleType
 from wheelhop.files import InputError
 
 LONGEST_REASON = 160  # characters of what a library says
+_PROCESS_WIDE = threading.RLock()
 
 
 class ExchangeError(InputError):
@@ -35,10 +37,11 @@ def guarded(file: Path, what: str) -> Iterator[None]:
     """Whatever a library raises over a damaged file is an `ExchangeError` of one line.
 
     Libraries meet bytes that their authors never saw, and then raise anything, or print
-    what they think of it.
+    what they think of it. Standard output and the filter of warnings belong to all threads, so one
+    thread at a time is guarded: two that overlap would leave them redirected for good.
     """
     try:
-        with warnings.catch_warnings(), redirect_stdout(StringIO()):
+        with _PROCESS_WIDE, warnings.catch_warnings(), redirect_stdout(StringIO()):
             warnings.simplefilter("ignore")
             yield
     except InputError:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import tempfile
+import threading
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -81,7 +82,8 @@ class Draft:
     numbers of the vehicle known better than estimated, by their dotted names, `recorder` those of
     the instrument, by their keys in campaign.toml; None: not known.
     `title` and `target` are the campaign's, the latter a folder. `trouble` says why the recordings
-    cannot be read as their columns are named now.
+    cannot be read as their columns are named now. Files that arrive together are added by threads
+    of their own: one at a time.
     """
 
     def __init__(self, folder: Path, into: Path | None = None) -> None:
@@ -97,6 +99,7 @@ class Draft:
         self.title, self.target = "My campaign", ""
         self.trouble = self.kept = ""
         self._map: Map | None = None
+        self._one_at_a_time = threading.Lock()
 
     def clear(self) -> None:
         """Begin anew with other recordings; what is known of the vehicle stays."""
@@ -105,9 +108,10 @@ class Draft:
 
     def add(self, file: Path) -> None:
         """One more recording; the first one says what the columns are. Raises InputError."""
-        if self._map is None and file.suffix.lower() != ".hop":
-            self._look_at(file)
-        self.files = sorted({*self.files, file})
+        with self._one_at_a_time:
+            if self._map is None and file.suffix.lower() != ".hop":
+                self._look_at(file)
+            self.files = sorted({*self.files, file})
 
     def _look_at(self, file: Path) -> None:
         found = parse_mapping(draft_mapping(file), file)
