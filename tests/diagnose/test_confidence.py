@@ -1,7 +1,9 @@
 """Confidence: what it may claim, by what the verdict stands on."""
 
+import csv
 from dataclasses import replace
-from math import inf
+from math import inf, log
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,9 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.diagnose.test_score import noise, rung
+from wheelhop.diagnose import posterior
 from wheelhop.diagnose.diagnosis import Grounds, Step
 from wheelhop.diagnose.posterior import CEILING, confidence
 from wheelhop.diagnose.posterior import grounds as grounds_of
+from wheelhop.diagnose.search.scored import Stand
 
 VERDICTS = (
     ("none",),
@@ -58,14 +62,36 @@ def test_an_effect_that_would_have_to_be_more_than_it_can_be_is_as_likely_anothe
     assert held == pytest.approx(0.5 * free)
 
 
-@given(grounds=grounds)
-def test_what_leaves_a_tenth_of_the_power_is_as_likely_a_stand_in(grounds):
-    """One unknown effect that it resembles would leave as much as soon as not. No wrong effect of
-    the published blind tables left less than 0.098 of the power."""
-    baseline = 0.1 + grounds.baseline_over_floor
-    over = (1.0 + 0.098 * (baseline**2 - 1.0)) ** 0.5
-    left = replace(grounds, baseline_over_floor=baseline, over_floor=over)
-    assert confidence(("backlash", "unknown"), left) <= 0.5
+PUBLISHED = Path(__file__).parents[2] / "benchmarks" / "blind" / "published"
+
+
+def published():
+    """Of every published answer that named an effect and "unknown" beside it: the errors over the
+    floor of baseline and last rung, and whether the effect was hidden."""
+    for file in sorted(PUBLISHED.glob("*.csv")):
+        for row in csv.DictReader(file.open(newline="")):
+            first, *others = row["verdict"].split("+")
+            if row["asked"] == "yes" and "unknown" in others and not first.startswith("belief"):
+                before, after = (float(row[f"{b}_over_floor"]) for b in ("baseline", "error"))
+                yield before, after, first in row["name"]
+
+
+@pytest.mark.parametrize("odds", [0.5, 2.0])
+def test_what_leaves_a_part_is_right_as_often_as_is_said(monkeypatch, odds):
+    """The odds beforehand make the published answers likelier than half and twice these do."""
+
+    def likelihood():
+        total = 0.0
+        for before, after, right in published():
+            left = replace(CLEAR, baseline_over_floor=before, over_floor=max(after, 1.001))
+            sure = min(max(confidence(("backlash", "unknown"), left), 0.01), 0.99)
+            total += log(sure if right else 1.0 - sure)
+        return total
+
+    assert sum(1 for _ in published()) > 50
+    found = likelihood()
+    monkeypatch.setattr(posterior, "RIGHT", odds * posterior.RIGHT)
+    assert found > likelihood()
 
 
 def test_what_explains_nearly_all_is_hardly_a_stand_in():
@@ -122,7 +148,8 @@ def test_a_rival_that_is_worse_than_nothing_is_no_measure():
     )
     last_look = SimpleNamespace(candidates=())
     steps = [SimpleNamespace(over_floor=4.0), last]
-    found = grounds_of(("a", "unknown"), steps, last_look, (base, [spoilt]), 2, 1.0)
+    stand = Stand(final, base, [spoilt], last_look)
+    found = grounds_of(("a", "unknown"), steps, last_look, stand, 2, 1.0)
     assert found.stability > 0.8
 
 

@@ -38,7 +38,9 @@ def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
     assert exchange(search, first) is None
     for name in ("dry-friction", "sensor-gain"):
         # What the confidence is made of: the best without each effect leaves clearly more.
-        without, (rival, *_) = search.stand(first, name)
+        stand = search.stand(first, name)
+        without, rival = stand.without, stand.rivals[0]
+        assert stand.accepted is first
         assert name not in ids_of(without) | ids_of(rival)
         assert first.evidence > rival.evidence
         assert lead(first, without) >= lead(first, rival) > 0.03
@@ -55,4 +57,5 @@ def test_whichever_effect_came_first_the_right_ones_stay(tmp_path):
     assert exchange(search, first) is None
     assert "could another effect stand for dry-friction?" in told
     assert "could another effect stand for sensor-gain?" not in told
-    assert search.stand(first, "sensor-gain")[1] == [search.stand(first, "sensor-gain")[0]]
+    stand = search.stand(first, "sensor-gain")
+    assert stand.rivals == [stand.without]

@@ -137,19 +137,32 @@ def test_what_an_effect_stands_against_is_read_off_its_neighbours(searched):
     base = searched.table[BASELINE].rung
     alone = {k: one_more(searched.workshop, base, e, quiet) for k, e in searched.effects.items()}
     friction, seat = alone["dry-friction"], alone["driver-seat"]
-    without, rivals = searched.stand(friction, "dry-friction")
-    assert ids_of(without) == BASELINE and rivals == [without]  # no other was tried
-    item = Screened(
-        SimpleNamespace(effect=searched.effects["driver-seat"]), {}, 0, 0, 0, 0, {}, None
-    )
-    candidate = Candidate(item, seat, 0.0, 2, False)
-    searched.table[BASELINE] = replace(searched.table[BASELINE], candidates=(candidate,))
-    assert searched.stand(friction, "dry-friction")[1] == [seat]
-    assert searched.stand(seat, "driver-seat")[1] != [seat]  # none is its own rival
+    stand = searched.stand(friction, "dry-friction")
+    assert ids_of(stand.without) == BASELINE and stand.rivals == [stand.without]  # none was tried
+    beside = [candidate(seat, "driver-seat", searched)]
+    searched.table[BASELINE] = replace(searched.table[BASELINE], candidates=tuple(beside))
+    assert searched.stand(friction, "dry-friction").rivals == [seat]
+    assert searched.stand(seat, "driver-seat").rivals != [seat]  # none is its own rival
     both = one_more(searched.workshop, seat, searched.effects["dry-friction"], quiet)
-    assert searched.stand(both, "dry-friction") is None  # nobody has fitted a driver alone
+    # Nobody has fitted a driver alone, nor friction: the baseline is all it stands against.
+    stand = searched.stand(both, "dry-friction")
+    assert stand.accepted is both and stand.rivals == [stand.without]
+    assert stand.without.fit is base.fit
+    # Once friction was simulated beside the baseline, what it was there tells.
+    beside.append(candidate(friction, "dry-friction", searched))
+    searched.table[BASELINE] = replace(searched.table[BASELINE], candidates=tuple(beside))
+    stand = searched.stand(both, "dry-friction")
+    assert stand.accepted is friction and stand.without.fit is base.fit
+    assert stand.beside is searched.table[BASELINE]
     searched.best(seat)
-    assert searched.stand(both, "dry-friction")[0].fit is seat.fit
+    stand = searched.stand(both, "dry-friction")
+    assert stand.accepted is both and stand.without.fit is seat.fit
+
+
+def candidate(rung, name, search):
+    """An effect as it was simulated in full."""
+    screened = Screened(SimpleNamespace(effect=search.effects[name]), {}, 0, 0, 0, 0, {}, None)
+    return Candidate(screened, rung, 0.0, 2, False)
 
 
 def test_a_search_that_comes_back_to_where_it_stood_ends(searched, monkeypatch):

@@ -12,7 +12,7 @@ from scipy.special import chdtrc
 
 from wheelhop.diagnose.diagnosis import UNLIKELY, Grounds, Step
 from wheelhop.diagnose.score import EXACT, Rung, by_chance, excess, lead, left, log_odds, p_value
-from wheelhop.diagnose.search.scored import Scored
+from wheelhop.diagnose.search.scored import Scored, Stand
 from wheelhop.fit import louder
 
 Array = NDArray[np.float64]
@@ -32,6 +32,10 @@ AS_LIKELY = 0.5
 """The chance that an effect is right whose number sits on its bound, if it is as likely that
 another law is what it stands in for; or beside which another as good was not tried."""
 
+RIGHT = 2.0
+"""Odds, beforehand, that what leaves a part unexplained is the right effect and no stand-in: those
+that make the answers of the published blind tables likeliest."""
+
 UNKNOWN_SCALE = 0.3
 """Error over the floor, less one, at which "unknown" is two thirds sure: nearer to the floor an
 effect of the library may be too faint to be found."""
@@ -48,7 +52,7 @@ def grounds(
     verdict: Sequence[str],
     steps: Sequence[Step],
     last: Scored,
-    stand: tuple[Rung, Sequence[Rung]] | None,
+    stand: Stand | None,
     tried: int,
     noise: float,
 ) -> Grounds:
@@ -73,15 +77,15 @@ def grounds(
     )
     if stand is None:
         return found
-    base, rivals = stand
+    accepted, base, rivals = stand.accepted, stand.without, stand.rivals
     # A rival may be worse than nothing.
-    best = min([*rivals, base], key=lambda r: lead(final, r))
+    best = min([*rivals, base], key=lambda r: lead(accepted, r))
     return replace(
         found,
-        log_odds=min((_odds(rival, final, at_floor) for rival in rivals), default=inf),
-        lead=lead(final, best),
-        stability=_stability(best, final),
-        p_value=p_value(log_odds(base, final, noise), tried),
+        log_odds=min((_odds(rival, accepted, at_floor) for rival in rivals), default=inf),
+        lead=lead(accepted, best),
+        stability=_stability(best, accepted),
+        p_value=p_value(log_odds(base, accepted, noise), tried),
     )
 
 
@@ -154,13 +158,13 @@ def _no_stand_in(grounds: Grounds) -> float:
 
     A stand-in leaves any share s of the power above the floor alike, density 1. What is right may
     leave something small beside it, no size likelier than another down to what models are exact
-    to, density 1 / (s ln(1/EXACT²)). Beforehand both are as likely.
+    to, density 1 / (s ln(1/EXACT²)). Beforehand the odds for it are `RIGHT`.
     """
     excess = grounds.baseline_over_expected**2 - 1.0
     left = max(grounds.over_expected**2 - 1.0, 0.0)
     if left >= excess:
         return 0.0
-    return 1.0 / (1.0 + left / excess * log(1.0 / EXACT**2))
+    return RIGHT / (RIGHT + left / excess * log(1.0 / EXACT**2))
 
 
 def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:

@@ -97,6 +97,18 @@ class Scored:
         return Scored(rung, tuple(screened), tuple(candidates), None, self.looked, together)
 
 
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """What an effect was held against: the model accepted with it, the one without it as judged
+    beside that, and those with another effect in its place (if none was tried, the one without);
+    and all that is known of the effects `beside` it."""
+
+    accepted: Rung
+    without: Rung
+    rivals: Sequence[Rung]
+    beside: Scored
+
+
 Watch = Callable[[Scored], None]
 Table = dict[frozenset[str], Scored]
 BASELINE = frozenset[str]()
@@ -140,17 +152,21 @@ class Search:
         better = known.rung if before < after - neglected else rung
         return with_derivatives(self.workshop, better)
 
-    def stand(self, rung: Rung, effect_id: str) -> tuple[Rung, Sequence[Rung]] | None:
-        """What an effect of a rung stands against: the model without it, as judged beside the rung,
-        and those with another effect in its place (if none was tried, the same one); None if the
-        first was not fitted."""
+    def stand(self, rung: Rung, effect_id: str) -> Stand:
+        """What an effect of a rung stands against: beside the rung's other effects or, where the
+        search was ended before it asked that, beside as many of them as it was simulated with."""
         present = ids_of(rung)
-        known = self.table.get(present - {effect_id})
-        if known is None:
-            return None
+        if present - {effect_id} in self.table:
+            beside = present - {effect_id}
+        else:
+            simulated = (i for i, s in self.table.items() if i < present and s.candidate(effect_id))
+            beside = max(simulated, key=len, default=BASELINE)
+        known = self.table[beside]
+        if (then := known.candidate(effect_id)) and beside | {effect_id} != present:
+            rung = then.rung
         rivals = [c.rung for c in known.candidates if c.id not in present]
         base = Incumbent(self.workshop, known.rung).against(rung)
-        return base, rivals or [base]
+        return Stand(rung, base, rivals or [base], known)
 
     def settle(self) -> None:
         """Keep in little memory what is only held against others from now on: all but the baseline

@@ -9,13 +9,12 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, EndedBy, Step, Unfinished
 from wheelhop.diagnose.next_run import NextRun, propose
 from wheelhop.diagnose.posterior import AS_LIKELY, confidence, grounds, noisier
 from wheelhop.diagnose.score import lead
 from wheelhop.diagnose.search.look import beside_other_laws
-from wheelhop.diagnose.search.scored import BASELINE, Scored, Search, ids_of
+from wheelhop.diagnose.search.scored import BASELINE, Scored, Search, Stand, ids_of
 from wheelhop.diagnose.verdict.critic import cramped
 from wheelhop.diagnose.verdict.limits import limits, of_the_vehicle, unseen
 from wheelhop.diagnose.verdict.ranking import Angles, explanation, ranking
@@ -42,15 +41,13 @@ def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = N
     left_over = not_noise or bool(on_bounds)
     verdict = (*accepted, "unknown") if left_over else accepted or ("none",)
     stand = search.stand(steps[-1].rung, verdict[0]) if accepted else None
-    if accepted and stand is None:  # ended before that was fitted: against nothing at all
-        stand = Incumbent(workshop, first.rung).against(steps[-1].rung), [first.rung]
     shown = limits(last if last.screened else first, accepted)
     ended = _unfinished(search, last, ended_by) if ended_by else None
     stands_on = replace(
         grounds(verdict, steps, last, stand, len(first.screened), workshop.noise),
         unseen=unseen(of_the_vehicle(shown, effects), len(effects)),
         cramped=bool(on_bounds),
-        untried=_untried(search, steps[-1], verdict[0]) if ended else 0.0,
+        untried=_untried(steps[-1], verdict[0], last, stand) if ended else 0.0,
     )
     return Diagnosis(
         verdict=verdict,
@@ -70,21 +67,19 @@ def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = N
     )
 
 
-def _untried(search: Search, step: Step, first: str) -> float:
-    """Chance that another entry would come first had all been simulated. An effect that first order
-    puts ahead of one accepted is as likely, and so is one that nothing was held against yet; of
-    what nothing explains so far, the best of them may explain the share that first order says."""
-    ids, left = ids_of(step.rung), step.rung.fit.error
-    accepted = first in ids
-    scored = search.table.get(ids - {first})
-    if scored is None or not scored.screened:
-        return AS_LIKELY if accepted or first == "none" else 1.0
-    expected = min(
-        (error for name, error in _not_simulated(scored) if name not in ids), default=inf
-    )
-    if accepted:
-        return AS_LIKELY if expected < left else 0.0
-    floor = step.comparison.floor.expected_fit
+def _untried(step: Step, first: str, last: Scored, stand: Stand | None) -> float:
+    """Chance that another entry would come first had all been simulated. What first order puts
+    ahead of the effect accepted is as likely, and so is any where nothing was screened; of what
+    nothing explains so far, the best of them may explain the share that first order says."""
+    if stand is not None:
+        present, left = ids_of(step.rung), stand.accepted.fit.error
+        waiting = _not_simulated(stand.beside)
+        ahead = any(error < left for name, error in waiting if name not in present)
+        return AS_LIKELY if ahead or not stand.beside.screened else 0.0
+    if not last.screened:
+        return AS_LIKELY if first == "none" else 1.0
+    floor, left = step.comparison.floor.expected_fit, last.rung.fit.error
+    expected = min((error for _, error in _not_simulated(last)), default=inf)
     return min(max((left**2 - expected**2) / max(left**2 - floor**2, 1e-12), 0.0), 1.0)
 
 
