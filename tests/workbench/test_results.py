@@ -12,6 +12,7 @@ import pytest
 
 from tests.workbench.conftest import workbench
 from wheelhop.campaign import read_campaign
+from wheelhop.campaign.low_pass import LowPass
 from wheelhop.files import Source
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.results import Results
@@ -136,6 +137,13 @@ def test_the_same_data_have_one_key(campaign, tmp_path):
 )
 def test_other_data_have_another_key(campaign, choice):
     assert made_of(campaign, choice(campaign)) != made_of(campaign, Choice())
+
+
+def test_another_recorder_has_another_key(campaign):
+    filters = (LowPass("butterworth", order, 60.0) for order in (2, 4))
+    stated = [replace(campaign, low_pass=low_pass) for low_pass in filters]
+    stated += [campaign, replace(campaign, averaging_s=0.5 * campaign.averaging_s)]
+    assert len({made_of(one, Choice()) for one in stated}) == 4
 
 
 def test_other_files_have_another_key(campaign):

@@ -19,6 +19,7 @@ from wheelhop.campaign.common import (
 from wheelhop.campaign.component import read_component
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.duplicates import refuse_leaks
+from wheelhop.campaign.low_pass import read_low_pass
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.tracks import read_track
@@ -42,7 +43,7 @@ POINTS = (*AXLE_POINTS, *BODY_POINTS)
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
 TOP_KEYS = (
     *("format", "kind", "title", "vehicle", "sample_rate_hz", "band_hz", "averaging_ms"),
-    *("noise_rms_m_s2", "channels", "run"),
+    *("noise_rms_m_s2", "filter", "channels", "run"),
 )
 CONSTANTS_FILE = "calibration.toml"
 LARGEST_M_S2 = 1e6  # a hundred thousand g: a broken file, and powers of it overflow
@@ -110,6 +111,7 @@ def _read(
         noise_rms=_noise(top),
         channels=_channels(top.table("channels")) if "channels" in top else (),
         runs=(),
+        low_pass=read_low_pass(top.table("filter")) if "filter" in top else None,
     )
     listed = top.tables("run", "id")
     drives = [_drive(run, folder) for run in _counted(listed, "run", progress)]

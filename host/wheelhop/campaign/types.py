@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.course import Course
+from wheelhop.campaign.low_pass import LowPass
 from wheelhop.files import InputError, did_you_mean, dotted, shown
 from wheelhop.files.words import ending_of
 from wheelhop.logger.recording import Channel as Recorded
@@ -137,6 +138,7 @@ class Campaign:
 
     `averaging_s` is the window over which each recorded sample is a mean (0: ideal sampling), and
     so many recorded samples in a row were made one of by their mean (`thinned`): `means`;
+    `low_pass` is what the recorder filtered every channel with before, None: nothing is stated;
     `noise_rms` the noise floor of one channel inside `band_hz`, None when it is not known;
     `noise_key` is its name in campaign.toml.
     `channels` stand in the column order of the first run's recording.
@@ -152,11 +154,25 @@ class Campaign:
     channels: tuple[Channel, ...]
     runs: tuple[Run, ...]
     means: int = field(default=1, kw_only=True)
+    low_pass: LowPass | None = field(default=None, kw_only=True)
 
     @property
     def averaging(self) -> Averaging:
         """What each sample is the mean of."""
         return Averaging(self.averaging_s, self.means, 1.0 / (self.means * self.sample_rate_hz))
+
+    @property
+    def sampling(self) -> str:
+        """The sample rate and what each sample is, in words."""
+        said = f"{self.sample_rate_hz:g} Hz"
+        if self.averaging_s:
+            said += f", each the mean over {self.averaging_s * 1e3:g} ms"
+        return said if self.low_pass is None else f"{said}, after a {self.low_pass}"
+
+    def recorded(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """What the recorder makes of a sine (f,) before it is sampled: filter and averaging."""
+        kept = self.averaging.kept(frequency_hz).astype(np.complex128)
+        return kept if self.low_pass is None else kept * self.low_pass.response(frequency_hz)
 
     @property
     def fit_runs(self) -> tuple[Run, ...]:

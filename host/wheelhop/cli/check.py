@@ -77,8 +77,7 @@ def _place(channel: Channel) -> str:
 
 def _samples(campaign: Campaign) -> str:
     low, high = campaign.band_hz
-    mean = f", each the mean over {campaign.averaging_s * 1e3:g} ms" if campaign.averaging_s else ""
-    return f"{campaign.sample_rate_hz:g} Hz{mean}; compared from {low:g} to {high:g} Hz"
+    return f"{campaign.sampling}; compared from {low:g} to {high:g} Hz"
 
 
 def _noise(campaign: Campaign) -> str:

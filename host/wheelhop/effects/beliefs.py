@@ -14,8 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, TrackSpec
+from wheelhop.campaign.low_pass import LowPass
 from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.effects.base import Array, Effect, Parameter, RunSetting, Values
+from wheelhop.effects.transfer import transferred
 from wheelhop.files import dotted
 from wheelhop.vehicle import Vehicle, corner_position
 
@@ -164,6 +166,67 @@ class SensorPosition(Effect):
         )
 
 
+class RecorderFilter(Effect):
+    """The recorder has a low-pass filter that the campaign does not state: a Butterworth filter,
+    of which the time 1/ω_c is 0 where there is none. That all comes later only places the runs
+    elsewhere; what shows is that fast motion comes later still, and smaller."""
+
+    id = "belief: filter of the recorder"
+    place = "sensor"
+    title = "the recorder has a low-pass filter that is not stated"
+    equation = r"y = H a,\quad |H|^2 = 1 / (1 + (\omega \tau)^{2 n})"
+    source = "S. Butterworth, On the theory of filter amplifiers, Wireless Engineer 7 (1930) 536"
+    is_belief = True
+
+    def __init__(self, highest_hz: float, order: int = 4) -> None:
+        """`highest_hz` is the upper edge of the band that is compared."""
+        self.highest_hz, self.order = highest_hz, order
+
+    def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
+        """Its orders."""
+        return [f"order {order}" for order in FILTER_ORDERS]
+
+    def with_choice(self, choice: str) -> RecorderFilter:
+        """The filter of this order."""
+        return RecorderFilter(self.highest_hz, int(choice.removeprefix("order ")))
+
+    def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
+        """1/ω_c: a corner at twice the highest frequency plainly shows."""
+        shows = 1.0 / (2 * np.pi * 2.0 * self.highest_hz)
+        meaning = "time constant 1/ω_c of the filter"
+        return (Parameter("time_s", "s", meaning, shows, lower=0.0, upper=4.0 * shows),)
+
+    def sense(
+        self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
+    ) -> Array:
+        """What the filter lets through."""
+        low_pass = self._filter(theta)
+        if low_pass is None:
+            return acceleration
+        return transferred(acceleration, rate_hz, lambda hz: low_pass.response(hz)[:, None])
+
+    def stated(self) -> Mapping[str, tuple[str, float]]:
+        """That there is none."""
+        return {"time_s": ("filter.time_constant_s", 0.0)}
+
+    def remedy(self, theta: Values) -> str:
+        """What to state in campaign.toml."""
+        corner = 0.0 if (low_pass := self._filter(theta)) is None else low_pass.corner_hz
+        return (
+            f'filter = {{ kind = "butterworth", order = {self.order}, corner_hz = {corner:.3g} }}'
+            " if the recorder has such a filter"
+        )
+
+    def _filter(self, theta: Values) -> LowPass | None:
+        if theta["time_s"] <= 0.0:
+            return None
+        return LowPass("butterworth", self.order, 1.0 / (2 * np.pi * theta["time_s"]))
+
+
+FILTER_ORDERS = (1, 2, 4, 8)
+"""Between these a fit of the corner leaves next to nothing."""
+
+
 def beliefs(campaign: Campaign, vehicle: Vehicle) -> Mapping[str, Effect]:
     """What a campaign over tracks believes and its records may refute, by id."""
     found: list[Effect] = []
@@ -177,6 +240,8 @@ def beliefs(campaign: Campaign, vehicle: Vehicle) -> Mapping[str, Effect]:
         if len(runs) > 1 and quantity.instead:
             runs[ALL] = [run_id for of_kind in runs.values() for run_id in of_kind]
         found += [TrackSurvey(kind, quantity, frozenset(ids)) for kind, ids in runs.items()]
+    if campaign.low_pass is None and campaign.averaging_s == 0.0:
+        found.append(RecorderFilter(campaign.band_hz[1]))
     places = {c.name: place for c in campaign.channels if (place := _place(c, vehicle))}
     fields = np.array([(1.0, *place) for place in places.values()])
     if len(places) > len(BODY_MODES) and np.linalg.matrix_rank(fields) == len(BODY_MODES):

@@ -50,7 +50,7 @@ def _input_power(campaign: Campaign, run: Run, frequency_hz: Array) -> Array:
     """Variance (f, axles), (m/s²)², of what is not the axles' motion in their records."""
     axles = run.record[:, _columns(campaign)]
     noise, rate_hz = _noise(campaign), campaign.sample_rate_hz
-    return noise**2 + folded_power(axles, rate_hz, campaign.averaging, noise, frequency_hz)
+    return noise**2 + folded_power(axles, rate_hz, campaign.recorded, noise, frequency_hz)
 
 
 def _columns(campaign: Campaign) -> list[int]:

@@ -145,7 +145,7 @@ def _match_harmonics(
         line = kernel[inside] @ measured[:, predicted]
         wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
         response = frequency_response(system, frequency[inside])[:, predicted] @ wheel
-        response *= campaign.averaging.kept(frequency[inside])[:, None]
+        response *= campaign.recorded(frequency[inside])[:, None]
         turn = np.exp(2j * np.pi * k * phases)
         cross[inside] += (np.einsum("fc,fc->f", response, line.conj())[:, None] * turn).real
         power[inside] += np.einsum("fc,fc->f", response, response.conj()).real[:, None]
@@ -183,7 +183,7 @@ def _match_shape(
     frequency = fft.rfftfreq(n, step)
     inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
     response = frequency_response(system, frequency[inside])[:, predicted]
-    response *= campaign.averaging.kept(frequency[inside])[:, None, None]
+    response *= campaign.recorded(frequency[inside])[:, None, None]
     sought = fft.rfft(measured, n, axis=0)[inside].conj()
     best = (-np.inf, run.speed_m_s, 0.0)
     for speed, (until, at) in drives.items():

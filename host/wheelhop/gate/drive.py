@@ -107,7 +107,7 @@ class Nominal:
         }
         system = Model(values={**values, **unknown}).system(campaign.channels, "road")
         response = frequency_response(system, self.grid_hz)
-        self._response = response * campaign.averaging.kept(self.grid_hz)[:, None, None]
+        self._response = response * campaign.recorded(self.grid_hz)[:, None, None]
         self._paths: dict[tuple[object, ...], ComplexArray] = {}
 
     def at(self, frequency_hz: Array) -> ComplexArray:

@@ -74,7 +74,7 @@ class ForcedRun:
         self._short = fft.next_fast_len(-(-(len(moves.height) + memory) // moves.stride), real=True)
         self._long = self._short * moves.stride
         omega = 2 * np.pi * fft.rfftfreq(self._long, self.step_s)
-        self._accelerated = -(omega**2) * campaign.averaging.kept(omega / (2 * np.pi))
+        self._accelerated = -(omega**2) * campaign.recorded(omega / (2 * np.pi))
         jw = 1j * omega[:, None, None]
         dynamic = system.stiffness + jw * (system.damping + jw * system.mass)
         self._inverse = np.linalg.inv(dynamic)

@@ -232,14 +232,11 @@ def method(campaign: Campaign, steps: Sequence[Step]) -> str:
     floor = steps[-1].comparison.floor
     estimated = "estimated from the quietest parts of records and residuals"
     source = "stated in campaign.toml" if floor.is_stated else estimated
-    averaging = ""
-    if campaign.averaging_s:
-        averaging = f", each the mean over {campaign.averaging_s * 1e3:g} ms"
     pairs = [
         ("Campaign", campaign.title),
         ("Runs", f"{len(campaign.fit_runs)} fitted, {len(campaign.validate_runs)} held out"),
         ("Channels", ", ".join(channel.name for channel in campaign.channels)),
-        ("Samples", f"{campaign.sample_rate_hz:g} Hz{averaging}"),
+        ("Samples", campaign.sampling),
         ("Band", f"{low:g} to {high:g} Hz"),
         ("Noise floor", f"{floor.pooled_rms:.3g} {floor.unit} rms per channel in band, {source}"),
         ("Floor as E", f"{percent(floor.error)} over all runs"),

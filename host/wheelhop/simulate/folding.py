@@ -12,10 +12,10 @@ do below half the sample rate.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
-
-from wheelhop.campaign import Averaging
 
 Array = NDArray[np.float64]
 
@@ -32,16 +32,20 @@ SURE = 1e-12
 
 
 def folded_power(
-    record: Array, rate_hz: float, averaging: Averaging, noise_rms: float, frequency_hz: Array
+    record: Array,
+    rate_hz: float,
+    recorded: Callable[[Array], NDArray[np.complex128]],
+    noise_rms: float,
+    frequency_hz: Array,
 ) -> Array:
     """How much of a record's power is motion from above half the sample rate (f, c), (m/s²)², as
     white noise of that variance would have it at `frequency_hz` (f,).
 
-    ``record`` (n, c) holds means (``averaging``) at ``rate_hz``, with sensor noise of
-    ``noise_rms`` in m/s². The spectrum of the upper octave, freed of the noise and of what
-    averaging took, is continued as a power of the frequency up to one and a half times the rate.
-    It holds what is folded near half the rate, too: where spectra fall the answer is too high, by
-    less than two.
+    ``record`` (n, c) is sampled at ``rate_hz``, with sensor noise of ``noise_rms`` in m/s²;
+    ``recorded`` is what the recorder made of sines before (`Campaign.recorded`). The spectrum of
+    the upper octave, freed of the noise and of what the recorder took, is continued as a power of
+    the frequency up to one and a half times the rate. It holds what is folded near half the rate,
+    too: where spectra fall the answer is too high, by less than two.
     """
     window = np.hanning(len(record))[:, None]
     spectrum = np.fft.rfft((record - record.mean(axis=0)) * window, axis=0)
@@ -53,13 +57,13 @@ def folded_power(
         part = (frequency >= edges[i]) & (frequency < edges[i + 1])
         levels[i] = power[part].mean(axis=0) - noise_rms**2
     middle = np.sqrt(edges[:-1] * edges[1:])
-    levels = np.maximum(levels / averaging.kept(middle)[:, None] ** 2, SURE)
+    levels = np.maximum(levels / np.abs(recorded(middle)[:, None]) ** 2, SURE)
     slope = np.polyfit(np.log(middle), np.log(levels), 1)[0].clip(STEEPEST, 0.0)
     level = levels.mean(axis=0)
 
     def above(f: Array) -> Array:
         trend = level * (f[:, None] / middle.mean()) ** slope
-        return np.asarray(trend * averaging.kept(f)[:, None] ** 2)
+        return np.asarray(trend * np.abs(recorded(f)[:, None]) ** 2)
 
     return above(rate_hz - frequency_hz) + above(rate_hz + frequency_hz)
 

@@ -31,7 +31,7 @@ from wheelhop.simulate.prescribed import (
     wheel_path,
 )
 from wheelhop.simulate.runge_kutta import STABLE
-from wheelhop.simulate.sensors import miscalibrated, recalibrated, sensed
+from wheelhop.simulate.sensors import as_read, as_recorded, sensed
 from wheelhop.simulate.unevenness import HeightSeries, slowness
 from wheelhop.track import CannotClimb, Wheel, make_track
 from wheelhop.vehicle import Drive, System, axle_name, corner_position, motions, wheels
@@ -235,17 +235,17 @@ class RunSimulator:
         assert job.acceleration is not None
         per_sample, campaign = job.per_sample, self.campaign
         faults = [(e, model.theta(e, self.run.id)) for e in model.effects if self.acts(e)]
-        first = self._before * per_sample
-        rate_hz = campaign.sample_rate_hz * per_sample
+        first, rate_hz = self._before * per_sample, campaign.sample_rate_hz * per_sample
         readings = sensed(job.acceleration, rate_hz, first, faults, campaign.channels)
-        readings = miscalibrated(readings, rate_hz, campaign.channels, model.values)
+        readings = as_recorded(readings, rate_hz, campaign, model.values)
         last = first + (len(self.run.time_s) - 1) * per_sample
         return readings[first : last + 1 : per_sample]
 
     def _job(self, model: Model, system: System, stride: int, known: Sequence[Job]) -> Job:
         """The job that a model asks for, or one of those `known` that does."""
-        # A sensor's faults act before its signal is sampled: on every step of the integration.
-        per_sample = stride if any(e.place == "sensor" for e in model.effects) else 1
+        # Sensors' faults and filters act before a sample is taken: on every step.
+        finely = self.campaign.low_pass or any(e.place == "sensor" for e in model.effects)
+        per_sample = stride if finely else 1
         key = (stride, per_sample, without_sensors(model, self.run.id, self.campaign.channels))
         same = next((job for job in known if job.key == key), None)
         if same is not None and self.drive == "road":
@@ -373,12 +373,12 @@ class RunSimulator:
         return height, rate
 
     def _axles(self, model: Model, time_s: Array) -> tuple[Array, Array]:
-        """Measured axle accelerations as they were before averaging, twice integrated and free of
-        drift."""
+        """Measured axle accelerations as they were before the recorder, twice integrated and free
+        of drift."""
         channels, rate_hz = self.campaign.channels, self.campaign.sample_rate_hz
-        measured = recalibrated(self.run.record, rate_hz, channels, model.values)
-        for effect in model.effects:
-            measured = effect.restore(model.theta(effect, self.run.id), measured, channels, rate_hz)
+        measured = as_read(self.run.record, rate_hz, self.campaign, model.values)
+        for e in model.effects:
+            measured = e.restore(model.theta(e, self.run.id), measured, channels, rate_hz)
         corner = {c.corner: i for i, c in enumerate(channels) if c.is_axle}
         columns = [corner[i] for i in wheels(model.values)]
         acceleration = unaveraged(

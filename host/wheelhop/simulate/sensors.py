@@ -9,12 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from wheelhop.campaign import Channel
+from wheelhop.campaign import Campaign, Channel
 from wheelhop.effects import Effect
+from wheelhop.effects.transfer import transferred
 from wheelhop.simulate.model import Values
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+
+UNDONE = 0.1
+"""A filter is undone where it leaves this share of a sine and more; what it took beyond is gone."""
 
 
 def sensed(
@@ -33,6 +37,26 @@ def sensed(
         if lingering is not None:
             acceleration = acceleration + lingering
     return acceleration
+
+
+def as_recorded(readings: Array, rate_hz: float, campaign: Campaign, values: Values) -> Array:
+    """Readings (n, c) as they come out of the recorder's filter and of the calibration."""
+    if (low_pass := campaign.low_pass) is not None:
+        readings = transferred(readings, rate_hz, lambda hz: low_pass.response(hz)[:, None])
+    return miscalibrated(readings, rate_hz, campaign.channels, values)
+
+
+def as_read(record: Array, rate_hz: float, campaign: Campaign, values: Values) -> Array:
+    """What the sensors read, of what came out (n, c): the opposite of `as_recorded`."""
+    readings = recalibrated(record, rate_hz, campaign.channels, values)
+    if (low_pass := campaign.low_pass) is None:
+        return readings
+
+    def inverse(frequency_hz: Array) -> ComplexArray:
+        gain = low_pass.response(frequency_hz)[:, None]
+        return np.asarray(gain.conj() / np.maximum(np.abs(gain) ** 2, UNDONE**2))
+
+    return transferred(readings, rate_hz, inverse)
 
 
 def miscalibrated(

@@ -76,7 +76,8 @@ def made_of(campaign: Campaign, choice: Choice, effects_file: Source | None = No
         files += [campaign.mount_file] if campaign.mount_file else []
     else:
         files += _beside(campaign.vehicle_file)
-    settings = (campaign.sample_rate_hz, campaign.band_hz, campaign.averaging_s, campaign.noise_rms)
+    recorder = campaign.sample_rate_hz, campaign.averaging_s, campaign.low_pass
+    settings = (*recorder, campaign.band_hz, campaign.noise_rms)
     own = None if effects_file is None else effects_file.digest
     known = (settings, channels, runs, [_digest(file) for file in files], own)
     return hashlib.sha256(repr(known).encode()).hexdigest()
