@@ -34,7 +34,7 @@ SURE = 1e-12
 def folded_power(
     record: Array,
     rate_hz: float,
-    recorded: Callable[[Array], NDArray[np.complex128]],
+    recorded: Callable[[Array], NDArray[np.number]],
     noise_rms: float,
     frequency_hz: Array,
 ) -> Array:
