@@ -4,12 +4,14 @@ run-up included, before samples are taken."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
 from wheelhop.campaign import Campaign, Channel
+from wheelhop.campaign.low_pass import LowPass
 from wheelhop.effects import Effect
 from wheelhop.effects.transfer import transferred
 from wheelhop.simulate.model import Values
@@ -42,7 +44,7 @@ def sensed(
 def as_recorded(readings: Array, rate_hz: float, campaign: Campaign, values: Values) -> Array:
     """Readings (n, c) as they come out of the recorder's filter and of the calibration."""
     if (low_pass := campaign.low_pass) is not None:
-        readings = transferred(readings, rate_hz, lambda hz: low_pass.response(hz)[:, None])
+        readings = transferred(readings, rate_hz, partial(_response, low_pass))
     return miscalibrated(readings, rate_hz, campaign.channels, values)
 
 
@@ -53,7 +55,7 @@ def as_read(record: Array, rate_hz: float, campaign: Campaign, values: Values) -
         return readings
 
     def inverse(frequency_hz: Array) -> ComplexArray:
-        gain = low_pass.response(frequency_hz)[:, None]
+        gain = _response(low_pass, frequency_hz)
         return np.asarray(gain.conj() / np.maximum(np.abs(gain) ** 2, UNDONE**2))
 
     return transferred(readings, rate_hz, inverse)
@@ -84,6 +86,16 @@ def recalibrated(
         len(readings), rate_hz, channels, corner
     )
     return np.asarray(fft.irfft(spectrum, len(readings), axis=0) / (1.0 + gain))
+
+
+def _response(low_pass: LowPass, frequency_hz: Array) -> ComplexArray:
+    """A filter's gain (f, 1) at the frequencies of a transform; the last few are kept."""
+    return _on_grid(low_pass, len(frequency_hz), float(frequency_hz[-1]))
+
+
+@lru_cache(maxsize=32)
+def _on_grid(low_pass: LowPass, count: int, highest_hz: float) -> ComplexArray:
+    return low_pass.response(np.linspace(0.0, highest_hz, count))[:, None]
 
 
 def _errors(channels: Sequence[Channel], values: Values) -> tuple[Array, Array]:
