@@ -1,6 +1,7 @@
 """Effects that hide each other."""
 
 from dataclasses import replace
+from math import inf
 from types import SimpleNamespace
 
 import pytest
@@ -226,6 +227,10 @@ def test_numbers_free_in_every_run_do_not_choose_the_group(monkeypatch):
     found = [group("engine-vibration", 56216, 20378), group("mount-bushing", 55250, 22323)]
     search = Search(SimpleNamespace(noise=1.0), {}, 4, quiet)
     assert ids_of(together._fitted(search, found)) == {"mount-bushing"}
+    # A loose sensor that is turned over besides ran away on a fork's measured axles, with anything.
+    lost = [group("sensor-polarity", -inf, -inf), group("sensor-mount", -inf, 20378)]
+    assert together._fitted(search, lost) is None
+    assert ids_of(together._fitted(search, [*lost, *found])) == {"mount-bushing"}
 
 
 @pytest.mark.slow

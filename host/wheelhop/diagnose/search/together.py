@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from math import comb, inf
+from math import comb, inf, isfinite
 
 from wheelhop.diagnose.confirm.in_full import (
     CONFIRMED,
@@ -155,9 +155,10 @@ def _grown(search: Search, rung: Rung, effects: Sequence[Effect]) -> Rung | None
 
 def _fitted(search: Search, found: Sequence[Rung]) -> Rung | None:
     """The model that is likeliest in the runs fitted and those held out, fitted with all
-    derivatives, unless the ladder has stood on its effects. The runs fitted alone would favour
-    numbers that are free in each of them."""
-    rung = max(found, key=lambda rung: rung.evidence, default=None)
+    derivatives, unless the ladder has stood on its effects, or all run away. The runs fitted alone
+    would favour numbers that are free in each of them."""
+    stable = [rung for rung in found if isfinite(rung.evidence)]
+    rung = max(stable, key=lambda rung: rung.evidence, default=None)
     if rung is None:
         return None
     known = search.table.get(ids_of(rung))
