@@ -108,7 +108,7 @@ def test_the_loudest_run_alone_decides_nothing_while_much_is_left():
     base = rung([10.0 * signals[0], *signals[1:]])
     widely = rung([10.2 * signals[0], *(0.5 * s for s in signals[1:])])
     loudly = rung([9.5 * signals[0], *signals[1:]])
-    base = Baseline(None, base.validation)
+    base = Baseline(base.fit, base.validation)
     assert relative_to_noise(base, widely, 1.0) < 0.0 < relative_to_noise(base, loudly, 1.0)
     assert holds_against(base, widely, log_odds(base, widely, 1.0), 30, 1.0)
     assert best_first([loudly, base, widely], 1.0) == [widely, loudly, base]
@@ -188,7 +188,7 @@ def test_beside_effects_one_more_does_more_than_models_are_exact_to(signal, held
     base, rival = rung([np.sqrt(1.25) * s for s in quiet]), rung(quiet)
     for run in (*base.validation.runs, *rival.validation.runs):
         run.bench.energy = (signal * unit) ** 2 * run.bench.size
-    beside = BesideEffects(None, base.validation)
+    beside = BesideEffects(base.fit, base.validation)
     assert holds_against(beside, rival, 100.0, 27, unit) is held
 
 

@@ -64,7 +64,7 @@ def test_odds_have_no_unit_where_the_noise_is_not_stated():
 def test_where_the_noise_is_not_known_every_drop_is_material():
     base, rival = times(1.0), times(0.5)
     assert relative_to_noise(base, rival, 0.0) == inf
-    beside = BesideEffects(None, base.validation)
+    beside = BesideEffects(base.fit, base.validation)
     assert holds_against(beside, rival, 100.0, 27, 0.0)
     assert not holds_against(beside, rival, 0.0, 27, 0.0)
 

@@ -143,8 +143,8 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     The runs with role "validate" judge. Where they are few, or there are none, and something is
     left, every fitted run judges, too, as a fit to the others foresees it.
     """
-    if not isfinite(rival.judging.rss):
-        return -inf
+    if runs_away(rival) or runs_away(base):
+        return -inf if runs_away(rival) else inf
     if at_noise(rival, noise):
         return 0.5 * (_cost(base, noise) - _cost(rival, noise))
     pairs = zip(_foreseen(base), _foreseen(rival), strict=True)
@@ -152,6 +152,11 @@ def log_odds(base: Rung, rival: Rung, noise: float = 0.0) -> float:
     total, squares = float(gains.sum()), float(gains @ gains)
     by_chance = total * abs(total) / (2.0 * squares) if squares > 0.0 else 0.0
     return min(total, by_chance, key=abs)
+
+
+def runs_away(rung: Rung) -> bool:
+    """Whether a model's simulation runs away, of the runs fitted or of those that judge."""
+    return not isfinite(rung.fit.rss + rung.judging.rss)
 
 
 def p_value(odds: float, tried: int) -> float:
@@ -238,7 +243,7 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
 def typical(rung: Rung, noise: float = 1.0) -> float:
     """What the typical block of the runs that judge is left with, charged, in units of what noise
     alone leaves there: a geometric mean, in which loud and quiet runs are heard alike."""
-    if not isfinite(rung.judging.rss):
+    if runs_away(rung):
         return np.inf
     each = [
         np.log(_block_squares(run, run.blocks) * run.blocks / (run.spare * run.bench.size))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wheelhop.diagnose.diagnosis import UNLIKELY, Diagnosis, EndedBy, Step, Unfinished
 from wheelhop.diagnose.next_run import NextRun, propose
 from wheelhop.diagnose.posterior import AS_LIKELY, confidence, grounds, noisier
-from wheelhop.diagnose.score import lead
+from wheelhop.diagnose.score import lead, runs_away
 from wheelhop.diagnose.search.look import beside_other_laws
 from wheelhop.diagnose.search.scored import BASELINE, Scored, Search, Stand, ids_of
 from wheelhop.diagnose.verdict.critic import cramped
@@ -34,7 +34,8 @@ def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = N
     first = search.table[BASELINE].with_together()
     last = search.table.get(ids_of(steps[-1].rung)) or Scored(steps[-1].rung)
     steps = [*steps[:-1], beside_other_laws(steps[-1], last)]
-    angles = Angles(first.rung.fit, first.screened, first.candidates)
+    stable = [c for c in first.candidates if not runs_away(c.rung)]
+    angles = Angles(first.rung.fit, first.screened, stable)
     accepted = steps[-1].added
     on_bounds = cramped(steps[-1])
     not_noise = steps[-1].above_floor and noisier(steps[-1], workshop.noise) < UNLIKELY
