@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from benchmarks.blind import compare, without
 from benchmarks.blind.__main__ import main
 from benchmarks.blind.answers import read_answers, write_answers
+from benchmarks.blind.intervals import held
 from benchmarks.blind.outside import OUTSIDE
 from benchmarks.blind.plan import EFFECTS, FIRST_SEED, ROUND, plan
 from benchmarks.blind.recipes import RECIPES
@@ -76,8 +77,41 @@ def test_a_mass_counts_where_all_is_named(kind, verdict, mass, off):
     ended = {"status": 0, "seconds": 1.0, "complaint": ""}
     made = {"baseline_over_floor": 3.0, "oracle_rel_validate": 0.01}
     said = {"verdict": verdict, "confidence": 0.9, "ladder": [last]}
-    found = outcome(case, made, ended, said, 200.0)
+    found = outcome(case, made, ended, said, {"vehicle_true": {"body": {"mass_kg": 200.0}}})
     assert (found.mass_off if found.tells_mass else None) == off
+
+
+def test_intervals_are_held_against_the_truth():
+    """Of forces and stiffnesses of the vehicle and of effects that are there, at two deviations."""
+    truth = {
+        "vehicle_true": {
+            "suspension": {"front": {"stiffness_N_m": 1000.0, "damping_N_s_m": 10.0}},
+            "body": {"mass_kg": 200.0},
+        },
+        "effect": {
+            "dry-friction": {"coulomb_front_N": 70.0, "presliding_N_m": 5e5},
+            "bump-stop": {"stiffness_N_m": 2e4},
+        },
+    }
+    said = {
+        "suspension.front.stiffness_N_m": (1019.0, 10.0, True),
+        "dry-friction.front_N": (59.0, 5.0, False),
+        "bump-stop.stiffness_N_m": (2.1e4, 600.0, True),
+        # These are no forces or stiffnesses, are not there, or are one form's own.
+        "suspension.front.damping_N_s_m": (90.0, 1.0, None),
+        "dry-friction.presliding_N_m": (1e3, 1.0, None),
+        "backlash.stiffness_N_m": (1e3, 1.0, None),
+        "body.mass_kg": (100.0, 1.0, None),
+    }
+    step = {
+        "parameters": {name: value for name, (value, *_) in said.items()},
+        "uncertainties": {name: sd for name, (_, sd, _) in said.items()},
+    }
+    for name, (_, _, inside) in said.items():
+        alone = {key: {name: part[name]} for key, part in step.items()}
+        assert held(alone, truth) == ((0, 0) if inside is None else (int(inside), 1)), name
+    assert held(step, truth) == (2, 3)
+    assert held({}, truth) == (0, 0)
 
 
 def test_rates_and_their_intervals():

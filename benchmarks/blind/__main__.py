@@ -203,8 +203,7 @@ def _outcome(case: Case, work: Work) -> Outcome | None:
     if made is None or ended is None or "unreachable" in made:
         return None
     truth = tomllib.loads(work.truth_toml(case.campaign).read_text())
-    mass_kg = truth["vehicle_true"]["body"]["mass_kg"]
-    return outcome(case, made, ended, read_json(work.diagnosis(case.name)), mass_kg)
+    return outcome(case, made, ended, read_json(work.diagnosis(case.name)), truth)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from benchmarks.blind.score import Outcome
 
 NUMBERS = ("confidence", "baseline_over_floor", "error_over_floor", "seconds")
 LISTS = ("verdict", "ranking")
-LATER = ("mass_off", "cpu_seconds")
+LATER = ("mass_off", "cpu_seconds", "held", "intervals")
 """Numbers that older tables do not say, and some answers have not."""
 COLUMNS = ("name", "asked", *LISTS, *NUMBERS, "complaint", *LATER)
 RANKED = 3

@@ -8,6 +8,7 @@ from math import isnan, nan
 from typing import Any
 
 from benchmarks.blind.everything import is_there
+from benchmarks.blind.intervals import held
 from benchmarks.blind.plan import Case
 from benchmarks.blind.reality import REALITY
 
@@ -41,6 +42,8 @@ class Outcome:
     complaint: str = ""
     cpu_seconds: float = nan  # of all threads
     mass_off: float = nan  # body mass less the true one, per standard deviation that was stated
+    held: float = nan  # so many 2-sd intervals of forces and stiffnesses hold the truth
+    intervals: float = nan  # of so many
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -89,6 +92,12 @@ class Outcome:
         return self.exact and self.kind != "mass-believed" and not isnan(self.mass_off)
 
     @property
+    def tells_intervals(self) -> bool:
+        """Whether its intervals count: the first entry is right, and one hidden effect is clear."""
+        told = self.kind in ("clear", "everything") and bool(self.hidden)
+        return told and self.first_is_hidden and not isnan(self.intervals)
+
+    @property
     def among_three(self) -> bool:
         """The one hidden effect is among the first three of the ranking."""
         return set(self.hidden) <= set(self.ranking[:3])
@@ -126,14 +135,16 @@ def outcome(
     made: Mapping[str, Any],
     ended: Mapping[str, Any],
     diagnosis: Mapping[str, Any] | None,
-    mass_kg: float,
+    truth: Mapping[str, Any],
 ) -> Outcome:
-    """From the truth's JSON, how the program ended, what it wrote, and the body's true mass."""
+    """From how the case was made, how the program ended, what it wrote, and the truth."""
     spoke = diagnosis is not None and ended["status"] == 0
     said = diagnosis if spoke and diagnosis is not None else {}
     ladder = said.get("ladder") or [{}]
     error = ladder[-1].get("error_validate")
     mass, deviation = (ladder[-1].get(k, {}).get(MASS) for k in ("parameters", "uncertainties"))
+    mass_kg = truth["vehicle_true"]["body"]["mass_kg"]
+    inside, intervals = held(ladder[-1], truth)
     return Outcome(
         name=case.name,
         kind=case.kind,
@@ -148,4 +159,6 @@ def outcome(
         complaint=str(ended["complaint"]),
         cpu_seconds=float(ended.get("cpu_seconds", nan)),  # older ones do not say it
         mass_off=(mass - mass_kg) / deviation if mass and deviation else nan,
+        held=inside if intervals else nan,
+        intervals=intervals or nan,
     )

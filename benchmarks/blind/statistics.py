@@ -114,6 +114,9 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
     label = "in reality: a wrong name above 50 %"
     told = [o for o in outcomes if o.tells_mass]
     near = sum(abs(o.mass_off) <= FAR for o in told)
+    intervals = [o for o in outcomes if o.tells_intervals]
+    inside = int(sum(o.held for o in intervals))
+    stated = int(sum(o.intervals for o in intervals))
     wrong = rate(label, " ".join(real), lambda o: o.is_false_claim, 0.05, at_least=False)
     return [
         rate("clear, single: top-1", "clear", lambda o: o.passed, 0.97),
@@ -132,6 +135,7 @@ def rates(outcomes: Sequence[Outcome]) -> list[Rate]:
         *(rate(f"in reality: {kind}", kind, lambda o: o.passed, 0.0) for kind in real),
         *([wrong] if real else []),
         *([Rate("all named: body mass within 3 sd", near, len(told), 0.95)] if told else []),
+        *([Rate("forces and stiffnesses within 2 sd", inside, stated, 0.90)] if stated else []),
     ]
 
 
