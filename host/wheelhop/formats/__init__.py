@@ -1,6 +1,6 @@
 """Recordings from and to the formats of others; optional libraries load when they are needed."""
 
-from wheelhop.formats.draft import draft_mapping
+from wheelhop.formats.draft import Understood, draft_mapping, understand
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.mapping import Map, Pick, parse_mapping, read_mapping
 from wheelhop.formats.registry import FORMATS, losses, read, write
@@ -10,10 +10,12 @@ __all__ = [
     "ExchangeError",
     "Map",
     "Pick",
+    "Understood",
     "draft_mapping",
     "losses",
     "parse_mapping",
     "read",
     "read_mapping",
+    "understand",
     "write",
 ]

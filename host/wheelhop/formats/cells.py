@@ -6,13 +6,13 @@ import codecs
 import csv
 import math
 from collections.abc import Callable, Sequence
-from datetime import date, datetime, time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files import TABLE, read_bytes, read_text_bytes
+from wheelhop.files import TABLE, read_bytes, read_text_and_zeros
 from wheelhop.formats.error import ExchangeError
 
 BOMS = (
@@ -20,18 +20,28 @@ BOMS = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
-EMPTY = frozenset(("", "nan", "na", "n/a", "-", "null", "none"))
+EMPTY = frozenset(("", "nan", "na", "n/a", "#n/a", "#nv", "-", "--", "---", "null", "none"))
 """What recorders write where there is no value."""
-NO_DATE = date.min
 
 
-def read_lines(file: Path, encoding: str = "") -> list[str]:
+@dataclass(frozen=True)
+class Text:
+    """The lines of a text file, and what is worth a line in the history."""
+
+    lines: list[str]
+    remarks: tuple[str, ...] = ()
+
+
+def read_lines(file: Path, encoding: str = "") -> Text:
     """The lines of a text file, without those at the end that are blank.
 
-    Without an `encoding` it is the byte order mark's, UTF-8, or else what Windows calls ANSI.
+    Without an `encoding` it is the byte order mark's, UTF-8, or else what Windows calls ANSI. Zero
+    bytes at the end, of room that a logger had reserved, are left out.
     """
-    data = (
-        read_bytes(file, ExchangeError, TABLE) if encoding else read_text_bytes(file, ExchangeError)
+    data, zeros = (
+        (read_bytes(file, ExchangeError, TABLE), 0)
+        if encoding
+        else read_text_and_zeros(file, ExchangeError)
     )
     marked = next((name for mark, name in BOMS if data.startswith(mark)), "")
     for name in [encoding] if encoding else [marked or "utf-8", "cp1252", "latin-1"]:
@@ -46,7 +56,9 @@ def read_lines(file: Path, encoding: str = "") -> list[str]:
                     f"{file}: byte {error.start} (0x{data[error.start]:02x}) is not {name}: "
                     "give another encoding in the mapping"
                 ) from None
-    return text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
+    left_out = f"zero bytes behind the text, of room that was reserved: {zeros}; left out"
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
+    return Text(lines, (left_out,) if zeros else ())
 
 
 def split(lines: Sequence[str], separator: str | None) -> list[list[str]]:
@@ -64,31 +76,48 @@ def split_head(line: str, separator: str | None) -> list[str]:
     return split([line.lstrip("#% ") if line.startswith(("#", "%")) else line], separator)[0]
 
 
-def instant(stamp: str) -> datetime:
-    """A date and time of ISO 8601, or a time of day, at `NO_DATE`; raises ValueError else."""
-    try:
-        return datetime.fromisoformat(stamp)
-    except ValueError:
-        return datetime.combine(NO_DATE, time.fromisoformat(stamp))
+def is_remark(line: str, separator: str | None) -> bool:
+    """Whether a line is a remark, marked by # or %; "#N/A" is a cell without a value."""
+    marked = line.lstrip().startswith(("#", "%"))
+    return marked and line.strip().split(separator)[0].strip().lower() not in EMPTY
 
 
 def parse(
-    cells: Sequence[str], decimal: str, where: Callable[[int], str], name: str
+    cells: Sequence[str],
+    decimal: str,
+    where: Callable[[int], str],
+    name: str,
+    thousands: str = "",
 ) -> NDArray[np.float64]:
     """(n,) the numbers of one column, NaN for empty cells.
 
-    Raises `ExchangeError` for the first cell that is something else.
+    Raises `ExchangeError` for the first cell that is something else: also for a decimal sign that
+    is not `decimal`, or `thousands` that do not stand between groups of three digits.
     """
+    joined = "\n".join(cells)
+    if "_" in joined or (decimal == "," and "." in joined) or (thousands and thousands in joined):
+        return np.array(
+            [_exact(k, cell, decimal, where, name, thousands) for k, cell in enumerate(cells)]
+        )
     if decimal == ",":
-        cells = [cell.replace(",", ".") for cell in cells]
+        cells = joined.replace(",", ".").split("\n") if cells else cells
     try:
-        numbers = np.fromiter(map(float, cells), np.float64, len(cells))
+        return np.fromiter(map(float, cells), np.float64, len(cells))
     except ValueError:
-        numbers = np.array([_parse_cell(k, cell, where, name) for k, cell in enumerate(cells)])
-    if "_" in "".join(cells):  # Python reads 1_000
-        row = next(k for k, cell in enumerate(cells) if "_" in cell)
-        raise ExchangeError(f"{where(row)}: {name}: '{cells[row][:20]}' is not a number")
-    return numbers
+        return np.array([_parse_cell(k, cell, where, name) for k, cell in enumerate(cells)])
+
+
+def _exact(
+    row: int, cell: str, decimal: str, where: Callable[[int], str], name: str, thousands: str
+) -> float:
+    """One number, its marks checked."""
+    whole, mark, fraction = cell.strip().partition(decimal)
+    first, *groups = whole.split(thousands) if thousands else [whole]
+    grouped = not groups or (0 < len(first.lstrip("+-")) <= 3 and all(len(g) == 3 for g in groups))
+    strange = {"_", "." if decimal == "," else ","} & {*first, *fraction, *"".join(groups)}
+    if strange or not grouped:  # Python reads 1_000
+        raise ExchangeError(f"{where(row)}: {name}: '{cell.strip()[:20]}' is not a number")
+    return _parse_cell(row, f"{first}{''.join(groups)}{mark and '.'}{fraction}", where, name)
 
 
 def _parse_cell(row: int, cell: str, where: Callable[[int], str], name: str) -> float:

@@ -19,19 +19,24 @@ FEWEST = 0.1
 """The least share of samples that must be there, beyond `FREE_GAPS`: a clock that was set anew
 must not become a billion missing samples."""
 FREE_GAPS = 100_000
+SURE = 5e-3
+"""How coarse rounded stamps may be, as a share of the time they cover, to tell the rate."""
+FEWEST_ROUNDED = 10  # stamps that tell by their steps how they were rounded
 
 
 @dataclass(frozen=True)
 class Grid:
     """Sample i lies at row `index[i]` of `rows`, and row k at `start_s` + k / `rate_hz`.
 
-    `jitter_s` is how far the stamps were off at most.
+    `jitter_s` is how far the stamps were off at most; `rounded_s` is what they were rounded to, if
+    that is why they are off.
     """
 
     start_s: float
     rate_hz: float
     index: NDArray[np.int64]
     jitter_s: float = 0.0
+    rounded_s: float = 0.0
 
     @property
     def rows(self) -> int:
@@ -49,7 +54,12 @@ class Grid:
     def remarks(self) -> tuple[str, ...]:
         """What is worth a line in the recording's history."""
         found = []
-        if self.jitter_s > SILENT / self.rate_hz:
+        if self.rounded_s:
+            found.append(
+                f"time stamps are rounded to {self.rounded_s * 1e3:.6g} ms: taken as equal steps of"
+                f" {1e3 / self.rate_hz:.6g} ms"
+            )
+        elif self.jitter_s > SILENT / self.rate_hz:
             found.append(
                 f"time stamps are up to {self.jitter_s * 1e3:.3g} ms off equal steps of "
                 f"{1e3 / self.rate_hz:.6g} ms: taken as equal"
@@ -78,7 +88,7 @@ def fit_grid(
     """Find the grid that the stamps (n >= 1) lie on, of a known rate and start if they are given.
 
     `where(i)` tells a user where stamp i is. Raises `ExchangeError` for stamps that are not finite,
-    do not rise, or lie on no grid.
+    do not rise, or lie on no grid. Stamps that are equal, as coarse ones are, need a known rate.
     """
     if len(time_s) < 2 and rate_hz is None:
         raise ExchangeError(f"{where(0)}: a single time stamp has no rate: give rate_hz")
@@ -87,12 +97,14 @@ def fit_grid(
         row = int(np.argmax(bad))
         raise ExchangeError(f"{where(row)}: {time_s[row]} is no time")
     steps = np.diff(time_s)
+    if start_s is None and (rounded := _rounded(time_s, steps, where, rate_hz)) is not None:
+        return rounded
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0)) + 1
         raise ExchangeError(
             f"{where(row)}: time does not rise, from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s"
         )
-    period = 1.0 / rate_hz if rate_hz else _typical(steps)
+    period = 1.0 / rate_hz if rate_hz else typical_step(steps)
     counts = np.round(steps / period)
     off = np.abs(steps / period - counts)
     if (counts < 1).any() or (off > STRAY).any():
@@ -127,7 +139,41 @@ def fit_grid(
     return Grid(start_s, rate_hz, index, float(jitter.max()))
 
 
-def _typical(steps: NDArray[np.float64]) -> float:
+def _rounded(
+    time_s: NDArray[np.float64],
+    steps: NDArray[np.float64],
+    where: Callable[[int], str],
+    rate_hz: float | None,
+) -> Grid | None:
+    """The grid of stamps without gaps that were rounded to more than a quarter of a step, which
+    makes their steps uneven, or some of them 0; None if that is not what they look like."""
+    forward = steps[steps > 0]
+    if len(time_s) < FEWEST_ROUNDED or (steps < 0).any() or not len(forward):
+        return None
+    unit_s, index = float(forward.min()), np.arange(len(time_s))
+    rate = rate_hz or (len(time_s) - 1) / float(time_s[-1] - time_s[0])
+    whole = np.abs(steps / unit_s - np.round(steps / unit_s)).max() < 0.1
+    uneven = forward.max() > 1.5 * unit_s or (steps == 0).any()
+    if not (whole and uneven and rate * unit_s > STRAY):
+        return None
+    if rate_hz is None:
+        if unit_s > SURE * (time_s[-1] - time_s[0]):
+            return None
+        rate = _rate(time_s, index)
+    if _spread(time_s, index, rate) > 1.1 * unit_s:
+        return None
+    if (steps == 0).any() and rate_hz is None:
+        row = int(np.argmax(steps == 0)) + 1
+        raise ExchangeError(
+            f"{where(row)}: time stamps are rounded to {unit_s:.6g} s, and several rows have the"
+            f" same: say rate_hz, it is about {rate:.4g} Hz"
+        )
+    since = time_s - index / rate
+    start_s = float(since.max() + since.min()) / 2
+    return Grid(start_s, rate, index, float(np.abs(since - start_s).max()), unit_s)
+
+
+def typical_step(steps: NDArray[np.float64]) -> float:
     """The period: the mean of the steps that are no gaps, for rounded stamps alternate."""
     period = float(np.median(steps))
     for least, most in ((0.5, 1.6), (1 - STRAY, 1 + STRAY)):

@@ -41,11 +41,13 @@ class _Style:
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read the segments, as one recording if they follow each other in time."""
-    lines = cells.read_lines(path, mapping.encoding if mapping else "")
+    text = cells.read_lines(path, mapping.encoding if mapping else "")
+    lines = text.lines
     style, at = _file_header(lines, path)
     tables = []
     for number, (start, stop) in enumerate(_segments(lines, at, style), start=1):
-        tables.append(_segment(lines, start, stop, style, str(number), path))
+        table = _segment(lines, start, stop, style, str(number), path)
+        tables.append(replace(table, remarks=text.remarks))
     if mapping is not None and mapping.group:
         return tables
     return _joined(tables)
@@ -150,7 +152,7 @@ def _segment(
         start_s=x0,
         notes=_notes(style.tags, tags),
         group=group,
-        line=first + 1,
+        lines=range(first + 1, first + 1 + len(body)),
     )
 
 
@@ -185,7 +187,7 @@ def _joined(tables: list[Table]) -> list[Table]:
     if any(two[0] <= one[-1] for one, two in pairwise(stamps)):
         return tables
     values = np.concatenate([table.values for table in tables])
-    return [replace(tables[0], values=values, time_s=np.concatenate(stamps), line=None)]
+    return [replace(tables[0], values=values, time_s=np.concatenate(stamps), lines=())]
 
 
 def _stamps(table: Table) -> NDArray[np.float64]:

@@ -168,8 +168,7 @@ def _joined(tables: list[Table]) -> Table:
 def save(recording: Recording, path: Path) -> None:
     """Write MDF 4.10, uncompressed."""
     asammdf = _library(path)
-    missing = recording.missing
-    bits = missing if missing.any() else None
+    missing = np.isnan(recording.values)
     time_s = recording.time_s
     signals = [
         asammdf.Signal(
@@ -178,7 +177,7 @@ def save(recording: Recording, path: Path) -> None:
             name=channel.name,
             unit=_plain(channel.unit),
             comment=_comment(channel),
-            invalidation_bits=bits,
+            invalidation_bits=missing[:, k] if missing[:, k].any() else None,
         )
         for k, channel in enumerate(recording.channels)
     ]

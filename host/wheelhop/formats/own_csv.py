@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,8 @@ CHUNK = 4096  # rows
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read a CSV of ours; any other is text that needs a mapping."""
-    lines = cells.read_lines(path)
+    read = cells.read_lines(path)
+    lines = read.lines
     names = [name.strip().strip('"').strip() for name in lines[0].split(",")]
     header = read_sidecar(path)
     ours = TIME in names and (mapping is None or header is not None)
@@ -44,7 +46,9 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
                 "correct or delete it"
             )
     values = np.delete(numbers, clock, axis=1)
-    return [Table(path, "CSV", channels, values, numbers[:, clock], header=header, line=2)]
+    where = range(2, 2 + len(values))
+    own = Table(path, "CSV", channels, values, numbers[:, clock], header=header, lines=where)
+    return [replace(own, remarks=read.remarks)]
 
 
 def _parse(body: list[str], names: list[str], path: Path) -> NDArray[np.float64]:

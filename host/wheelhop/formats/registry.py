@@ -26,12 +26,14 @@ from wheelhop.logger.recording import Recording
 
 @dataclass(frozen=True)
 class Format:
-    """A way of writing recordings; with `beside`, the header goes into NAME.suffix.toml."""
+    """A way of writing recordings; with `beside`, the header goes into NAME.suffix.toml, with
+    `own_time` no column of it can be chosen as time."""
 
     title: str
     module: str
     writes: bool = False
     beside: bool = False
+    own_time: bool = False
 
     def load_module(self) -> ModuleType:
         """The module that knows this format."""
@@ -41,20 +43,25 @@ class Format:
 CSV = Format("CSV", "own_csv", writes=True, beside=True)
 TEXT = Format("text in columns", "text")
 PARQUET = Format("Parquet", "parquet", writes=True)
-MDF = Format("ASAM MDF", "mdf", writes=True)
-UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True)
+MDF = Format("ASAM MDF", "mdf", writes=True, own_time=True)
+UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True, own_time=True)
 FORMATS = {
     ".csv": CSV,
     ".parquet": PARQUET,
     ".mf4": MDF,
-    ".mdf": Format("ASAM MDF", "mdf"),
+    ".mdf": Format("ASAM MDF", "mdf", own_time=True),
     ".uff": UFF,
     ".unv": UFF,
     ".tdms": Format("National Instruments TDMS", "tdms"),
-    ".lvm": Format("LabVIEW measurement", "lvm"),
-    ".hop": Format("the logger's own", "hop"),
+    ".lvm": Format("LabVIEW measurement", "lvm", own_time=True),
+    ".hop": Format("the logger's own", "hop", own_time=True),
     **dict.fromkeys((".txt", ".tsv", ".dat", ".asc"), TEXT),
 }
+
+
+def is_text(path: Path) -> bool:
+    """Whether a file is text in columns of which somebody has to say what they are."""
+    return _format(path).module in ("text", "own_csv")
 
 
 SHEETS = (".xlsx", ".xls", ".xlsm", ".ods")
@@ -69,6 +76,11 @@ def load(path: Path, mapping: Map | None = None) -> list[Table]:
     if not path.exists():
         raise ExchangeError(f"{path}: there is no such file")
     check_plain(path, ExchangeError)
+    if mapping is not None and mapping.time != "" and known.own_time:
+        raise ExchangeError(
+            f"{path}: {known.title} has its own time: leave time = {mapping.time!r} out of the"
+            " mapping, or give rate_hz"
+        )
     with guarded(path, f"be read as {known.title}"):
         tables: list[Table] = known.load_module().load(path, mapping)
     return tables

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from wheelhop.files import NUMBERS, check_room
 from wheelhop.files.units import SECONDS, seconds_in
 from wheelhop.formats.error import LONGEST_REASON, ExchangeError, need
-from wheelhop.formats.mapping import CLOCK, Map
+from wheelhop.formats.mapping import Map
+from wheelhop.formats.stamps import CLOCK
 from wheelhop.formats.table import Table, plain_channel
 
 UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")

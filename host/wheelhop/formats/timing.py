@@ -1,0 +1,358 @@
+"""Which column is time and in what unit, and the sample rate: as the file says, or else asked.
+
+Nothing is taken for time because it rises: a counter, a distance and a ramp rise, too.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wheelhop.files.units import SECONDS, seconds_in
+from wheelhop.formats.error import ExchangeError
+from wheelhop.formats.grid import typical_step
+from wheelhop.formats.stamps import CLOCK, DAY_S, DIGITS, SAMPLE, Stamps, is_epoch
+
+SLOWEST_HZ, FASTEST_HZ = 5.0, 1e5
+"""Rates of recordings of a suspension; any other is asked about."""
+SHORTEST_S = 1.0
+"""A recording lasts so long at least, where its unit of time is in doubt."""
+AGREE = 0.02
+"""How far, as a share, the stamps' rate may be off the one that the header states."""
+COARSE = 0.005
+"""Share of stamps equal to the one before from which on they are coarse, not faulty."""
+EVEN = 1.01  # greatest step over least
+SERIAL_DAYS = (36526.0, 73050.0)  # spreadsheets count days since 1900: 2000 to 2100
+TIMES = frozenset(
+    (
+        *("time", "timestamp", "timestamps", "stamp", "zeit", "zeitstempel", "temps", "tiempo"),
+        *("tempo", "elapsed", "clock", "utc", "epoch", "uptime", "datetime", "date", "datum"),
+        *("uhrzeit", "seconds", "secs", "sec", "millis", "micros", "nanos", "milliseconds"),
+        *("microseconds", "nanoseconds", "msec", "usec", "hhmmss", "t"),
+    )
+)
+WORDS = {
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), "ms"),
+    **dict.fromkeys(("us", "usec", "micros", "microsecond", "microseconds"), "us"),
+    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
+    **dict.fromkeys(("min", "minutes"), "min"),
+}
+"""Units of time as names have them."""
+COUNTERS = frozenset(
+    (
+        *("count", "counter", "cnt", "sample", "samples", "index", "idx", "nr", "no", "num", "n"),
+        *("number", "frame", "seq", "sequence", "packet", "id", "row", "record", "tick", "ticks"),
+        *("scan", "unnamed", "messwert", "lfd", "point"),
+    )
+)
+FREQUENCIES = frozenset(("frequency", "freq", "frequenz", "fréquence", "f"))
+PLAIN = ("s", "ms", "us", "ns", "min")
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """What a column is called, in which unit the file says it is, and what it holds: `values`
+    (n,), `stamps`, or `texts`. `stamps` is a text where they cannot be read."""
+
+    label: str
+    name: str
+    unit: str
+    values: NDArray[np.float64] | None = None
+    stamps: Stamps | str | None = None
+    texts: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a file does not say: the key of a mapping that does, and what is asked in words."""
+
+    key: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Time is column `index` in `unit`, or there is only `rate_hz`; what is asked is empty there.
+
+    `aside` are columns that are clocks or counters, too, and so no channels; with the reason.
+    `guess` says what was taken for granted, "" for nothing.
+    """
+
+    index: int | None = None
+    unit: str = ""
+    rate_hz: float | None = None
+    why: str = ""
+    guess: str = ""
+    questions: tuple[Question, ...] = ()
+    aside: Mapping[int, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Clock:
+    """A column that may be time: in which unit, at what rate, why, and what is asked."""
+
+    index: int
+    unit: str
+    rate_hz: float = 0.0
+    why: str = ""
+    guess: str = ""
+    asked: str = ""
+    absolute: bool = False
+    jitter: float = 0.0
+
+    @property
+    def rank(self) -> tuple[bool, bool, bool]:
+        """The best one comes first: sure, even, and one that says the date."""
+        return bool(self.guess), self.jitter > 0.1, not self.absolute
+
+
+def find_timing(columns: Sequence[Column], stated: Mapping[float, int]) -> Timing:
+    """Which of the columns is time, by what they are called and hold; `stated` are the rates that
+    lines of the file state, each with the number of its line.
+
+    Raises `ExchangeError` for a spectrum.
+    """
+    clocks = [clock for k, column in enumerate(columns) if (clock := _clock(k, column))]
+    counters = [k for k, column in enumerate(columns) if _counts(column)]
+    aside = {clock.index: "a clock, too" for clock in clocks}
+    aside |= {k: "a counter" for k in counters if _words(columns[k].label) & COUNTERS}
+    good = sorted((clock for clock in clocks if not clock.asked), key=lambda clock: clock.rank)
+    if good:
+        found = _agreeing(good, columns, stated)
+    elif clocks:
+        best = clocks[0]
+        question = Question("time_unit", f"{best.asked} (s, ms, us, …)")
+        found = Timing(best.index, why="called so", questions=(question,))
+    elif counters:
+        named = [k for k in counters if k in aside]
+        found = _counted((named or counters)[0], columns, stated, sure=bool(named))
+    else:
+        found = _uncounted(columns, stated)
+    return replace(found, aside={k: why for k, why in aside.items() if k != found.index})
+
+
+def unit_of_numbers(label: str, unit: str, values: NDArray[np.float64]) -> tuple[str, str]:
+    """The unit of stamps in a column that is known to be time; or "" and why it must be asked."""
+    clock = _numbers(0, Column(label, label, unit, values), named=True)
+    return clock.unit, clock.asked
+
+
+def _words(label: str) -> set[str]:
+    apart = re.sub(r"([a-z])([A-Z])", r"\1 \2", label)
+    return set(re.findall(r"[^\W\d_]+|#", apart.lower()))
+
+
+def is_time_name(label: str) -> bool:
+    """Whether a column is called time, in one language or another."""
+    return bool(_words(label) & TIMES) or label.strip().lower() == "x_value"  # LabVIEW's
+
+
+def _clock(index: int, column: Column) -> _Clock | None:
+    """The column as a clock, None if it is none."""
+    if column.stamps is not None:
+        return _dated(index, column.stamps)
+    if column.values is None:
+        return None
+    named, timed = is_time_name(column.label), seconds_in(column.unit) is not None
+    if not (named or timed) or (column.unit and not timed and not named):
+        return None
+    there = column.values[~np.isnan(column.values)]
+    if not len(there) or (len(there) > 1 and not _rises(there)):
+        return None
+    return _numbers(index, replace(column, values=there), named)
+
+
+def _dated(index: int, stamps: Stamps | str) -> _Clock:
+    if isinstance(stamps, str):
+        return _Clock(index, CLOCK, asked=stamps)
+    rate, jitter = _rate(stamps.time_s)
+    found = _Clock(index, CLOCK, rate, "dates or times of day", absolute=True, jitter=jitter)
+    return found if _plausible(rate) else replace(found, asked=_odd(found, "as they stand"))
+
+
+def _rises(values: NDArray[np.float64]) -> bool:
+    """But for a few places, where a clock may begin again."""
+    steps = np.diff(values)
+    return bool((steps < 0).mean() < 0.02 and (steps > 0).any())
+
+
+def _numbers(index: int, column: Column, named: bool) -> _Clock:
+    """Stamps that are numbers, in the unit that is said, or the only one that they can be in."""
+    values = column.values
+    assert values is not None
+    words = {WORDS[word] for word in _words(column.label) if word in WORDS} if named else set()
+    said = column.unit or (words.pop() if len(words) == 1 else "")
+    size = seconds_in(said)
+    if said and size is None:
+        return _Clock(index, "", asked=f"{column.label} is in {said}, no unit of time known here")
+    if size is not None:
+        unit = next(name for name in (said, *SECONDS) if SECONDS.get(name) == size)
+        found = replace(_in(index, values, unit), why=f"in {unit}, as it says")
+        if _plausible(found.rate_hz) or len(values) < 2:
+            return found
+        return replace(found, unit="", asked=_odd(found, f"in {unit}, as it says"))
+    if epoch := next((unit for unit in PLAIN[:4] if is_epoch(values, SECONDS[unit])), None):
+        found = replace(_in(index, values, epoch), why=f"{epoch} since 1970", absolute=True)
+        if _plausible(found.rate_hz):
+            return found
+        return replace(found, unit="", asked=_odd(found, f"in {epoch} since 1970"))
+    since = _of_day(values, bool(_words(column.label) & {"utc", "hhmmss"}))
+    if since is not None:
+        rate, jitter = _rate(since)
+        found = _Clock(index, DIGITS, rate, "hours, minutes and seconds", jitter=jitter)
+        return found if _plausible(rate) else replace(found, unit="", asked=_odd(found, DIGITS))
+    return _guessed(index, values, column.label)
+
+
+def _guessed(index: int, values: NDArray[np.float64], label: str) -> _Clock:
+    """Stamps of which nothing says the unit: seconds, or days of a spreadsheet, if they can be
+    nothing else."""
+    if len(values) < 2:
+        return _Clock(index, "", asked=f"the unit of {label} is not said")
+    days = _in(index, values, "day")
+    if SERIAL_DAYS[0] < values[0] < SERIAL_DAYS[1] and _plausible(days.rate_hz):
+        return replace(days, why="a spreadsheet's days", guess=f"{label} counts days")
+    span, able = float(values[-1] - values[0]), []
+    for unit in PLAIN:
+        found = _in(index, values, unit)
+        if _plausible(found.rate_hz) and (unit == "s" or span * SECONDS[unit] >= SHORTEST_S):
+            able.append(found)
+    if [found.unit for found in able] == ["s"] and abs(values[0]) < 1e9:
+        return replace(able[0], why="its unit is not said", guess=f"{label} is in s")
+    steps = f"its steps are {typical_step(np.diff(values)):.6g}"
+    return _Clock(index, "", asked=f"the unit of {label} is not said, and {steps}")
+
+
+def _in(index: int, values: NDArray[np.float64], unit: str) -> _Clock:
+    rate, jitter = _rate((values - values[0]) * SECONDS[unit])
+    return _Clock(index, unit, rate, jitter=jitter, absolute=is_epoch(values, SECONDS[unit]))
+
+
+def _rate(time_s: NDArray[np.float64]) -> tuple[float, float]:
+    """Samples per second of all steps that are no gaps, 0 if there is none; and how much the steps
+    scatter, in steps."""
+    steps = np.diff(time_s)
+    forward = steps[steps > 0]
+    if not len(forward):
+        return 0.0, 0.0
+    if (steps == 0).mean() > COARSE:  # several samples each
+        return float((len(time_s) - 1) / (time_s[-1] - time_s[0])), 1.0
+    step = typical_step(forward)
+    return 1.0 / step, float(np.median(np.abs(forward - step)) / step)
+
+
+def _plausible(rate_hz: float) -> bool:
+    return SLOWEST_HZ <= rate_hz <= FASTEST_HZ
+
+
+def _odd(clock: _Clock, read: str) -> str:
+    return f"read {read}, the stamps go at {clock.rate_hz:.4g} Hz"
+
+
+def _of_day(values: NDArray[np.float64], named: bool) -> NDArray[np.float64] | None:
+    """Stamps as 102133.25, seconds since midnight, where their steps show it: 59.99 is followed by
+    100. None where they do not, unless they are `named` so."""
+    hours, minutes, seconds = values // 10000, values // 100 % 100, values % 100
+    if not ((values >= 0) & (hours < 24) & (minutes < 60) & (seconds < 60)).all():
+        return None
+    since = 3600 * hours + 60 * minutes + seconds
+    since = since + DAY_S * np.concatenate([[0.0], np.cumsum(np.diff(since) < -DAY_S / 2)])
+    steps = np.diff(since)
+    if not len(steps) or not (steps > 0).any():
+        return None
+    crossed = np.diff(values // 100) != 0
+    step = typical_step(steps[steps > 0])
+    shown = bool(crossed.any()) and bool((steps[crossed] < 3 * step).any())
+    return since if shown or (named and values[0] >= 100) else None
+
+
+def _agreeing(
+    good: Sequence[_Clock], columns: Sequence[Column], stated: Mapping[float, int]
+) -> Timing:
+    """The best clock, if no other and no line of the file says another rate."""
+    best = good[0]
+    for other in good[1:]:
+        if abs(other.rate_hz / best.rate_hz - 1) > AGREE and not other.guess:
+            words = " and ".join(
+                f"{columns[clock.index].label} goes at {clock.rate_hz:.6g} Hz"
+                for clock in (best, other)
+            )
+            question = Question("rate_hz", f"{words}: which is right?")
+            return Timing(best.index, best.unit, None, best.why, best.guess, (question,))
+    if best.jitter >= 1.0:
+        words = f"several rows share a stamp: it is about {best.rate_hz:.4g} Hz"
+        question = Question("rate_hz", words)
+        return Timing(best.index, best.unit, None, best.why, best.guess, (question,))
+    wrong = {r: line for r, line in stated.items() if abs(r / best.rate_hz - 1) > AGREE}
+    questions: tuple[Question, ...] = ()
+    if wrong and len(wrong) == len(stated):
+        words = f"{_lines(wrong)}, the stamps go at {best.rate_hz:.6g} Hz: which is right?"
+        questions = (Question("rate_hz", words),)
+    return Timing(best.index, best.unit, None, best.why, best.guess, questions)
+
+
+def _lines(stated: Mapping[float, int]) -> str:
+    return " and ".join(f"line {line} says {rate:g} Hz" for rate, line in stated.items())
+
+
+def _counts(column: Column) -> bool:
+    """Whether a column counts by ones, but for gaps and places where it begins again."""
+    values = column.values
+    if values is None or column.unit or is_time_name(column.label) or len(values) < 3:
+        return False
+    steps = np.diff(values)
+    return bool((values == np.round(values)).all() and (steps == 1).mean() > 0.8)
+
+
+def _counted(
+    index: int, columns: Sequence[Column], stated: Mapping[float, int], sure: bool
+) -> Timing:
+    """A counter is time once its rate is known."""
+    label = columns[index].label
+    nameless = re.fullmatch(r"column \d+", label) is not None
+    guess = "" if sure else f"{label} counts samples"
+    rate, words = _only(stated)
+    if not sure and not nameless:
+        asked = f"{label} rises by ones: is it time, in s, ms, …, or a counter of samples, {SAMPLE}"
+        return Timing(index, why="rises by ones", questions=(Question("time_unit", asked),))
+    why = "a counter" if rate is None else f"a counter, at {rate:g} Hz: {words}"
+    questions = () if rate is not None else (Question("rate_hz", f"{label} only counts{words}"),)
+    return Timing(index, SAMPLE, rate, why, guess, questions)
+
+
+def _uncounted(columns: Sequence[Column], stated: Mapping[float, int]) -> Timing:
+    """No clock and no counter: what the header states, or else something rises evenly, and is asked
+    about."""
+    rate, words = _only(stated)
+    for k, column in enumerate(columns):
+        values = column.values
+        if values is None or len(values) < 3 or np.isnan(values).any():
+            continue
+        steps = np.diff(values)
+        if not (steps.min() > 0 and steps.max() < EVEN * steps.min()):
+            continue
+        if column.unit == "Hz" or _words(column.name) & FREQUENCIES:
+            raise ExchangeError(
+                f"{column.label} rises evenly, in {column.unit or 'Hz'}: this is a spectrum, "
+                "no recording"
+            )
+        if rate is None and not column.unit:
+            asked = (
+                f"{column.label} rises evenly by {steps.mean():.4g}: if it is time, in which unit?"
+            )
+            return Timing(k, why="rises evenly", questions=(Question("time_unit", asked),))
+    if rate is not None:
+        return Timing(rate_hz=rate, why=words)
+    return Timing(questions=(Question("rate_hz", f"no column is time{words}"),))
+
+
+def _only(stated: Mapping[float, int]) -> tuple[float | None, str]:
+    """The one rate that is stated, and where; else None, and what is said of several."""
+    if len(stated) == 1:
+        return next(iter(stated)), _lines(stated)
+    return None, f"; {_lines(stated)}" if stated else ""
