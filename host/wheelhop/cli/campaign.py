@@ -10,7 +10,7 @@ from rich.table import Table
 
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import Stretch, stretches
-from wheelhop.campaign.recorded import read_recording
+from wheelhop.campaign.recorded import accelerations, read_recording
 from wheelhop.campaign.tracks import is_steady
 from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
 from wheelhop.cli.output import open_console
@@ -20,6 +20,9 @@ from wheelhop.logger.recording import Recording
 def run(arguments: Namespace) -> int:
     """Do what `arguments.action` says; raises CampaignError and what reading a recording raises."""
     recording = read_recording(arguments.recording, arguments.calibration, arguments.nominal)
+    recording, left_out = accelerations(recording)
+    if left_out:
+        print(f"left out, no accelerations: {', '.join(left_out)}")
     action = {"stretches": _stretches, "new": _new, "add": _add}[arguments.action]
     return action(arguments, recording)
 
