@@ -99,7 +99,8 @@ def test_dates_and_times_of_day(form, tmp_path):
 def test_a_clock_goes_on_after_midnight_and_the_history_says_so(tmp_path):
     def stamp(k):
         hundredths = (k - 100) % 8_640_000
-        return f"{hundredths // 360_000:02}:{hundredths // 6000 % 60:02}:{hundredths % 6000 / 100:05.2f}"
+        minutes, seconds = hundredths // 6000, hundredths % 6000 / 100
+        return f"{minutes // 60:02}:{minutes % 60:02}:{seconds:05.2f}"
 
     found = drafted(tmp_path, table(stamp))
     assert_right(found)
@@ -215,7 +216,7 @@ def test_a_mapping_may_leave_the_unit_of_time_to_the_file_and_not_more(tmp_path)
     assert "Elapsed [ms]: the file says ms, the mapping us" in belied.history
     path.write_text(table(lambda k: 10 * k, "Elapsed,az [g]"))
     with pytest.raises(
-        ValueError, match="line 2: the unit of Elapsed is not said, .*: say time_unit"
+        ValueError, match=r"line 2: the unit of Elapsed is not said, .*: say time_unit"
     ):
         read(path, Map(time="Elapsed"))
 

@@ -136,9 +136,9 @@ def new_campaign(
     high = DEFAULT_BAND_HZ[1] if DEFAULT_BAND_HZ[1] < rate / 2 else TOP_OF_BAND * rate
     if high < 2 * DEFAULT_BAND_HZ[0]:
         raise CampaignError(
-            f"{folder}: at {rate:g} samples a second the recording tells nothing above {high:g} Hz,"
-            f" a campaign needs {DEFAULT_BAND_HZ[0]:g} Hz to {2 * DEFAULT_BAND_HZ[0]:g} Hz at least:"
-            " was its time read in the right unit?"
+            f"{folder}: {rate:g} samples a second tell nothing above {high:g} Hz, and a campaign"
+            f" needs {DEFAULT_BAND_HZ[0]:g} to {2 * DEFAULT_BAND_HZ[0]:g} Hz at least: was the"
+            " recording's time read in the right unit?"
         )
     lines = [
         "format = 1",

@@ -16,9 +16,9 @@ from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import from_text, to_text
 from wheelhop.formats.labels import name_and_unit
 from wheelhop.formats.mapping import Map
-from wheelhop.formats.stamps import CLOCK, MINUTES, Stamps, of_numbers, of_texts
+from wheelhop.formats.stamps import Stamps
 from wheelhop.formats.table import Table, campaign_channel, plain_channel
-from wheelhop.formats.timing import Column, Timing, find_timing, unit_of_numbers
+from wheelhop.formats.timing import Column, Timing, find_timing, stamps_of
 from wheelhop.logger.recording import Recording
 
 KEY = b"wheelhop"
@@ -46,7 +46,7 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     elif mapping is None or mapping.rate_hz is None:
         timing = find_timing(columns, {})
         if timing.questions:
-            asked = timing.questions[0].words
+            asked = timing.questions[0].words if timing.index is not None else ""
             timing = Timing(aside=timing.aside, why=asked)
     wanted = [
         k
@@ -75,7 +75,7 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     if timing.index is None:
         return [found]
     time = columns[timing.index]
-    stamps = _stamps(time, timing.unit, mapping.rate_hz if mapping else None, path)
+    stamps = stamps_of(time, timing.unit, mapping.rate_hz if mapping else None, path)
     said = f"time is {time.label}{f', {timing.why}' if timing.why else ''}"
     remarks = (*(() if ours or (mapping and mapping.time) else (said,)), *stamps.remarks)
     return [replace(found, time_s=stamps.time_s, start_unix_s=stamps.start_unix_s, remarks=remarks)]
@@ -110,27 +110,6 @@ def _index(labels: list[str], time: str | int, path: Path) -> int:
     if time in labels:
         return labels.index(str(time))
     raise ExchangeError(f"{path}: there is no column {time!r}; it has {', '.join(labels)}")
-
-
-def _stamps(column: Column, unit: str, rate_hz: float | None, path: Path) -> Stamps:
-    """The time stamps in a column, in the unit that the mapping says, or else the file."""
-
-    def where(row: int) -> str:
-        return f"{path}: row {row + 1}"
-
-    if isinstance(column.stamps, str):
-        raise ExchangeError(f"{path}: {column.label}: {column.stamps}")
-    if column.stamps is not None:
-        return column.stamps
-    if column.values is None:
-        return of_texts(column.texts, unit or CLOCK, where)
-    if unit in (CLOCK, MINUTES):
-        raise ExchangeError(f"{path}: {column.label} holds numbers, not dates: give its time_unit")
-    if not unit:
-        unit, asked = unit_of_numbers(column.label, column.unit, column.values)
-        if asked and not rate_hz:
-            raise ExchangeError(f"{path}: {asked}: give its time_unit in a mapping")
-    return of_numbers(column.values, unit or "s", where, rate_hz)
 
 
 def read_table(path: Path, kind: type[InputError] = ExchangeError) -> Any:

@@ -44,12 +44,14 @@ CSV = Format("CSV", "own_csv", writes=True, beside=True)
 TEXT = Format("text in columns", "text")
 PARQUET = Format("Parquet", "parquet", writes=True)
 MDF = Format("ASAM MDF", "mdf", writes=True, own_time=True)
+MDF_READ = Format("ASAM MDF", "mdf", own_time=True)
+MDF_BEGINS = (b"MDF     ", b"UnFinMF ")
 UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True, own_time=True)
 FORMATS = {
     ".csv": CSV,
     ".parquet": PARQUET,
     ".mf4": MDF,
-    ".mdf": Format("ASAM MDF", "mdf", own_time=True),
+    ".mdf": MDF_READ,
     ".uff": UFF,
     ".unv": UFF,
     ".tdms": Format("National Instruments TDMS", "tdms"),
@@ -61,7 +63,17 @@ FORMATS = {
 
 def is_text(path: Path) -> bool:
     """Whether a file is text in columns of which somebody has to say what they are."""
-    return _format(path).module in ("text", "own_csv")
+    return _format_of(path).module in ("text", "own_csv")
+
+
+def _format_of(path: Path) -> Format:
+    """The format of a file that may be there: .dat is MDF's suffix, too, which its first bytes
+    tell."""
+    known = _format(path)
+    if known is TEXT and path.is_file():
+        with path.open("rb") as file:
+            return MDF_READ if file.read(8) in MDF_BEGINS else known
+    return known
 
 
 SHEETS = (".xlsx", ".xls", ".xlsm", ".ods")
@@ -76,6 +88,7 @@ def load(path: Path, mapping: Map | None = None) -> list[Table]:
     if not path.exists():
         raise ExchangeError(f"{path}: there is no such file")
     check_plain(path, ExchangeError)
+    known = _format_of(path)
     if mapping is not None and mapping.time != "" and known.own_time:
         raise ExchangeError(
             f"{path}: {known.title} has its own time: leave time = {mapping.time!r} out of the"

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,17 @@ from numpy.typing import NDArray
 from wheelhop.files.units import SECONDS, seconds_in
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import typical_step
-from wheelhop.formats.stamps import CLOCK, DAY_S, DIGITS, SAMPLE, Stamps, is_epoch
+from wheelhop.formats.stamps import (
+    CLOCK,
+    DAY_S,
+    DIGITS,
+    MINUTES,
+    SAMPLE,
+    Stamps,
+    is_epoch,
+    of_numbers,
+    of_texts,
+)
 
 SLOWEST_HZ, FASTEST_HZ = 5.0, 1e5
 """Rates of recordings of a suspension; any other is asked about."""
@@ -140,6 +151,30 @@ def unit_of_numbers(label: str, unit: str, values: NDArray[np.float64]) -> tuple
     """The unit of stamps in a column that is known to be time; or "" and why it must be asked."""
     clock = _numbers(0, Column(label, label, unit, values), named=True)
     return clock.unit, clock.asked
+
+
+def stamps_of(column: Column, unit: str, rate_hz: float | None, file: Path) -> Stamps:
+    """The time stamps in a column that is known to be time, in the unit that a mapping says, or
+    else the file. Raises `ExchangeError` for what cannot be read, or has no unit."""
+
+    def where(row: int) -> str:
+        return f"{file}: row {row + 1}"
+
+    if isinstance(column.stamps, str):
+        raise ExchangeError(f"{file}: {column.label}: {column.stamps}")
+    if column.stamps is not None:
+        return column.stamps
+    if column.values is None:
+        return of_texts(column.texts, unit or CLOCK, where)
+    if unit in (CLOCK, MINUTES):
+        raise ExchangeError(
+            f"{file}: {column.label} holds numbers, not dates: give their time_unit"
+        )
+    if not unit:
+        unit, asked = unit_of_numbers(column.label, column.unit, column.values)
+        if asked and not rate_hz:
+            raise ExchangeError(f"{file}: {asked}: give its time_unit in a mapping")
+    return of_numbers(column.values, unit or "s", where, rate_hz)
 
 
 def _words(label: str) -> set[str]:
