@@ -47,7 +47,7 @@ READ_OWN_WAY = {
     "formats/header.py": "in pieces, and refused just before",
     "formats/mdf.py": "the registry refuses, and it is weighed when open",
     "formats/parquet.py": "weighs by what the file says",
-    "formats/registry.py": "the header that it has just written, and eight bytes",
+    "formats/registry.py": "the header that it has just written, and first bytes",
     "formats/uff.py": "in a temporary folder",
     "logger/download.py": "what it has just written",
     "logger/emulated.py": "of the user's own cache",

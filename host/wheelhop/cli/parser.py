@@ -304,6 +304,18 @@ def _make_import(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--draft", action="store_true", help="print a mapping made from the file's look"
     )
+    command.add_argument(
+        "--answer",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="what a file does not say: rate_hz=500, time_unit=ms, decimal=,",
+    )
+    command.add_argument(
+        "--yes",
+        action="store_true",
+        help="for scripts: ask nothing, and refuse what must be guessed",
+    )
     command.add_argument("--force", action="store_true", help="replace files that exist")
 
 

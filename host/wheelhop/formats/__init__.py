@@ -3,7 +3,7 @@
 from wheelhop.formats.draft import Understood, draft_mapping, understand
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.mapping import Map, Pick, parse_mapping, read_mapping
-from wheelhop.formats.registry import FORMATS, losses, read, write
+from wheelhop.formats.registry import FORMATS, is_foreign, losses, read, write
 
 __all__ = [
     "FORMATS",
@@ -12,6 +12,7 @@ __all__ = [
     "Pick",
     "Understood",
     "draft_mapping",
+    "is_foreign",
     "losses",
     "parse_mapping",
     "read",

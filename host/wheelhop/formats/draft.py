@@ -47,7 +47,7 @@ class Found:
     @property
     def placed(self) -> bool:
         """Whether the place can be given: a channel in an unknown unit has none."""
-        return bool(self.point) and to_si(self.unit)[0] == ACCELERATION
+        return bool(self.point) and is_measured(self.unit)
 
 
 @dataclass(frozen=True)
@@ -77,11 +77,35 @@ class Understood:
         entries = (line for column in channels for line in _entry(column))
         return "\n".join([*head, *lines, *entries]) + "\n"
 
-    def mapping(self) -> Map:
-        """The mapping, as it is read. Raises `ExchangeError` if something has to be asked."""
+    def words(self) -> str:
+        """How the file is laid out and sampled, in a line."""
+        said = {key: value for key, value, _ in self.keys if value not in ("0", '""')}
+        kept = (
+            *("separator", "decimal", "thousands", "header_row", "units_row", "first_row"),
+            *("last_row", "time", "time_unit", "rate_hz"),
+        )
+        return ", ".join(f"{key} {said[key]}" for key in kept if key in said)
+
+    def granted(self, places: bool = True) -> tuple[str, ...]:
+        """What was taken for granted, as a recording's history says it."""
+        placed = [c for c in self.columns if places and c.placed and c.point != c.name]
+        return (
+            *(f"taken for granted: {guess}" for guess in self.guesses),
+            *(f"{column.name}: taken for {column.point}, by its name" for column in placed),
+        )
+
+    def mapping(self, places: bool = True) -> Map:
+        """The mapping, as it is read; without `places`, those that only names mean are left open.
+        Raises `ExchangeError` if something has to be asked."""
         if self.questions:
             raise ExchangeError(f"{self.path}: {'; '.join(q.words for q in self.questions)}")
-        return parse_mapping(self.text(), self.path)
+        found = parse_mapping(self.text(), self.path)
+        if places:
+            return found
+        sure = tuple(
+            pick if pick.point == pick.name else replace(pick, point="") for pick in found.picks
+        )
+        return replace(found, picks=sure)
 
 
 def draft_mapping(path: Path) -> str:
@@ -267,10 +291,7 @@ def _points(columns: Sequence[tuple[str, str]]) -> list[str]:
     """The places that names mean, of channels that are accelerations or may be."""
     felt = [k for k, (_, unit) in enumerate(columns) if to_si(unit)[0] in ("", ACCELERATION)]
     guessed = dict(zip(felt, likely_points([columns[k][0] for k in felt]), strict=True))
-    return [
-        name if name in POINTS and k in guessed else guessed.get(k, "")
-        for k, (name, _) in enumerate(columns)
-    ]
+    return [name if name in POINTS else guessed.get(k, "") for k, (name, _) in enumerate(columns)]
 
 
 def _of_tables(path: Path, answers: Mapping[str, str]) -> Understood:

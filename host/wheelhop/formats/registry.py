@@ -45,6 +45,8 @@ TEXT = Format("text in columns", "text")
 PARQUET = Format("Parquet", "parquet", writes=True)
 MDF = Format("ASAM MDF", "mdf", writes=True, own_time=True)
 MDF_READ = Format("ASAM MDF", "mdf", own_time=True)
+TIME = "time_s"
+LONGEST_LINE = 1 << 20
 MDF_BEGINS = (b"MDF     ", b"UnFinMF ")
 UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True, own_time=True)
 FORMATS = {
@@ -64,6 +66,17 @@ FORMATS = {
 def is_text(path: Path) -> bool:
     """Whether a file is text in columns of which somebody has to say what they are."""
     return _format_of(path).module in ("text", "own_csv")
+
+
+def is_foreign(path: Path) -> bool:
+    """Whether a file is such a text, and not a CSV whose first line names our columns."""
+    if not is_text(path):
+        return False
+    if _format(path) is not CSV or not path.is_file():
+        return True
+    with path.open("rb") as file:
+        head = file.readline(LONGEST_LINE).decode("latin-1")
+    return TIME not in [name.strip().strip('"').strip() for name in head.split(",")]
 
 
 def _format_of(path: Path) -> Format:
@@ -99,15 +112,17 @@ def load(path: Path, mapping: Map | None = None) -> list[Table]:
     return tables
 
 
-def read(path: Path, mapping: Map | None = None) -> Recording:
+def read(path: Path, mapping: Map | None = None, guess_places: bool = True) -> Recording:
     """Read a recording, in SI. Raises `ExchangeError`.
 
     A file that `write` has written comes back as it was. Anything else is imported: units that are
     known become SI, gaps of the time stamps become rows of NaN, and the history says so. `mapping`
-    says what a file does not tell itself; free-form text needs one.
+    says what a file does not tell itself; free-form text needs one. Without it accelerometers sit
+    where their names mean, if `guess_places`.
     """
     tables = load(path, mapping)
-    return to_recording(choose(tables, mapping.group if mapping else "", path), mapping)
+    table = choose(tables, mapping.group if mapping else "", path)
+    return to_recording(table, mapping, guess_places)
 
 
 def write(recording: Recording, path: Path) -> None:

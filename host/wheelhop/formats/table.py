@@ -76,7 +76,7 @@ def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
     raise ExchangeError(f"{file}: {wrong}: choose with group = … in a mapping from {names}")
 
 
-def to_recording(table: Table, mapping: Map | None) -> Recording:
+def to_recording(table: Table, mapping: Map | None, guess_places: bool = True) -> Recording:
     """Choose and name the channels, convert to SI, and lay the samples on a grid.
 
     A file that wheelhop has written comes back as it was.
@@ -91,7 +91,7 @@ def to_recording(table: Table, mapping: Map | None) -> Recording:
     channels, values, steps = _converted(
         table, picks or tuple(Pick(number) for number in table.columns)
     )
-    if mapping is None:
+    if mapping is None and guess_places:
         channels, guesses = _placed(channels)
         steps += guesses
     if mapping is not None and mapping.rate_hz and table.rate_hz not in (None, mapping.rate_hz):
