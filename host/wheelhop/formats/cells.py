@@ -57,7 +57,9 @@ def read_lines(file: Path, encoding: str = "") -> Text:
                     "give another encoding in the mapping"
                 ) from None
     left_out = f"zero bytes behind the text, of room that was reserved: {zeros}; left out"
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").rstrip().split("\n")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    while len(lines) > 1 and not lines[-1].strip():
+        lines.pop()
     return Text(lines, (left_out,) if zeros else ())
 
 

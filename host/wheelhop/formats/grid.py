@@ -22,6 +22,8 @@ FREE_GAPS = 100_000
 SURE = 5e-3
 """How coarse rounded stamps may be, as a share of the time they cover, to tell the rate."""
 FEWEST_ROUNDED = 10  # stamps that tell by their steps how they were rounded
+MANY = 8
+"""So many longer steps, as evenly spread as rounding makes them, are no missing samples."""
 
 
 @dataclass(frozen=True)
@@ -145,32 +147,51 @@ def _rounded(
     where: Callable[[int], str],
     rate_hz: float | None,
 ) -> Grid | None:
-    """The grid of stamps without gaps that were rounded to more than a quarter of a step, which
-    makes their steps uneven, or some of them 0; None if that is not what they look like."""
+    """The grid of stamps without gaps that were rounded to a decimal so coarse that their steps
+    are uneven, or some of them 0; None if that is not what they look like.
+
+    Raises `ExchangeError` where the rate, or whether samples are missing, cannot be told.
+    """
     forward = steps[steps > 0]
     if len(time_s) < FEWEST_ROUNDED or (steps < 0).any() or not len(forward):
         return None
     unit_s, index = float(forward.min()), np.arange(len(time_s))
-    rate = rate_hz or (len(time_s) - 1) / float(time_s[-1] - time_s[0])
-    whole = np.abs(steps / unit_s - np.round(steps / unit_s)).max() < 0.1
-    uneven = forward.max() > 1.5 * unit_s or (steps == 0).any()
-    if not (whole and uneven and rate * unit_s > STRAY):
+    counts = np.round(steps / unit_s)
+    decade = np.log10(unit_s)
+    decimal = abs(decade - round(decade)) < 1e-5 and np.abs(steps / unit_s - counts).max() < 0.1
+    if not decimal or counts.max() == counts.min() or counts.max() - counts.min() > 1:
         return None
-    if rate_hz is None:
-        if unit_s > SURE * (time_s[-1] - time_s[0]):
-            return None
-        rate = _rate(time_s, index)
-    if _spread(time_s, index, rate) > 1.1 * unit_s:
+    equal, longer = bool((steps == 0).any()), int((counts == counts.max()).sum())
+    # Steps of one and two units may be a grid from which samples are missing, too.
+    gaps = not equal and counts.max() == 2 and longer < len(steps) / 4
+    if rate_hz is not None:
+        fits = _spread(time_s, index, rate_hz) < unit_s and not gaps
+        return _on_steps(time_s, index, rate_hz, unit_s) if fits else None
+    rate = (len(time_s) - 1) / float(time_s[-1] - time_s[0])
+    if (gaps and longer < 2) or _least_spread(time_s, index) > 1.02 * unit_s:
         return None
-    if (steps == 0).any() and rate_hz is None:
-        row = int(np.argmax(steps == 0)) + 1
+    if equal or unit_s > SURE * (time_s[-1] - time_s[0]) or (gaps and longer < MANY):
+        row = int(np.argmax(counts == counts.max())) + 1
         raise ExchangeError(
-            f"{where(row)}: time stamps are rounded to {unit_s:.6g} s, and several rows have the"
-            f" same: say rate_hz, it is about {rate:.4g} Hz"
+            f"{where(row)}: time stamps are rounded to {unit_s:.6g} s, too coarse to tell the rate,"
+            f" about {rate:.4g} Hz: say rate_hz"
         )
-    since = time_s - index / rate
+    return _on_steps(time_s, index, _rate(time_s, index), unit_s)
+
+
+def _on_steps(
+    time_s: NDArray[np.float64], index: NDArray[np.int64], rate_hz: float, unit_s: float
+) -> Grid:
+    """Stamps that were rounded to `unit_s` as equal steps, which begin where they fit best."""
+    since = time_s - index / rate_hz
     start_s = float(since.max() + since.min()) / 2
-    return Grid(start_s, rate, index, float(np.abs(since - start_s).max()), unit_s)
+    return Grid(start_s, rate_hz, index, float(np.abs(since - start_s).max()), unit_s)
+
+
+def _least_spread(time_s: NDArray[np.float64], index: NDArray[np.int64]) -> float:
+    """How far apart the stamps are, s, on the grid that fits them best."""
+    places = index - index.mean()
+    return _spread(time_s, index, float(places @ places / (places @ (time_s - time_s[0]))))
 
 
 def typical_step(steps: NDArray[np.float64]) -> float:

@@ -91,9 +91,19 @@ def find_layout(lines: Sequence[str], where: str) -> Layout:
     step = max(1, len(lines) // SPREAD)
     looked = [line for line in (*lines[: 2 * LOOK], *lines[2 * LOOK :: step]) if line.strip()]
     styles = [style for narrowest in (2, 1) for style in _styles(looked, narrowest)]
+    doubled = ""
     for style in sorted(styles, key=lambda style: (style.width == 1, -style.score)):
-        if (first := _first_row(lines, style, where)) is not None:
-            return _described(lines, style, first, where)
+        if (first := _first_row(lines, style, where)) is None:
+            continue
+        layout = _described(lines, style, first, where)
+        if not _splits_numbers(lines, layout):
+            return layout
+        doubled = (
+            f"{where}: line {first + 1}: commas stand between the columns and inside the numbers:"
+            " save it with another separator, or with quotes around the numbers"
+        )
+    if doubled:
+        raise ExchangeError(doubled)
     raise ExchangeError(f"{where}: no columns of numbers are found in its first {LOOK} lines")
 
 
@@ -104,6 +114,15 @@ def _kind(cell: str) -> str:
     if is_numeric(cell):
         return "number"
     return "stamp" if cell[:1].isdigit() and is_stamp(cell) else "word"
+
+
+def _all_values(line: str, separator: str | None) -> bool:
+    """Whether a line holds values alone, several of them."""
+    try:
+        kinds = [_kind(cell) for cell in cells.split_head(line, separator)]
+    except (ValueError, IndexError):
+        return False
+    return "word" not in kinds and len(kinds) - kinds.count("empty") > 1
 
 
 def _styles(lines: Sequence[str], narrowest: int) -> list[_Style]:
@@ -209,8 +228,13 @@ def _described(lines: Sequence[str], style: _Style, first: int, where: str) -> L
             break
     header, units_row, labels, units = _heads(lines, style, first)
     columns = [[row[k] for row in rows] for k in style.numeric]
-    _check_commas(lines, style, columns, header, first, where)
     below = [line for line in lines[last + 1 :] if line.strip()]
+    other = [k for k in range(last + 1, len(lines)) if _all_values(lines[k], style.separator)]
+    if len(other) > HEAD_LINES:
+        raise ExchangeError(
+            f"{where}: line {other[0] + 1} begins another table, below the one that ends in line"
+            f" {last + 1}: cut the file there"
+        )
     return Layout(
         separator=style.separator,
         digits=tell(columns, style.separator),
@@ -238,12 +262,13 @@ def _heads(
         found = style.cells(lines[k]) or style.cells(lines[k].rpartition(style.separator or " ")[0])
         if found is None or style.is_row(lines[k]) or len(above) == HEAD_LINES:
             break
-        if any(cell.strip() for cell in found):
+        if any(cell.strip().lower() not in NO_UNITS for cell in found):
             above.append((k + 1, [cell.strip() for cell in found]))
     units_row = 0
     units: tuple[str, ...] = ()
     if above:
-        at = next((i for i, (_, found) in enumerate(above) if _is_units(found, len(above))), None)
+        heads = [found for _, found in above]
+        at = next((i for i in range(len(heads)) if _is_units(heads[i], heads[i + 1 :])), None)
         if at is not None:
             units_row, units = above[at][0], tuple(bare_unit(cell) for cell in above[at][1])
             above = above[:at] + above[at + 1 :]
@@ -269,34 +294,27 @@ def _distinct(labels: Sequence[str]) -> bool:
     return len(set(named)) == len(named)
 
 
-def _is_units(found: Sequence[str], heads: int) -> bool:
+def _is_units(found: Sequence[str], above: Sequence[Sequence[str]]) -> bool:
     """Whether a line holds units: most of its cells are known ones or in brackets, or half of them
-    with the first one; and all of them if no other line names the columns."""
+    with the first; or it has blanks where a line `above` has a name in every column. A line with
+    none above holds units only if all its cells do."""
     there = [cell for cell in found if cell.lower() not in NO_UNITS]
     known = [is_unit(bare_unit(cell)) or bare_unit(cell) != cell for cell in there]
-    if not there or heads == 1:
+    if not there or not above:
         return bool(there) and all(known)
-    return 2 * sum(known) > len(there) or (known[0] and 2 * sum(known) == len(there))
+    blanks = len(there) < len(found)
+    named = any(all(other) and _distinct(other) for other in above)
+    half = 2 * sum(known) - len(there)
+    return (blanks and named) or half > 0 or (known[0] and half == 0)
 
 
-def _check_commas(
-    lines: Sequence[str],
-    style: _Style,
-    columns: Sequence[Sequence[str]],
-    header: tuple[int, ...],
-    first: int,
-    where: str,
-) -> None:
-    """Raise where commas stand between the columns and, unquoted, inside the numbers as well."""
-    if style.separator != "," or any(
-        "." in cell or "," in cell for column in columns for cell in column
-    ):
-        return
-    padded = any(re.fullmatch(r"[+-]?0\d+", c.strip()) for column in columns for c in column)
-    names = next((line for line in reversed(lines[:first]) if line.strip()), "")
-    halved = not header and 2 * len(cells.split_head(names, ",")) == style.width and bool(names)
-    if padded or halved:
-        raise ExchangeError(
-            f"{where}: line {first + 1}: commas stand between the columns and inside the numbers: "
-            "save it with another separator, or with quotes around the numbers"
-        )
+def _splits_numbers(lines: Sequence[str], layout: Layout) -> bool:
+    """Whether commas stand between the columns and, unquoted, inside the numbers as well: there are
+    half as many names, or the halves behind the commas begin with zeros."""
+    cells_there = [row[k] for row in layout.rows for k in layout.numeric]
+    if layout.separator != "," or any("." in cell or "," in cell for cell in cells_there):
+        return False
+    above = next((line for line in reversed(lines[: layout.first_row - 1]) if line.strip()), "")
+    halved = 2 * len(cells.split_head(above, ",")) == len(layout.labels) if above else False
+    padded = any(re.fullmatch(r"[+-]?0\d+", cell.strip()) for cell in cells_there)
+    return padded or (halved and not layout.header_rows)

@@ -62,7 +62,7 @@ COUNTERS = frozenset(
     )
 )
 FREQUENCIES = frozenset(("frequency", "freq", "frequenz", "fréquence", "f"))
-PLAIN = ("s", "ms", "us", "ns", "min")
+PLAIN = ("s", "ms", "us", "ns")
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +231,7 @@ def _numbers(index: int, column: Column, named: bool) -> _Clock:
         if _plausible(found.rate_hz) or len(values) < 2:
             return found
         return replace(found, unit="", asked=_odd(found, f"in {unit}, as it says"))
-    if epoch := next((unit for unit in PLAIN[:4] if is_epoch(values, SECONDS[unit])), None):
+    if epoch := next((unit for unit in PLAIN if is_epoch(values, SECONDS[unit])), None):
         found = replace(_in(index, values, epoch), why=f"{epoch} since 1970", absolute=True)
         if _plausible(found.rate_hz):
             return found
