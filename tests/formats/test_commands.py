@@ -154,6 +154,20 @@ def test_scripts_get_no_guesses(tmp_path):
     assert [channel.point for channel in read(out / "run.csv").channels] == [""]
 
 
+def test_a_name_that_a_csv_cannot_hold_is_another_in_the_draft_and_a_line_without_it(tmp_path):
+    """The line names the file that was to be written, not the draft of it, which is hidden."""
+    file, out = tmp_path / "run.csv", tmp_path / "runs"
+    file.write_text('Time [s],"Acc ""hub"", left [g]"\n0.00,1\n0.01,2\n0.02,3\n')
+    assert imported(file, out=out) == 0
+    assert [channel.name for channel in read(out / "run.csv").channels] == ["Acc hub left"]
+    original = recording(channels=1)
+    named = replace(original, channels=(replace(original.channels[0], name="Acc, left"),))
+    with pytest.raises(ExchangeError) as caught:
+        write(named, tmp_path / "new.csv")
+    assert str(caught.value).startswith(f"{tmp_path / 'new.csv'}: a column of CSV cannot be")
+    assert "/." not in str(caught.value)
+
+
 def test_import_never_writes_over_what_it_reads(tmp_path):
     file = tmp_path / "run.csv"
     write(recording(), file)

@@ -25,7 +25,9 @@ def draft(tmp_path, text, name="run.txt"):
 def layout(tmp_path, text):
     """Keys of a draft before its channels, and the columns that are channels."""
     head, *channels = draft(tmp_path, text).split("[[channel]]")
-    said = dict(line.split("  #")[0].split(" = ") for line in head.split("\n") if line)
+    said = dict(
+        line.split("  #")[0].split(" = ") for line in head.split("\n") if line[:1] not in ("", "#")
+    )
     return said, [channel.split("\n")[1].removeprefix("column = ") for channel in channels]
 
 
@@ -40,6 +42,7 @@ units_row = 3  # the line with their units, 0: none
 first_row = 4  # the line of the first numbers
 time = "Zeit"
 time_unit = "s"
+# left out: Bemerkung, no numbers
 
 [[channel]]
 column = "Achse vl"

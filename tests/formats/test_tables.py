@@ -186,7 +186,9 @@ def test_commas_between_and_inside_of_numbers_without_quotes_are_refused(head, t
         ("Inch", "m", 0.0254), ("MM", "m", 1e-3), ("Nm", "N m", 1.0),
         ("deg/s", "rad/s", np.pi / 180),
         ("°/s", "rad/s", np.pi / 180), ("%", "%", 1.0), ("bar", "Pa", 1e5), ("°C", "°C", 1.0),
-        ("rpm", "rad/s", np.pi / 30), ("psi", "Pa", 6894.757293168),
+        ("rpm", "rad/s", np.pi / 30), ("FT/SEC", "m/s", 0.3048), ("kN", "N", 1e3),
+        ("kn", "m/s", 1852 / 3600),
+        ("psi", "Pa", 6894.757293168),
     ],
 )  # fmt: skip
 def test_units_as_loggers_spell_them(unit, kept, factor, tmp_path):
@@ -196,7 +198,7 @@ def test_units_as_loggers_spell_them(unit, kept, factor, tmp_path):
         assert found.values[7, 0] == pytest.approx(factor * float(f"{WAVE[7]:.4f}"))
 
 
-@pytest.mark.parametrize("unit", ["gs", "turns", "MV", "counts"])
+@pytest.mark.parametrize("unit", ["gs", "turns", "MV", "counts", "KN", "gal", "mPa"])
 def test_a_unit_that_is_not_known_stays_unknown_and_has_no_place(unit, tmp_path):
     found = drafted(tmp_path, table(lambda k: f"{k / 100:.2f}", f"Time [s],A1 [{unit}]"))
     assert units_of(found) == {"A1": unit} and found.channels[0].point == ""

@@ -149,6 +149,8 @@ def test_stamps_that_were_rounded_are_on_equal_steps(rate, digits, tmp_path):
         ("time [s],az [g]", lambda k: 10 * k, "time_unit"),  # 0.1 Hz
         ("time [us],az [g]", lambda k: k, "time_unit"),  # 1 MHz
         ("time,az [g]", lambda k: 20250614102100 + k, "time_unit"),
+        ("Time (0.1 ms),az [g]", lambda k: 100 * k, "time_unit"),
+        ("time [10 us],az [g]", lambda k: 1000 * k, "time_unit"),
         ("time [ticks],az [g]", lambda k: k, "time_unit"),
         ("Distance,az [g]", lambda k: f"{k / 10:.1f}", "time_unit"),
         ("pos,az [g]", lambda k: k, "time_unit"),

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 from wheelhop.cli.convert import check_target, in_words
@@ -116,9 +117,10 @@ def _show(found: Understood) -> None:
         table.add_column(heading)
     for column in found.columns:
         place = f", at {column.point}" if column.placed else ""
-        table.add_row(column.label, column.unit, f"{column.taken_for}{place}", column.why)
+        cells = (column.label, column.unit, f"{column.taken_for}{place}", column.why)
+        table.add_row(*map(escape, cells))  # brackets are units here
     console = open_console()
-    console.print(f"{found.path.name}: {found.words()}", soft_wrap=True)
+    console.print(escape(f"{found.path.name}: {found.words()}"), soft_wrap=True)
     console.print(table)
 
 

@@ -35,12 +35,12 @@ TABLE = (
     Unit("length", 1e3, "kilometres", ("km",), ("km",)),
     Unit("length", 0.0254, "inches", ("in",), ("in", "inch", "inches")),
     Unit("length", 0.3048, "feet", ("ft",), ("ft", "feet")),
-    Unit("speed", 1.0, "metres per second", ("m_s", "mps"), ("m/s", "m.s-1")),
+    Unit("speed", 1.0, "metres per second", ("m_s", "mps"), ("m/s", "m.s-1", "mps")),
     Unit("speed", 1e-3, "millimetres per second", (), ("mm/s",)),
-    Unit("speed", 1 / 3.6, "kilometres per hour", KMPH, ("km/h", "kph", "kmh", "kmph")),
+    Unit("speed", 1 / 3.6, "kilometres per hour", KMPH, ("km/h", "kph", "kmh", "kmph", "km/hr")),
     Unit("speed", 0.44704, "miles per hour", ("mph",), ("mph", "mi/h")),
     Unit("speed", 0.0254, "inches per second", (), ("in/s", "inch/s", "ips")),
-    Unit("speed", 0.3048, "feet per second", (), ("ft/s", "fps")),
+    Unit("speed", 0.3048, "feet per second", (), ("ft/s",)),
     Unit("speed", 1e-2, "centimetres per second", (), ("cm/s",)),
     Unit("speed", 1852 / 3600, "knots", (), ("kn", "kt", "kts", "knot", "knots")),
     Unit("acceleration", 1.0, "metres per second squared", ("m_s2",), M_S2),
@@ -101,7 +101,7 @@ TABLE = (
     Unit("force", 10.0, "decanewtons", (), ("daN",)),
     Unit("force", G, "kilograms of force", (), ("kgf", "kp")),
     Unit("force", 4.4482216152605, "pounds of force", (), ("lbf", "lbs")),
-    Unit("torque", 1.0, "newton metres", (), ("N m", "N.m", "Newton metre")),
+    Unit("torque", 1.0, "newton metres", (), ("N m", "N.m", "N-m", "Newton metre")),
     Unit("torque", 1e3, "kilonewton metres", (), ("kN m", "kN.m")),
     Unit("torque", 1.3558179483314, "foot pounds", (), ("ft-lb", "ft-lbs", "lb-ft", "lbf-ft")),
     Unit("temperature", 1.0, "degrees Celsius", (), ("°C", "C", "degC")),
@@ -155,7 +155,7 @@ SPELT = {
 SECONDS = {name: unit.in_si for unit in TABLE if unit.dimension == "time" for name in unit.spelt}
 """By a recorder's spelling of a unit of time, how long it is."""
 
-CAPITALS_MATTER = frozenset(("mV", "mA", "mbar", "MPa", "hPa"))
+CAPITALS_MATTER = frozenset(("mV", "mA", "mbar", "MPa", "hPa", "Gal"))
 """Spellings that are another unit, or none, in other capitals."""
 
 
@@ -165,14 +165,15 @@ def _plain(unit: str) -> str:
     text = normalize("NFKC", unit).strip().rstrip(".").replace("−", "-")  # ² is 2, both µ are one
     for written, plain in ((" ", ""), ("**", ""), ("^", ""), ("·", "."), ("⋅", "."), ("*", ".")):
         text = text.replace(written, plain)
-    return re.sub(r"/s/s$", "/s2", re.sub(r"(?<![A-Za-z])sec(?![A-Za-z])", "s", text))
+    return re.sub(r"/s/s$", "/s2", re.sub(r"(?<![A-Za-z])(?i:sec)(?![A-Za-z])", "s", text))
 
 
 _PLAIN = {_plain(name): kept for name, kept in SPELT.items()}
+_FOLDED = [name.lower() for name in _PLAIN]
 _LOWER = {
     name.lower(): kept
     for name, kept in _PLAIN.items()
-    if len(name) > 1 and name not in CAPITALS_MATTER
+    if len(name) > 1 and name not in CAPITALS_MATTER and _FOLDED.count(name.lower()) == 1
 }
 
 

@@ -5,6 +5,7 @@ What the file does not say is a question, and a blank key of the mapping; it is 
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +29,9 @@ from wheelhop.formats.table import POINTS
 from wheelhop.formats.timing import Column, Question, Timing, find_timing
 from wheelhop.logger.recording import ACCELERATION
 
-CHANNEL, TIME = "a channel", "time"
+CHANNEL, TIME, LEFT_OUT = "a channel", "time", "left out"
+UNNAMED = re.compile(r"[\s,\"]*[,\"][\s,\"]*")
+"""What a name cannot hold in every format that is written."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +77,10 @@ class Understood:
         ]
         lines = [f"{k} = {v}{f'  # {note}' if note else ''}" for k, v, note in self.keys]
         channels = [column for column in self.columns if column.taken_for == CHANNEL]
+        left_out = (c for c in self.columns if c.taken_for == LEFT_OUT)
+        notes = [f"# left out: {_short(column.label)}, {column.why}" for column in left_out]
         entries = (line for column in channels for line in _entry(column))
-        return "\n".join([*head, *lines, *entries]) + "\n"
+        return "\n".join([*head, *lines, *notes, *entries]) + "\n"
 
     def words(self) -> str:
         """How the file is laid out and sampled, in a line."""
@@ -261,7 +266,9 @@ def _found(
         if column.values is not None and k != timing.index and k not in timing.aside
     ]
     named = apart(
-        [columns[k].name for k in taken], [columns[k].unit for k in taken], [k + 1 for k in taken]
+        [UNNAMED.sub(" ", columns[k].name).strip() or f"column {k + 1}" for k in taken],
+        [columns[k].unit for k in taken],
+        [k + 1 for k in taken],
     )
     names = dict(zip(taken, named, strict=True))
     points = _points([(names[k], columns[k].unit) for k in taken])
@@ -275,7 +282,7 @@ def _found(
             yield Found(keys[k], column.label, name, column.unit, CHANNEL, why, point)
         else:
             why = timing.aside.get(k, "a clock, too" if column.stamps else "no numbers")
-            yield Found(keys[k], column.label, column.name, column.unit, "left out", why)
+            yield Found(keys[k], column.label, column.name, column.unit, LEFT_OUT, why)
 
 
 def _why(unit: str) -> str:

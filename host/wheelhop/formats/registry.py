@@ -137,8 +137,11 @@ def write(recording: Recording, path: Path) -> None:
     if not path.parent.is_dir():
         raise ExchangeError(f"{path}: cannot be written, there is no folder {path.parent}")
     with _header_of_before(path), replacing(path, ExchangeError) as draft:
-        with guarded(path, "be written"):
-            known.load_module().save(recording, draft)
+        try:
+            with guarded(path, "be written"):
+                known.load_module().save(recording, draft)
+        except ExchangeError as error:  # the draft is hidden, and gone when this is read
+            raise ExchangeError(str(error).replace(str(draft), str(path))) from None
         if known.beside:
             write_text(sidecar(path), to_text(recording, draft), ExchangeError)
 

@@ -220,7 +220,8 @@ def _numbers(index: int, column: Column, named: bool) -> _Clock:
     """Stamps that are numbers, in the unit that is said, or the only one that they can be in."""
     values = column.values
     assert values is not None
-    words = {WORDS[word] for word in _words(column.label) if word in WORDS} if named else set()
+    plain = named and not any(char.isdigit() for char in column.label)  # "time (0.1 ms)"
+    words = {WORDS[word] for word in _words(column.label) if word in WORDS} if plain else set()
     said = column.unit or (words.pop() if len(words) == 1 else "")
     size = seconds_in(said)
     if said and size is None:

@@ -110,6 +110,8 @@ def _no_recording(item: Mapping[str, Any]) -> str:
     unit = _said(item.get("abscissa_axis_units_lab", ""))
     if axis is None and unit and seconds_in(unit) is None:
         axis = unit
+    if axis is None and "freq" in _said(item.get("abscissa_axis_lab", "")).lower():
+        axis = "frequency"
     if axis is None:
         return ""
     return f"its abscissa is {axis}, not time: {no_time('Hz' if axis == 'frequency' else unit)}"
