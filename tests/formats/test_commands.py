@@ -168,6 +168,17 @@ def test_a_name_that_a_csv_cannot_hold_is_another_in_the_draft_and_a_line_withou
     assert "/." not in str(caught.value)
 
 
+def test_plain_commands_leave_nothing_in_the_temporary_folder(tmp_path, monkeypatch):
+    folder, source = tmp_path / "temporary", tmp_path / "run.csv"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    write(recording(), source)
+    for suffix in (".uff", ".mf4", ".parquet"):
+        assert imported(source, out=tmp_path / "out", to=suffix) == 0
+        assert imported(tmp_path / f"out/run{suffix}", out=tmp_path / f"from{suffix}") == 0
+    assert list(folder.iterdir()) == []
+
+
 def test_import_never_writes_over_what_it_reads(tmp_path):
     file = tmp_path / "run.csv"
     write(recording(), file)

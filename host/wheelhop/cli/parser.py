@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import NoReturn
 
+from wheelhop.cli.parser_formats import add_formats
 from wheelhop.cli.parser_identify import add_identify
 from wheelhop.cli.parser_new import add_new
 from wheelhop.cli.parser_parts import add_bushing, add_frame, add_rates
@@ -77,13 +78,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     _make_logs(commands)
     _make_checks(commands)
-    convert = commands.add_parser("convert", help="write a recording in another format")
-    convert.add_argument("source", metavar="FILE", type=Path, help="the recording")
-    convert.add_argument(
-        "target", metavar="NEW", type=Path, help="what to write: .csv, .parquet, .mf4, .uff"
-    )
-    convert.add_argument("--force", action="store_true", help="replace a file that exists")
-    _make_import(commands.add_parser("import", help="read recordings of other recorders, into SI"))
+    add_formats(commands)
     add_bushing(commands)
     add_frame(commands)
     add_rates(commands)
@@ -292,31 +287,6 @@ def _make_checks(commands: "argparse._SubParsersAction[_Parser]") -> None:
     for command in (health, sync):
         command.add_argument("--figure", metavar="FILE.png", type=Path, help="draw what was found")
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
-
-
-def _make_import(command: argparse.ArgumentParser) -> None:
-    command.add_argument("files", metavar="FILE", nargs="+", type=Path)
-    command.add_argument("--map", metavar="MAP.toml", type=Path, help="what the columns are")
-    command.add_argument(
-        "--out", metavar="FOLDER", type=Path, default=Path(), help="where to write (default .)"
-    )
-    command.add_argument("--to", choices=(".csv", ".parquet", ".mf4", ".uff"), default=".csv")
-    command.add_argument(
-        "--draft", action="store_true", help="print a mapping made from the file's look"
-    )
-    command.add_argument(
-        "--answer",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="what a file does not say: rate_hz=500, time_unit=ms, decimal=,",
-    )
-    command.add_argument(
-        "--yes",
-        action="store_true",
-        help="for scripts: ask nothing, and refuse what must be guessed",
-    )
-    command.add_argument("--force", action="store_true", help="replace files that exist")
 
 
 def _make_campaign(command: argparse.ArgumentParser) -> None:
