@@ -5,8 +5,11 @@ import random
 import numpy as np
 import pytest
 
-from tests.formats.foreign import G
+from tests.formats.foreign import G, save
 from tests.formats.logged import drafted
+from tests.formats.recordings import assert_same
+from wheelhop.formats import draft_mapping
+from wheelhop.formats import text as text_module
 
 UNITS = {
     "g": G, "G": G, "m/s²": 1.0, "m/s^2": 1.0, "m/s/s": 1.0, "mg": G / 1e3, "mm": 1e-3,
@@ -176,6 +179,46 @@ def test_a_table_comes_in_right_or_is_asked_about(part, tmp_path):
     right, wrong, refused = drawn(tmp_path, range(100 * part, 100 * part + 100))
     assert wrong == {}
     assert right >= 50, refused  # most tables say all that is needed
+
+
+def test_large_files_are_read_as_small_ones_are(tmp_path, monkeypatch):
+    """By pyarrow, or line by line where they are not plain: to the same bits."""
+    bulk = 0
+    for seed in range(150):
+        text = Lot(seed).text
+        monkeypatch.setattr("wheelhop.formats.bulk.LEAST_BYTES", 1 << 30)
+        one = drafted(tmp_path, text)
+        monkeypatch.setattr("wheelhop.formats.bulk.LEAST_BYTES", 0)
+        with monkeypatch.context() as patched:
+            tables = []
+            patched.setattr(text_module, "_in_bulk", noting(tables, text_module._in_bulk))
+            other = drafted(tmp_path, text)
+        bulk += any(table is not None for table in tables)
+        if isinstance(one, str):
+            assert other == one
+        else:
+            assert_same(one, other)
+    assert bulk >= 50
+
+
+def noting(results, function):
+    """The function, whose results are noted."""
+
+    def noted(*arguments):
+        results.append(function(*arguments))
+        return results[-1]
+
+    return noted
+
+
+def test_of_a_large_file_both_ends_are_looked_at(tmp_path, monkeypatch):
+    rows = [f"{k / 100:.2f};{k % 7}" for k in range(5000)]
+    path = save(tmp_path, "run.csv", "\n".join(["Time [s];A1 [g]", *rows, "", "The end", ""]))
+    whole = draft_mapping(path)
+    monkeypatch.setattr("wheelhop.formats.cells.BEGIN_BYTES", 10_000)
+    monkeypatch.setattr("wheelhop.formats.cells.END_BYTES", 1_000)
+    assert draft_mapping(path) == whole
+    assert "last_row = 5001  # below it: The end" in whole
 
 
 @pytest.mark.slow

@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files import TABLE, read_bytes, read_text_and_zeros
+from wheelhop.files import TABLE, check_plain, read_bytes, read_text_and_zeros
 from wheelhop.formats.error import ExchangeError
 
+BEGIN_BYTES, END_BYTES = 1 << 24, 1 << 20
+"""Of a large file that is looked at, how much of either end."""
 BOMS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -26,10 +28,17 @@ EMPTY = frozenset(("", "nan", "na", "n/a", "#n/a", "#nv", "-", "--", "---", "nul
 
 @dataclass(frozen=True)
 class Text:
-    """The lines of a text file, and what is worth a line in the history."""
+    """The lines of a text file, and what is worth a line in the history. Of a large one that is
+    only looked at, `passed_over` lines are missing after the first `begun`."""
 
     lines: list[str]
     remarks: tuple[str, ...] = ()
+    begun: int = 0
+    passed_over: int = 0
+
+    def number(self, index: int) -> int:
+        """The number, from 1, of a line by its index."""
+        return index + 1 + (self.passed_over if index >= self.begun else 0)
 
 
 def read_lines(file: Path, encoding: str = "") -> Text:
@@ -61,6 +70,43 @@ def read_lines(file: Path, encoding: str = "") -> Text:
     while len(lines) > 1 and not lines[-1].strip():
         lines.pop()
     return Text(lines, (left_out,) if zeros else ())
+
+
+def read_ends(file: Path) -> Text:
+    """As `read_lines`, but of a large file the lines of both ends alone."""
+    check_plain(file, ExchangeError)
+    with file.open("rb") as stream:
+        size = stream.seek(0, 2)
+        if size < 2 * (BEGIN_BYTES + END_BYTES):
+            return read_lines(file)
+        stream.seek(0)
+        begin = stream.read(BEGIN_BYTES)
+        passed_over = 0
+        while size - stream.tell() > END_BYTES:
+            passed_over += stream.read(min(END_BYTES, size - stream.tell() - END_BYTES)).count(
+                b"\n"
+            )
+        end = stream.read()
+    kept, cut, rest = begin.rpartition(b"\n")
+    _, newline, tail = end.partition(b"\n")
+    if not cut or not newline or b"\0" in begin or b"\0" in end:
+        return read_lines(file)
+    lines, below = _lines(kept), _lines(tail)
+    while len(below) > 1 and not below[-1].strip():
+        below.pop()
+    passed_over += rest.count(b"\n") + 1
+    return Text(lines + below, (), len(lines), passed_over)
+
+
+def _lines(data: bytes) -> list[str]:
+    """The lines of bytes in UTF-8, or else what Windows calls ANSI."""
+    for name in ("utf-8-sig", "cp1252", "latin-1"):
+        try:
+            text = data.decode(name)
+            break
+        except UnicodeDecodeError:
+            pass
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 def split(lines: Sequence[str], separator: str | None) -> list[list[str]]:

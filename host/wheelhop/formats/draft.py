@@ -130,8 +130,8 @@ def understand(path: Path, answers: Mapping[str, str] | None = None) -> Understo
     if not is_text(path):
         return _of_tables(path, answers)
     with guarded(path, "be understood"):
-        text = cells.read_lines(path)
-        layout = find_layout(text.lines, str(path))
+        text = cells.read_ends(path)
+        layout = find_layout(text, str(path))
         found = _of_text(path, text.lines, layout, answers)
     return replace(found, remarks=(*text.remarks, *found.remarks))
 

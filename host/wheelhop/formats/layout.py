@@ -17,6 +17,8 @@ LOOK = 200  # lines in which the table has to begin
 TAIL = 200  # lines below it that may be something else
 SPREAD = 300  # lines of the rest that are looked at
 SAMPLE_ROWS = 100_000
+SHOWN = 5000  # cells of a column
+DIGITS = frozenset("0123456789+-.")
 HEAD_LINES = 4  # of names and units, at most
 SEPARATORS = (";", "\t", ",", "|", None)
 """The ones first that stand between cells and nowhere else. None: runs of blanks."""
@@ -82,12 +84,13 @@ class _Style:
         return 0 if found is None else sum(_kind(found[k]) == "number" for k in self.numeric)
 
 
-def find_layout(lines: Sequence[str], where: str) -> Layout:
+def find_layout(text: cells.Text, where: str) -> Layout:
     """The layout of a text file's lines, in which most cells are numbers.
 
     Raises `ExchangeError`, whose message begins with `where`, for a file without columns of
     numbers, one with a second table, and one whose separators are decimal signs as well.
     """
+    lines = text.lines
     step = max(1, len(lines) // SPREAD)
     looked = [line for line in (*lines[: 2 * LOOK], *lines[2 * LOOK :: step]) if line.strip()]
     styles = [style for narrowest in (2, 1) for style in _styles(looked, narrowest)]
@@ -95,7 +98,7 @@ def find_layout(lines: Sequence[str], where: str) -> Layout:
     for style in sorted(styles, key=lambda style: (style.width == 1, -style.score)):
         if (first := _first_row(lines, style, where)) is None:
             continue
-        layout = _described(lines, style, first, where)
+        layout = _described(text, style, first, where)
         if not _splits_numbers(lines, layout):
             return layout
         doubled = (
@@ -212,7 +215,8 @@ def _first_row(lines: Sequence[str], style: _Style, where: str) -> int | None:
     return None
 
 
-def _described(lines: Sequence[str], style: _Style, first: int, where: str) -> Layout:
+def _described(text: cells.Text, style: _Style, first: int, where: str) -> Layout:
+    lines = text.lines
     bottom = max(first, len(lines) - TAIL)
     last = next((k for k in range(len(lines) - 1, bottom - 1, -1) if style.is_row(lines[k])), None)
     if last is None:
@@ -220,35 +224,48 @@ def _described(lines: Sequence[str], style: _Style, first: int, where: str) -> L
             f"{where}: its last {len(lines) - bottom} lines are no rows of the table that begins in"
             f" line {first + 1}: cut the file"
         )
-    rows = []
-    for line in lines[first : last + 1]:
-        if (row := style.cells(line)) is not None and style.is_row(line):
-            rows.append(tuple(row))
-        if len(rows) == SAMPLE_ROWS:
-            break
+    rows = _rows(lines[first : last + 1], style)
     header, units_row, labels, units = _heads(lines, style, first)
     columns = [[row[k] for row in rows] for k in style.numeric]
     below = [line for line in lines[last + 1 :] if line.strip()]
     other = [k for k in range(last + 1, len(lines)) if _all_values(lines[k], style.separator)]
     if len(other) > HEAD_LINES:
         raise ExchangeError(
-            f"{where}: line {other[0] + 1} begins another table, below the one that ends in line"
-            f" {last + 1}: cut the file there"
+            f"{where}: line {text.number(other[0])} begins another table, below the one that ends"
+            f" in line {text.number(last)}: cut the file there"
         )
     return Layout(
         separator=style.separator,
-        digits=tell(columns, style.separator),
+        digits=tell([_some(column) for column in columns], style.separator),
         header_rows=header,
         units_row=units_row,
         first_row=first + 1,
-        last_row=last + 1 if below else 0,
+        last_row=text.number(last) if below else 0,
         labels=labels,
         units=units,
-        rows=tuple(rows),
+        rows=rows,
         numeric=style.numeric,
         stamps=style.stamps,
         below=below[0].strip()[:40] if below else "",
     )
+
+
+def _rows(lines: Sequence[str], style: _Style) -> tuple[tuple[str, ...], ...]:
+    """The cells of the first rows."""
+    sample = lines[:SAMPLE_ROWS]
+    key = (*style.numeric, *style.stamps)[0]
+    rows = []
+    for line, row in zip(sample, cells.split(sample, style.separator), strict=True):
+        wide = len(row) - (len(row) == style.width + 1 and not row[-1].strip())
+        # What begins like a number is taken for a row here; a cell that is none is told on reading.
+        if wide == style.width and (row[key].strip()[:1] in DIGITS or style.is_row(line)):
+            rows.append(tuple(row[:wide]))
+    return tuple(rows)
+
+
+def _some(column: Sequence[str]) -> Sequence[str]:
+    """Cells of a column that show how its numbers are written: the first, and some of the rest."""
+    return [*column[:SPREAD], *column[SPREAD :: max(1, len(column) // SHOWN)]]
 
 
 def _heads(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wheelhop.files.units import SECONDS, seconds_in
 from wheelhop.formats import cells
+from wheelhop.formats.bulk import parse_body, plain_body
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.labels import bare_unit, joined_heads, name_and_unit
 from wheelhop.formats.mapping import Map
@@ -27,6 +28,11 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
             f"{path}: what its columns are must be said in a mapping: "
             f"wheelhop import {path.name} --draft proposes one"
         )
+    return [_in_bulk(path, mapping) or _line_by_line(path, mapping)]
+
+
+def _line_by_line(path: Path, mapping: Map) -> Table:
+    """The table of any text; raises `ExchangeError` that says which line is wrong."""
     text = cells.read_lines(path, mapping.encoding)
     lines, first = text.lines, mapping.first
     if len(lines) < first:
@@ -56,10 +62,6 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     wanted = [k for k in _wanted(names, mapping, body, path) if k != clock]
     if not wanted:
         raise ExchangeError(f"{path}: has no columns of numbers beside time: {', '.join(names)}")
-    stamps: Stamps | None = None
-    said: list[str] = []
-    if clock is not None:
-        stamps, said = _stamps(column(clock), names[clock], units[clock], mapping, where)
     table = Table(
         file=path,
         kind="text",
@@ -67,11 +69,56 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
         values=np.column_stack([parsed(k) for k in wanted]),
         numbers=tuple(k + 1 for k in wanted),
         lines=numbers,
-        remarks=(*text.remarks, *dropped, *said),
+        remarks=(*text.remarks, *dropped),
     )
-    if stamps is None:
-        return [table]
-    return [replace(table, time_s=stamps.time_s, start_unix_s=stamps.start_unix_s)]
+    if clock is None:
+        return table
+    if _are_numbers(column(clock), mapping):
+        return _timed(table, names[clock], units[clock], parsed(clock), mapping)
+    return _dated(table, column(clock), mapping)
+
+
+def _in_bulk(path: Path, mapping: Map) -> Table | None:
+    """The same table of a large text, if it is plain."""
+    body = plain_body(path, mapping)
+    if body is None:
+        return None
+    first = cells.split(body.head[mapping.first - 1 : -1], mapping.separator)
+    names, units = _labels(body.head, mapping, len(first[0]))
+    clock = _find(names, mapping.time, path)
+    widths = {len(row) for row in first}
+    if widths not in ({len(names)}, {len(names) + 1}):
+        return None
+    wanted = [k for k in _wanted(names, mapping, first, path) if k != clock]
+    known = mapping.picks or all(
+        any(row[k].strip().lower() not in cells.EMPTY for row in first) for k in range(len(names))
+    )
+    if not wanted or not known:
+        return None
+    numeric = clock is not None and _are_numbers([row[clock] for row in first], mapping)
+    timed = [clock] if clock is not None else []
+    found = parse_body(
+        body, widths.pop(), [*wanted, *(timed if numeric else [])], [] if numeric else timed
+    )
+    if found is None or (numeric and np.isnan(found[0][:, -1]).any()):
+        return None
+    values, texts = found
+    table = Table(
+        file=path,
+        kind="text",
+        channels=tuple(plain_channel(names[k], units[k]) for k in wanted),
+        values=values[:, : len(wanted)],
+        numbers=tuple(k + 1 for k in wanted),
+        lines=range(body.first, body.first + body.count),
+        remarks=(f"lines from {mapping.last_row + 1} on, below the table: left out",)
+        if body.cut
+        else (),
+    )
+    if clock is None:
+        return table
+    if numeric:
+        return _timed(table, names[clock], units[clock], values[:, -1], mapping)
+    return _dated(table, texts[0], mapping)
 
 
 def _body(
@@ -84,7 +131,7 @@ def _body(
     numbers: Sequence[int] = range(mapping.first, last + 1)
     remarks, repeated, said = [], [], []
     if mapping.last_row and mapping.last_row < len(lines):
-        said.append(f"lines {mapping.last_row + 1} to {len(lines)}, below the table: left out")
+        said.append(f"lines from {mapping.last_row + 1} on, below the table: left out")
     for number in numbers:
         line = lines[number - 1].strip()
         if line in above and line:
@@ -103,33 +150,41 @@ def _body(
     return numbers, cells.split([lines[n - 1] for n in numbers], mapping.separator), said
 
 
-def _stamps(
-    texts: Sequence[str], name: str, unit: str, mapping: Map, where: Callable[[int], str]
-) -> tuple[Stamps, list[str]]:
-    """The time stamps, in the unit that the mapping says, or else the file, and what is worth a
-    line in the history."""
-    said = mapping.time_unit
-    are_numbers = said not in ("", CLOCK, MINUTES) or cells.is_number(
-        next((cell for cell in texts if cell.strip()), ""), mapping.decimal
-    )
-    if said in (CLOCK, MINUTES) or (not said and not are_numbers):
-        stamps = of_texts(texts, said or CLOCK, where)
-        return stamps, list(stamps.remarks)
-    values = cells.parse(texts, mapping.decimal, where, name, mapping.thousands)
+def _are_numbers(texts: Sequence[str], mapping: Map) -> bool:
+    """Whether time stamps are numbers, as the mapping says, or else as the first of them is."""
+    if mapping.time_unit:
+        return mapping.time_unit not in (CLOCK, MINUTES)
+    return cells.is_number(next((cell for cell in texts if cell.strip()), ""), mapping.decimal)
+
+
+def _timed(table: Table, name: str, unit: str, values: NDArray[np.float64], mapping: Map) -> Table:
+    """The table with stamps that are numbers, in the unit that the mapping says, or else the
+    file."""
+    said, rate_hz = mapping.time_unit, mapping.rate_hz
     if np.isnan(values).any():
-        raise ExchangeError(f"{where(int(np.argmax(np.isnan(values))))}: {name}: has no time")
+        raise ExchangeError(f"{table.where(int(np.argmax(np.isnan(values))))}: {name}: has no time")
     if not said:
         said, asked = unit_of_numbers(name, unit, values)
-        if asked and not mapping.rate_hz:
+        if asked and not rate_hz:
             raise ExchangeError(
-                f"{where(0)}: {asked}: say time_unit in the mapping: {', '.join(UNITS)}"
+                f"{table.where(0)}: {asked}: say time_unit in the mapping: {', '.join(UNITS)}"
             )
         said = said or "s"
-    stamps = of_numbers(values, said, where, mapping.rate_hz)
-    told = seconds_in(unit)
+    stamps = of_numbers(values, said, table.where, rate_hz)
+    told, remarks = seconds_in(unit), stamps.remarks
     if told is not None and said in SECONDS and told != SECONDS[said]:
-        return stamps, [f"{name}: the file says {unit}, the mapping {said}", *stamps.remarks]
-    return stamps, list(stamps.remarks)
+        remarks = (f"{name}: the file says {unit}, the mapping {said}", *remarks)
+    return _with(table, replace(stamps, remarks=remarks))
+
+
+def _dated(table: Table, texts: Sequence[str], mapping: Map) -> Table:
+    """The table with stamps that are dates or times of day."""
+    return _with(table, of_texts(texts, mapping.time_unit or CLOCK, table.where))
+
+
+def _with(table: Table, stamps: Stamps) -> Table:
+    remarks = (*table.remarks, *stamps.remarks)
+    return replace(table, time_s=stamps.time_s, start_unix_s=stamps.start_unix_s, remarks=remarks)
 
 
 def _wanted(names: list[str], mapping: Map, body: Sequence[Sequence[str]], path: Path) -> list[int]:
