@@ -44,6 +44,7 @@ READ_OWN_WAY = {
     "hil_sim": "the files of a logger that is none",
     "campaign/proving_ground.py": "of the package",
     "campaign/recordings.py": "weighed and refused just before",
+    "formats/bulk.py": "in pieces, and refused just before",
     "formats/cells.py": "both ends, and refused just before",
     "formats/header.py": "in pieces, and refused just before",
     "formats/mdf.py": "the registry refuses, and it is weighed when open",

@@ -80,7 +80,8 @@ def _until_zero(path: Path, kind: type[InputError], spare: int) -> tuple[bytes, 
         size = os.fstat(file.fileno()).st_size
         check_room(path, TABLE * size, kind)
         while more := file.read(min(PIECE_BYTES, size - len(data))):
-            begun, data = len(data), data + more
+            begun = len(data)
+            data += more
             if b"\0" in more and not data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
                 first = begun + more.index(0)
                 if size - first > spare or (data[first:] + file.read(spare)).strip(b"\0"):

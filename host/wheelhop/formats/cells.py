@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,11 +18,8 @@ from wheelhop.formats.error import ExchangeError
 
 BEGIN_BYTES, END_BYTES = 1 << 24, 1 << 20
 """Of a large file that is looked at, how much of either end."""
-BOMS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
-    (codecs.BOM_UTF16_LE, "utf-16"),
-    (codecs.BOM_UTF16_BE, "utf-16"),
-)
+UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+BOMS = ((codecs.BOM_UTF8, "utf-8-sig"), *((mark, "utf-16") for mark in UTF_16))
 EMPTY = frozenset(("", "nan", "na", "n/a", "#n/a", "#nv", "-", "--", "---", "null", "none"))
 """What recorders write where there is no value."""
 
@@ -72,20 +70,28 @@ def read_lines(file: Path, encoding: str = "") -> Text:
     return Text(lines, (left_out,) if zeros else ())
 
 
+def first_names(file: Path) -> list[str]:
+    """The cells of the first line, between commas, as our own tables have them."""
+    head = b""
+    if file.stat().st_size > END_BYTES:
+        with file.open("rb") as stream:
+            head = stream.read(END_BYTES)
+    plain = head and b"\0" not in head
+    line = _lines(head.partition(b"\n")[0])[0] if plain else read_lines(file).lines[0]
+    return [name.strip().strip('"').strip() for name in line.split(",")]
+
+
 def read_ends(file: Path) -> Text:
     """As `read_lines`, but of a large file the lines of both ends alone."""
     check_plain(file, ExchangeError)
+    if file.stat().st_size < 2 * (BEGIN_BYTES + END_BYTES):
+        return read_lines(file)
     with file.open("rb") as stream:
-        size = stream.seek(0, 2)
-        if size < 2 * (BEGIN_BYTES + END_BYTES):
-            return read_lines(file)
-        stream.seek(0)
-        begin = stream.read(BEGIN_BYTES)
-        passed_over = 0
-        while size - stream.tell() > END_BYTES:
-            passed_over += stream.read(min(END_BYTES, size - stream.tell() - END_BYTES)).count(
-                b"\n"
-            )
+        left = os.fstat(stream.fileno()).st_size - BEGIN_BYTES - END_BYTES
+        begin, passed_over = stream.read(BEGIN_BYTES), 0
+        while left > 0 and (piece := stream.read(min(END_BYTES, left))):
+            passed_over += piece.count(b"\n")
+            left -= len(piece)
         end = stream.read()
     kept, cut, rest = begin.rpartition(b"\n")
     _, newline, tail = end.partition(b"\n")

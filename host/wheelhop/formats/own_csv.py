@@ -25,13 +25,13 @@ CHUNK = 4096  # rows
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read a CSV of ours; any other is text that needs a mapping."""
-    read = cells.read_lines(path)
-    lines = read.lines
-    names = [name.strip().strip('"').strip() for name in lines[0].split(",")]
+    names = cells.first_names(path)
     header = read_sidecar(path)
     ours = TIME in names and (mapping is None or header is not None)
     if not ours:
         return text.load(path, mapping)
+    read = cells.read_lines(path)
+    lines = read.lines
     if len(set(names)) != len(names):
         raise ExchangeError(f"{path}: line 1: a column name appears twice")
     numbers = _parse(lines[1:], names, path)

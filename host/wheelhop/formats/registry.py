@@ -46,7 +46,6 @@ PARQUET = Format("Parquet", "parquet", writes=True)
 MDF = Format("ASAM MDF", "mdf", writes=True, own_time=True)
 MDF_READ = Format("ASAM MDF", "mdf", own_time=True)
 TIME = "time_s"
-LONGEST_LINE = 1 << 20
 MDF_BEGINS = (b"MDF     ", b"UnFinMF ")
 UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True, own_time=True)
 FORMATS = {
@@ -74,9 +73,9 @@ def is_foreign(path: Path) -> bool:
         return False
     if _format(path) is not CSV or not path.is_file():
         return True
-    with path.open("rb") as file:
-        head = file.readline(LONGEST_LINE).decode("latin-1")
-    return TIME not in [name.strip().strip('"').strip() for name in head.split(",")]
+    from wheelhop.formats.cells import first_names
+
+    return TIME not in first_names(path)
 
 
 def _format_of(path: Path) -> Format:

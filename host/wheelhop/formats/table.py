@@ -88,6 +88,7 @@ def to_recording(table: Table, mapping: Map | None, guess_places: bool = True) -
     if not len(table.values):
         raise ExchangeError(f"{table.file}: holds no samples")
     picks = mapping.picks if mapping is not None else ()
+    grid = _grid(table, mapping)
     channels, values, steps = _converted(
         table, picks or tuple(Pick(number) for number in table.columns)
     )
@@ -96,7 +97,6 @@ def to_recording(table: Table, mapping: Map | None, guess_places: bool = True) -
         steps += guesses
     if mapping is not None and mapping.rate_hz and table.rate_hz not in (None, mapping.rate_hz):
         steps.append(f"the file says {table.rate_hz:g} Hz, the mapping {mapping.rate_hz:g} Hz")
-    grid = _grid(table, mapping)
     origin = f"imported from {table.file.name} ({table.kind})"
     imported = Recording(
         values=grid.spread(values),

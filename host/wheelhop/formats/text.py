@@ -83,7 +83,8 @@ def _in_bulk(path: Path, mapping: Map) -> Table | None:
     body = plain_body(path, mapping)
     if body is None:
         return None
-    first = cells.split(body.head[mapping.first - 1 : -1], mapping.separator)
+    stop = mapping.first - 1 + body.count
+    first = cells.split(body.head[mapping.first - 1 : stop], mapping.separator)
     names, units = _labels(body.head, mapping, len(first[0]))
     clock = _find(names, mapping.time, path)
     widths = {len(row) for row in first}
@@ -98,7 +99,11 @@ def _in_bulk(path: Path, mapping: Map) -> Table | None:
     numeric = clock is not None and _are_numbers([row[clock] for row in first], mapping)
     timed = [clock] if clock is not None else []
     found = parse_body(
-        body, widths.pop(), [*wanted, *(timed if numeric else [])], [] if numeric else timed
+        body,
+        mapping,
+        widths.pop(),
+        [*wanted, *(timed if numeric else [])],
+        [] if numeric else timed,
     )
     if found is None or (numeric and np.isnan(found[0][:, -1]).any()):
         return None
