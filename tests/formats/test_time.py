@@ -226,3 +226,24 @@ def test_a_mapping_may_leave_the_unit_of_time_to_the_file_and_not_more(tmp_path)
 def test_a_spectrum_is_told_to_be_one(tmp_path):
     text = table(lambda k: f"{k / 2:.1f}", "Frequency [Hz],PSD [g]")
     assert "Frequency [Hz] rises evenly, in Hz: this is a spectrum, no" in drafted(tmp_path, text)
+
+
+def test_channels_with_times_of_their_own_are_refused(tmp_path):
+    """Even at one rate: they were not sampled together."""
+    head = "Time [s],A1 [g],Time [s],B1 [g]"
+    for rate, since in ((50, 0.0), (100, 0.003)):
+        text = table(lambda k, r=rate, s=since: f"{k / 100:.2f},1,{s + k / r:.3f}", head)
+        assert "columns 1 and 3 are both called Time [s] and differ" in drafted(tmp_path, text)
+    same = table(lambda k: f"{k / 100:.2f},1,{k / 100:.2f}", head)
+    assert [channel.name for channel in drafted(tmp_path, same).channels] == ["A1", "B1"]
+
+
+def test_uneven_steps_are_told_and_not_cut(tmp_path):
+    text = table(lambda k: f"{k / 100 + 0.004 * WAVE[(k * k) % ROWS]:.6f}", "Time [s],az [g]")
+    assert "time goes on in uneven steps, 0.0" in drafted(tmp_path, text)
+
+
+def test_a_column_of_row_numbers_is_no_channel(tmp_path):
+    found = drafted(tmp_path, table(lambda k: f"{k},{k / 100:.2f}", ",Time [s],az [g]"))
+    assert_right(found)
+    assert len(found.channels) == 1

@@ -75,7 +75,7 @@ TABLE = (
     Unit("time", 3600.0, "hours", (), ("h", "hour", "hours")),
     Unit("time", 86400.0, "days", (), ("day", "days")),
     Unit("frequency", 1.0, "hertz", ("hz", "Hz"), ("Hz",)),
-    Unit("frequency", 1e3, "kilohertz", ("khz", "kHz")),
+    Unit("frequency", 1e3, "kilohertz", ("khz", "kHz"), ("kHz",)),
     Unit("mass", 1.0, "kilograms", ("kg",), ("kg",)),
     Unit("mass", 1e-3, "grams", ("g",)),
     Unit("mass", 1e3, "tonnes", ("t",)),

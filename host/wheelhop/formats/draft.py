@@ -148,18 +148,22 @@ def _of_text(
     columns = _columns(layout, digits)
     above = [k for k in range(1, layout.first_row) if k not in layout.header_rows]
     stated = stated_rates([lines[k - 1] if k in above else "" for k in range(1, layout.first_row)])
+    blank = bool(questions)  # the numbers cannot be read yet, nor the time
     try:
-        timing = _answered(find_timing(columns, stated), answers)
+        timing = Timing() if blank else _answered(find_timing(columns, stated), answers)
     except ExchangeError as error:
         raise ExchangeError(f"{path}: {error}") from None
     questions += timing.questions
     names = _keys(layout.labels)
     mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
     heads = layout.header_rows
-    blank = digits.asked and "decimal" not in answers
     keys = [
         ("separator", quoted(mark[layout.separator]), ""),
-        ("decimal", quoted("" if blank else digits.decimal), f"{digits.asked}" if blank else ""),
+        (
+            "decimal",
+            quoted("" if blank else digits.decimal),
+            f"{digits.asked}; draft again with --answer decimal=…" if blank else "",
+        ),
         ("thousands", quoted(digits.thousands), "") if digits.thousands else None,
         (
             "header_row",

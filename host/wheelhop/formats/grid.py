@@ -19,6 +19,7 @@ FEWEST = 0.1
 """The least share of samples that must be there, beyond `FREE_GAPS`: a clock that was set anew
 must not become a billion missing samples."""
 FREE_GAPS = 100_000
+UNEVEN = 0.1  # share of steps that are no whole number of periods
 SURE = 5e-3
 """How coarse rounded stamps may be, as a share of the time they cover, to tell the rate."""
 FEWEST_ROUNDED = 10  # stamps that tell by their steps how they were rounded
@@ -109,6 +110,11 @@ def fit_grid(
     period = 1.0 / rate_hz if rate_hz else typical_step(steps)
     counts = np.round(steps / period)
     off = np.abs(steps / period - counts)
+    if (off > STRAY).mean() > UNEVEN and len(steps) >= FEWEST_ROUNDED:
+        raise ExchangeError(
+            f"{where(0)}: time goes on in uneven steps, {steps.min():.3g} to {steps.max():.3g} s:"
+            " resample it, or if the samples are equally spaced, leave time out and say rate_hz"
+        )
     if (counts < 1).any() or (off > STRAY).any():
         row = int(np.argmax((counts < 1) | (off > STRAY))) + 1
         raise ExchangeError(

@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files.units import SECONDS, seconds_in
+from wheelhop.files.units import SECONDS, seconds_in, to_si
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import typical_step
+from wheelhop.formats.names import COUNTERS, FREQUENCIES, UNITS, is_time_name, words_in
 from wheelhop.formats.stamps import (
     CLOCK,
     DAY_S,
@@ -38,30 +39,7 @@ COARSE = 0.005
 """Share of stamps equal to the one before from which on they are coarse, not faulty."""
 EVEN = 1.01  # greatest step over least
 SERIAL_DAYS = (36526.0, 73050.0)  # spreadsheets count days since 1900: 2000 to 2100
-TIMES = frozenset(
-    (
-        *("time", "timestamp", "timestamps", "stamp", "zeit", "zeitstempel", "temps", "tiempo"),
-        *("tempo", "elapsed", "clock", "utc", "epoch", "uptime", "datetime", "date", "datum"),
-        *("uhrzeit", "seconds", "secs", "sec", "millis", "micros", "nanos", "milliseconds"),
-        *("microseconds", "nanoseconds", "msec", "usec", "hhmmss", "t"),
-    )
-)
-WORDS = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
-    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), "ms"),
-    **dict.fromkeys(("us", "usec", "micros", "microsecond", "microseconds"), "us"),
-    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
-    **dict.fromkeys(("min", "minutes"), "min"),
-}
-"""Units of time as names have them."""
-COUNTERS = frozenset(
-    (
-        *("count", "counter", "cnt", "sample", "samples", "index", "idx", "nr", "no", "num", "n"),
-        *("number", "frame", "seq", "sequence", "packet", "id", "row", "record", "tick", "ticks"),
-        *("scan", "unnamed", "messwert", "lfd", "point"),
-    )
-)
-FREQUENCIES = frozenset(("frequency", "freq", "frequenz", "fréquence", "f"))
+NAMELESS = re.compile(r"column \d+")
 PLAIN = ("s", "ms", "us", "ns")
 
 
@@ -131,7 +109,11 @@ def find_timing(columns: Sequence[Column], stated: Mapping[float, int]) -> Timin
     clocks = [clock for k, column in enumerate(columns) if (clock := _clock(k, column))]
     counters = [k for k, column in enumerate(columns) if _counts(column)]
     aside = {clock.index: "a clock, too" for clock in clocks}
-    aside |= {k: "a counter" for k in counters if _words(columns[k].label) & COUNTERS}
+    aside |= {
+        k: "a counter"
+        for k in counters
+        if words_in(columns[k].label) & COUNTERS or NAMELESS.fullmatch(columns[k].label)
+    }
     good = sorted((clock for clock in clocks if not clock.asked), key=lambda clock: clock.rank)
     if good:
         found = _agreeing(good, columns, stated)
@@ -140,7 +122,7 @@ def find_timing(columns: Sequence[Column], stated: Mapping[float, int]) -> Timin
         question = Question("time_unit", f"{best.asked} (s, ms, us, …)")
         found = Timing(best.index, why="called so", questions=(question,))
     elif counters:
-        named = [k for k in counters if k in aside]
+        named = [k for k in counters if words_in(columns[k].label) & COUNTERS]
         found = _counted((named or counters)[0], columns, stated, sure=bool(named))
     else:
         found = _uncounted(columns, stated)
@@ -177,16 +159,6 @@ def stamps_of(column: Column, unit: str, rate_hz: float | None, file: Path) -> S
     return of_numbers(column.values, unit or "s", where, rate_hz)
 
 
-def _words(label: str) -> set[str]:
-    apart = re.sub(r"([a-z])([A-Z])", r"\1 \2", label)
-    return set(re.findall(r"[^\W\d_]+|#", apart.lower()))
-
-
-def is_time_name(label: str) -> bool:
-    """Whether a column is called time, in one language or another."""
-    return bool(_words(label) & TIMES) or label.strip().lower() == "x_value"  # LabVIEW's
-
-
 def _clock(index: int, column: Column) -> _Clock | None:
     """The column as a clock, None if it is none."""
     if column.stamps is not None:
@@ -221,7 +193,7 @@ def _numbers(index: int, column: Column, named: bool) -> _Clock:
     values = column.values
     assert values is not None
     plain = named and not any(char.isdigit() for char in column.label)  # "time (0.1 ms)"
-    words = {WORDS[word] for word in _words(column.label) if word in WORDS} if plain else set()
+    words = {UNITS[word] for word in words_in(column.label) if word in UNITS} if plain else set()
     said = column.unit or (words.pop() if len(words) == 1 else "")
     size = seconds_in(said)
     if said and size is None:
@@ -237,7 +209,7 @@ def _numbers(index: int, column: Column, named: bool) -> _Clock:
         if _plausible(found.rate_hz):
             return found
         return replace(found, unit="", asked=_odd(found, f"in {epoch} since 1970"))
-    since = _of_day(values, bool(_words(column.label) & {"utc", "hhmmss"}))
+    since = _of_day(values, bool(words_in(column.label) & {"utc", "hhmmss"}))
     if since is not None:
         rate, jitter = _rate(since)
         found = _Clock(index, DIGITS, rate, "hours, minutes and seconds", jitter=jitter)
@@ -310,9 +282,16 @@ def _of_day(values: NDArray[np.float64], named: bool) -> NDArray[np.float64] | N
 def _agreeing(
     good: Sequence[_Clock], columns: Sequence[Column], stated: Mapping[float, int]
 ) -> Timing:
-    """The best clock, if no other and no line of the file says another rate."""
+    """The best clock, if no other and no line of the file says another rate. Raises `ExchangeError`
+    where columns have clocks of their own."""
     best = good[0]
     for other in good[1:]:
+        one, two = columns[best.index], columns[other.index]
+        if one.label == two.label and not _same(one, two):
+            raise ExchangeError(
+                f"columns {best.index + 1} and {other.index + 1} are both called {one.label} and"
+                " differ: channels with times of their own cannot be one table: save it on one time"
+            )
         if abs(other.rate_hz / best.rate_hz - 1) > AGREE and not other.guess:
             words = " and ".join(
                 f"{columns[clock.index].label} goes at {clock.rate_hz:.6g} Hz"
@@ -330,6 +309,13 @@ def _agreeing(
         words = f"{_lines(wrong)}, the stamps go at {best.rate_hz:.6g} Hz: which is right?"
         questions = (Question("rate_hz", words),)
     return Timing(best.index, best.unit, None, best.why, best.guess, questions)
+
+
+def _same(one: Column, two: Column) -> bool:
+    """Whether two columns hold the same numbers."""
+    if one.values is None or two.values is None:
+        return False
+    return np.array_equal(one.values, two.values, equal_nan=True)
 
 
 def _lines(stated: Mapping[float, int]) -> str:
@@ -350,10 +336,9 @@ def _counted(
 ) -> Timing:
     """A counter is time once its rate is known."""
     label = columns[index].label
-    nameless = re.fullmatch(r"column \d+", label) is not None
     guess = "" if sure else f"{label} counts samples"
     rate, words = _only(stated)
-    if not sure and not nameless:
+    if not sure and not NAMELESS.fullmatch(label):
         asked = f"{label} rises by ones: is it time, in s, ms, …, or a counter of samples, {SAMPLE}"
         return Timing(index, why="rises by ones", questions=(Question("time_unit", asked),))
     why = "a counter" if rate is None else f"a counter, at {rate:g} Hz: {words}"
@@ -372,7 +357,8 @@ def _uncounted(columns: Sequence[Column], stated: Mapping[float, int]) -> Timing
         steps = np.diff(values)
         if not (steps.min() > 0 and steps.max() < EVEN * steps.min()):
             continue
-        if column.unit == "Hz" or _words(column.name) & FREQUENCIES:
+        named = not column.unit and words_in(column.name) & FREQUENCIES
+        if named or to_si(column.unit)[0] == "Hz":
             raise ExchangeError(
                 f"{column.label} rises evenly, in {column.unit or 'Hz'}: this is a spectrum, "
                 "no recording"
