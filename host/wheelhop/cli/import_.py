@@ -78,7 +78,7 @@ def _read(file: Path, mapping: Map | None, answers: dict[str, str], yes: bool) -
         mapping, granted = found.mapping(places=not yes), found.granted(places=not yes)
     with stages() as stage:
         stage(f"reading {file}")
-        recording = read(file, mapping, guess_places=not yes)
+        recording = read(file, mapping, guess=not yes)
     return replace(recording, history=(*recording.history, *granted))
 
 

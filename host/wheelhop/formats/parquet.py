@@ -78,7 +78,8 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     stamps = stamps_of(time, timing.unit, mapping.rate_hz if mapping else None, path)
     said = f"time is {time.label}{f', {timing.why}' if timing.why else ''}"
     remarks = (*(() if ours or (mapping and mapping.time) else (said,)), *stamps.remarks)
-    return [replace(found, time_s=stamps.time_s, start_unix_s=stamps.start_unix_s, remarks=remarks)]
+    timed = replace(found, time_s=stamps.time_s, start_unix_s=stamps.start_unix_s)
+    return [replace(timed, remarks=remarks, granted=timing.guess)]
 
 
 def _column(table: Any, k: int) -> Column:
@@ -93,7 +94,8 @@ def _column(table: Any, k: int) -> Column:
     if kinds.is_timestamp(field.type) or kinds.is_time(field.type) or kinds.is_duration(field.type):
         if data.null_count:
             return replace(column, stamps="some rows have no time")
-        counts = data.cast(pyarrow.int64()).to_numpy()
+        short = kinds.is_time32(field.type)
+        counts = data.cast(pyarrow.int32() if short else pyarrow.int64()).to_numpy().astype(int)
         seconds = (counts - counts[:1]) * SECONDS[field.type.unit]
         zero = None
         if kinds.is_timestamp(field.type) and field.type.tz and len(counts):

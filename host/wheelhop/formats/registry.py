@@ -111,17 +111,17 @@ def load(path: Path, mapping: Map | None = None) -> list[Table]:
     return tables
 
 
-def read(path: Path, mapping: Map | None = None, guess_places: bool = True) -> Recording:
+def read(path: Path, mapping: Map | None = None, guess: bool = True) -> Recording:
     """Read a recording, in SI. Raises `ExchangeError`.
 
     A file that `write` has written comes back as it was. Anything else is imported: units that are
     known become SI, gaps of the time stamps become rows of NaN, and the history says so. `mapping`
     says what a file does not tell itself; free-form text needs one. Without it accelerometers sit
-    where their names mean, if `guess_places`.
+    where their names mean; without `guess` nothing is guessed, and refused what would have to be.
     """
     tables = load(path, mapping)
     table = choose(tables, mapping.group if mapping else "", path)
-    return to_recording(table, mapping, guess_places)
+    return to_recording(table, mapping, guess)
 
 
 def write(recording: Recording, path: Path) -> None:

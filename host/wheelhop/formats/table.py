@@ -14,7 +14,7 @@ from wheelhop.files.units import is_measured, to_si
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import Grid, fit_grid
 from wheelhop.formats.header import Header
-from wheelhop.formats.labels import apart
+from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.mapping import Map, Pick
 from wheelhop.formats.places import likely_points
 from wheelhop.logger.recording import ACCELERATION, CODE, Channel, Recording
@@ -31,7 +31,7 @@ class Table:
     rounded and the rate is exact. `header` is there if wheelhop wrote the file. `lines` are the
     lines of the rows in a text file, empty: rows are counted from 1. `numbers` says which columns
     of the file the channels are, if not all of them; `remarks` are what else the history has to
-    say, and `asked` is why there is no time.
+    say, `asked` is why there is no time, and `granted` what of it is taken for granted.
     """
 
     file: Path
@@ -49,6 +49,7 @@ class Table:
     numbers: tuple[int, ...] = ()
     remarks: tuple[str, ...] = ()
     asked: str = ""
+    granted: str = ""
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -76,7 +77,7 @@ def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
     raise ExchangeError(f"{file}: {wrong}: choose with group = … in a mapping from {names}")
 
 
-def to_recording(table: Table, mapping: Map | None, guess_places: bool = True) -> Recording:
+def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recording:
     """Choose and name the channels, convert to SI, and lay the samples on a grid.
 
     A file that wheelhop has written comes back as it was.
@@ -87,12 +88,18 @@ def to_recording(table: Table, mapping: Map | None, guess_places: bool = True) -
         raise ExchangeError(f"{table.file}: holds no channels of numbers")
     if not len(table.values):
         raise ExchangeError(f"{table.file}: holds no samples")
+    if table.granted and not guess:
+        raise ExchangeError(
+            f"{table.file}: would have to be guessed: {table.granted}: say so in a mapping"
+        )
     picks = mapping.picks if mapping is not None else ()
     grid = _grid(table, mapping)
     channels, values, steps = _converted(
         table, picks or tuple(Pick(number) for number in table.columns)
     )
-    if mapping is None and guess_places:
+    if table.granted:
+        steps.append(f"taken for granted: {table.granted}")
+    if mapping is None and guess:
         channels, guesses = _placed(channels)
         steps += guesses
     if mapping is not None and mapping.rate_hz and table.rate_hz not in (None, mapping.rate_hz):
@@ -130,7 +137,7 @@ def _converted(
     chosen = _chosen(table, picks)
     found = [table.channels[column] for column in chosen]
     numbers = [table.columns[column] for column in chosen]
-    names = apart([old.name for old in found], [old.unit for old in found], numbers)
+    names = apart([_name(old) for old in found], [old.unit for old in found], numbers)
     for k, (pick, old, column) in enumerate(zip(picks, found, chosen, strict=True)):
         unit, factor = to_si(pick.unit or old.unit)
         values[:, k] = (table.values[:, column] * pick.scale + pick.offset) * factor
@@ -154,6 +161,13 @@ def _converted(
         if count:
             steps.append(f"{channel.name}: rows without a value of its own: {count}; left empty")
     return tuple(channels), values, steps
+
+
+def _name(old: Channel) -> str:
+    """A channel's name, without a unit that its values are converted from."""
+    name, unit = name_and_unit(old.name)
+    converted = to_si(old.unit)[1] != 1.0 and to_si(unit) == to_si(old.unit)
+    return name if converted else old.name
 
 
 def _point(table: Table, pick: Pick, old: Channel, unit: str) -> str:

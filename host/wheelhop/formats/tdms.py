@@ -122,6 +122,7 @@ def _tables(
                 start_unix_s=since if timed.stamps is None else timed.stamps.start_unix_s,
                 group=group.name,
                 asked=timed.asked,
+                granted=timed.granted,
                 remarks=(
                     *timed.remarks,
                     *(
@@ -147,6 +148,7 @@ class _Time:
     aside: frozenset[int] = frozenset()
     remarks: tuple[str, ...] = ()
     asked: str = ""
+    granted: str = ""
 
 
 def _time(columns: list[Column], time: Any, mapping: Map | None, path: Path) -> _Time:
@@ -165,7 +167,8 @@ def _time(columns: list[Column], time: Any, mapping: Map | None, path: Path) -> 
     chosen = columns[timing.index]
     stamps = stamps_of(chosen, timing.unit, rate_hz, path)
     aside = dates | timing.aside.keys() | {timing.index}
-    return _Time(stamps, aside, (f"time is {chosen.label}, {timing.why}", *stamps.remarks))
+    said = (f"time is {chosen.label}, {timing.why}", *stamps.remarks)
+    return _Time(stamps, aside, said, granted=timing.guess)
 
 
 def _column(channel: Any) -> Column:
