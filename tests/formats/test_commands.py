@@ -93,6 +93,23 @@ def test_import_without_a_mapping_shows_what_it_understood(tmp_path, capsys):
     assert "Achse vl: taken for A1, by its name" in found.history
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("time_s,acc_g\n0.00,1\n0.01,2\n0.02,3\n", "m/s²", 9.80665),
+        ("time_s,acc\ns,g\n0.00,1\n0.01,2\n0.02,3\n", "m/s²", 9.80665),
+        ("time_s,acc_m_s2\n0.00,1\n0.01,2\n0.02,3\n", "m/s²", 1.0),
+        ("time_s,A1\n0.00,1\n0.01,2\n0.02,3\n", "m/s²", 1.0),
+    ],
+)
+def test_a_csv_that_only_names_its_time_as_ours_do_is_understood(text, unit, value, tmp_path):
+    file, out = tmp_path / "run.csv", tmp_path / "runs"
+    file.write_text(text)
+    assert imported(file, out=out) == 0
+    found = read(out / "run.csv")
+    assert found.channels[0].unit == unit and found.values[0, 0] == pytest.approx(value)
+
+
 COUNTED = "count;A1 [g]\n" + "".join(f"{k};{k % 7}\n" for k in range(50))
 
 

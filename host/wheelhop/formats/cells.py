@@ -70,14 +70,18 @@ def read_lines(file: Path, encoding: str = "") -> Text:
     return Text(lines, (left_out,) if zeros else ())
 
 
-def first_names(file: Path) -> list[str]:
-    """The cells of the first line, between commas, as our own tables have them."""
+def first_lines(file: Path) -> list[str]:
+    """The first two lines, or less where there are not so many."""
     head = b""
     if file.stat().st_size > END_BYTES:
         with file.open("rb") as stream:
             head = stream.read(END_BYTES)
     plain = head and b"\0" not in head
-    line = _lines(head.partition(b"\n")[0])[0] if plain else read_lines(file).lines[0]
+    return (_lines(head) if plain else read_lines(file).lines)[:2]
+
+
+def names_in(line: str) -> list[str]:
+    """The cells of a line, between commas, as our own tables have them."""
     return [name.strip().strip('"').strip() for name in line.split(",")]
 
 

@@ -25,7 +25,7 @@ CHUNK = 4096  # rows
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read a CSV of ours; any other is text that needs a mapping."""
-    names = cells.first_names(path)
+    names = cells.names_in(cells.first_lines(path)[0])
     header = read_sidecar(path)
     ours = TIME in names and (mapping is None or header is not None)
     if not ours:
@@ -49,6 +49,19 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     where = range(2, 2 + len(values))
     own = Table(path, "CSV", channels, values, numbers[:, clock], header=header, lines=where)
     return [replace(own, remarks=read.remarks)]
+
+
+def is_ours(path: Path) -> bool:
+    """Whether a CSV is one of ours: it has a header beside it, or else a column of time under our
+    name, names that say no other unit than an SI one, and numbers right below."""
+    names, *below = map(cells.names_in, cells.first_lines(path))
+    if TIME not in names or sidecar(path).exists():
+        return TIME in names
+    units = [name_and_unit(name)[1] for name in names]
+    known = all(not unit or to_si(unit) == (unit, 1.0) for unit in units if unit != "s")
+    return known and all(
+        cell.lower() in cells.EMPTY or cells.is_number(cell) for row in below for cell in row
+    )
 
 
 def _parse(body: list[str], names: list[str], path: Path) -> NDArray[np.float64]:

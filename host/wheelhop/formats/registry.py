@@ -45,7 +45,6 @@ TEXT = Format("text in columns", "text")
 PARQUET = Format("Parquet", "parquet", writes=True)
 MDF = Format("ASAM MDF", "mdf", writes=True, own_time=True)
 MDF_READ = Format("ASAM MDF", "mdf", own_time=True)
-TIME = "time_s"
 MDF_BEGINS = (b"MDF     ", b"UnFinMF ")
 UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True, own_time=True)
 FORMATS = {
@@ -68,14 +67,13 @@ def is_text(path: Path) -> bool:
 
 
 def is_foreign(path: Path) -> bool:
-    """Whether a file is such a text, and not a CSV whose first line names our columns."""
+    """Whether a file is such a text, and not a CSV as ours are."""
     if not is_text(path):
         return False
     if _format(path) is not CSV or not path.is_file():
         return True
-    from wheelhop.formats.cells import first_names
-
-    return TIME not in first_names(path)
+    ours: bool = CSV.load_module().is_ours(path)
+    return not ours
 
 
 def _format_of(path: Path) -> Format:
