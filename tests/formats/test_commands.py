@@ -152,7 +152,9 @@ def test_answers_can_be_given_with_the_command(text, answer, rate_hz, tmp_path):
     assert read(out / "run.csv").rate_hz == rate_hz
 
 
-@pytest.mark.parametrize("answer", ["rate_hz", "rate=5", "rate_hz=fast", "time_unit=weeks"])
+@pytest.mark.parametrize(
+    "answer", ["rate_hz", "rate=5", "rate_hz=fast", "rate_hz=-3", "rate_hz=nan", "time_unit=weeks"]
+)
 def test_an_answer_that_is_none_is_a_line(answer, tmp_path):
     file = tmp_path / "run.csv"
     file.write_text(COUNTED if "rate" in answer else COUNTED.replace("count", "x"))

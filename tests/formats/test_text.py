@@ -64,6 +64,15 @@ def test_a_column_that_is_not_there_is_refused_with_those_that_are(column, tmp_p
     assert refused(tmp_path, "t;x\n0;1\n", picked) == said
 
 
+def test_rows_without_any_value_are_none_where_time_is_a_column(tmp_path):
+    """Nobody knows when they were; without a column of time they are samples that are missing."""
+    timed = Map(separator=";", time="t")
+    assert len(found(tmp_path, "t;x\n0;1\n0.01;2\n;\n0.02;3\n", timed).values) == 3
+    assert np.isnan(found(tmp_path, "A1;B1\n1;2\n;\n5;6\n").values[1]).all()
+    assert refused(tmp_path, "t;x\n;\n;\n", timed) == "holds no samples: all its rows are empty"
+    assert refused(tmp_path, "t;x\n0;1\n;2\n0.02;3\n", timed) == "line 3: t: has no time"
+
+
 def test_a_file_of_nothing_but_time_is_refused(tmp_path):
     said = "has no columns of numbers beside time: t, note"
     assert refused(tmp_path, "t;note\n0;a\n1;b\n", Map(separator=";", time="t")) == said

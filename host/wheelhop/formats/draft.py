@@ -29,6 +29,7 @@ from wheelhop.formats.table import POINTS
 from wheelhop.formats.timing import Column, Question, Timing, find_timing
 from wheelhop.logger.recording import ACCELERATION
 
+FASTEST_ANSWER_HZ = 1e12
 CHANNEL, TIME, LEFT_OUT = "a channel", "time", "left out"
 UNNAMED = re.compile(r"[\s,\"]*[,\"][\s,\"]*")
 """What a name cannot hold in every format that is written."""
@@ -129,6 +130,8 @@ def understand(path: Path, answers: Mapping[str, str] | None = None) -> Understo
             raise ExchangeError(f"{key} = {answer}: only {', '.join(ASKED)} can be answered")
     if not is_text(path):
         return _of_tables(path, answers)
+    if not path.exists():
+        raise ExchangeError(f"{path}: there is no such file")
     with guarded(path, "be understood"):
         text = cells.read_ends(path)
         layout = find_layout(text, str(path))
@@ -232,7 +235,9 @@ def _answered(timing: Timing, answers: Mapping[str, str]) -> Timing:
         try:
             rate = float(answers["rate_hz"])
         except ValueError:
-            raise ExchangeError(f"rate_hz = {answers['rate_hz']} is no number") from None
+            rate = 0.0
+        if not 0.0 < rate < FASTEST_ANSWER_HZ:
+            raise ExchangeError(f"rate_hz = {answers['rate_hz']} is no number of samples a second")
     asked = {question.key: question for question in timing.questions}
     if unit and "time_unit" in asked:
         timing = replace(timing, unit=unit, why="as you said")

@@ -52,6 +52,8 @@ def _line_by_line(path: Path, mapping: Map) -> Table:
     if clock is not None:  # a row without any value is none: its time is not known
         kept = [k for k, row in enumerate(body) if any(cell.strip() for cell in row)]
         numbers, body = [numbers[k] for k in kept], [body[k] for k in kept]
+    if not body:
+        raise ExchangeError(f"{path}: holds no samples: all its rows are empty")
 
     def column(k: int) -> list[str]:
         return [row[k] for row in body]
