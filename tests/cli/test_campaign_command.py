@@ -148,7 +148,12 @@ def test_a_mistake_is_one_line(case, recording, tmp_path, capsys):
 def of_a_bus(tmp_path, rate_hz=100.0, unit="m/s²"):
     """A recording of which one channel is an acceleration."""
     rng = np.random.default_rng(3)
-    named = (("Distance", "m"), ("Damper Pos FL", "m"), ("Accel Upright FL", unit), ("Speed", "m/s"))
+    named = (
+        ("Distance", "m"),
+        ("Damper Pos FL", "m"),
+        ("Accel Upright FL", unit),
+        ("Speed", "m/s"),
+    )
     values = rng.normal(size=(1000, 4))
     values[::2, 3] = np.nan  # at half the rate
     recording = Recording(values, rate_hz, tuple(Channel(*pair) for pair in named))

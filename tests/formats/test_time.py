@@ -149,6 +149,7 @@ def test_stamps_that_were_rounded_are_on_equal_steps(rate, digits, tmp_path):
         ("time [s],az [g]", lambda k: 10 * k, "time_unit"),  # 0.1 Hz
         ("time [us],az [g]", lambda k: k, "time_unit"),  # 1 MHz
         ("time,az [g]", lambda k: 20250614102100 + k, "time_unit"),
+        ("Time,az [g]", lambda k: f"{3845485065.25 + k / 100:.2f}", "time_unit"),  # since 1904
         ("Time (0.1 ms),az [g]", lambda k: 100 * k, "time_unit"),
         ("time [10 us],az [g]", lambda k: 1000 * k, "time_unit"),
         ("time [ticks],az [g]", lambda k: k, "time_unit"),

@@ -18,8 +18,8 @@ CLOCK, MINUTES, DIGITS, SAMPLE = "clock", "mm:ss", "hhmmss", "sample"
 day in one number, 102133.25; and a counter of samples, whose rate must be known."""
 UNITS = (*("s", "ms", "us", "ns", "min", "h", "day"), CLOCK, MINUTES, DIGITS, SAMPLE)
 """What errors and drafts offer; every spelling of `SECONDS` is understood."""
-EPOCH_S = (1e9, 4.2e9)
-"""Seconds since 1970 from 2001 to 2103."""
+EPOCH_S = (1e9, 3e9)
+"""Seconds since 1970 from 2001 to 2065; LabVIEW counts since 1904, which is more than that."""
 NOTHING: tuple[str, ...] = ()
 HOUR_S, DAY_S = 3600.0, 86400.0
 STAMP = re.compile(
