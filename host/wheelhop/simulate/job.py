@@ -45,7 +45,7 @@ class Job:
     def make(self) -> tuple[object, ...]:
         """What models that are integrated side by side have in common."""
         s = self.system
-        shapes = *s.output.shape, s.force.shape[1], len(s.upright)
+        shapes = *s.output.shape, s.reads, s.force.shape[1], len(s.upright)
         return self.stride, self.per_sample, *shapes, s.port_law, s.laws
 
     @property

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,10 +54,25 @@ def between(upper: Node, lower: Node) -> Row:
     return ((1.0, upper), (-1.0, lower))
 
 
+@dataclass(frozen=True)
+class Reading:
+    """An output that is no acceleration: `scale` times the displacement along `row`, m, its rate,
+    or the force, N, of all springs, dampers and laws that act along this very row, positive in
+    extension."""
+
+    kind: Literal["displacement", "rate", "force"]
+    row: Row
+    scale: float = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class System:
     """A mechanism ready for integration or for its frequency response (shapes: n free, m
-    prescribed coordinates, k applied forces, p ports of force laws, c outputs)."""
+    prescribed coordinates, k applied forces, p ports of force laws, c outputs, r of them readings).
+
+    An output shows the acceleration of a displacement, or a *reading*: a sum of displacements,
+    rates and laws' forces.
+    """
 
     mass: Array  #: (n, n) M, kg
     damping: Array  #: (n, n) C, N·s/m
@@ -71,9 +87,13 @@ class System:
     law_parameters: Array  #: (p, LAW_PARAMETERS or more)
     upright: Array  #: (s, 2, n) of what stands upright: its foot's vertical displacement, its angle
     upright_moment: Array  #: (s,) mass × height, kg·m
-    output: Array  #: (c, n) output displacement = output @ q; NaN row: not predicted
+    output: Array  #: (c, n) accelerations shown = output @ q̈; NaN row: not predicted
     coordinates: tuple[str, ...] = ()  #: (n,) names of the free coordinates
     port_by: tuple[str, ...] = ()  #: (p,) input that each port's force is times, "" for none
+    reads: tuple[int, ...] = ()  #: (r,) the outputs that are readings; their row of `output` is 0
+    reading: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    """(r, 2 n + 2 m + p) what readings are of displacements q, rates q̇, prescribed motions u and
+    their rates u̇, and laws' forces f"""
 
     @property
     def is_linear(self) -> bool:
@@ -85,21 +105,32 @@ class System:
         """Three matrices for what stands upright. Times (x, ẋ) the first gives its angles and their
         rates; times ẍ the second gives their second rates and the accelerations of the feet. Times
         what pushes the feet and what turns the angles, per moment, the third gives accelerations.
+        Readings have coordinates of their own there, as in `explicit`.
         """
         foot, angle = self.upright[:, 0], self.upright[:, 1]
-        none = np.zeros_like(angle)
+        none, more = np.zeros_like(angle), (0, len(self.reads))
         pushed = np.concatenate([foot, angle]).T * np.tile(self.upright_moment, 2)
         return (
-            np.block([[angle, none], [none, angle]]),
-            np.concatenate([angle, foot]),
-            np.linalg.solve(self.mass, pushed),
+            self.widened(np.block([[angle, none], [none, angle]])),
+            np.pad(np.concatenate([angle, foot]), ((0, 0), more)),
+            np.pad(np.linalg.solve(self.mass, pushed), (more, (0, 0))),
         )
+
+    def widened(self, state: Array) -> Array:
+        """Columns (…, 2 n or more) of displacements and rates, and of what follows them, with
+        zeros for the coordinates that `explicit` adds for readings."""
+        n, r = len(self.mass), len(self.reads)
+        return np.insert(state, [n] * r + [2 * n] * r, 0.0, axis=-1)
 
     @cached_property
     def explicit(self) -> tuple[Array, Array, Array]:
         """Three matrices, made once for all runs. Times z = (x, ẋ, u, u̇, w, f) the first gives the
         accelerations ẍ, the second the ports' extensions and rates; w are applied forces, f those
-        of the laws. Times ẍ the third gives the outputs, zero where none is predicted."""
+        of the laws. Times ẍ the third gives the outputs, zero where none is predicted.
+
+        What is integrated puts out accelerations. So each reading y has a coordinate more, x_y with
+        ẍ_y = y, that acts on nothing: its means over a sample's window are those of y.
+        """
         inverse, ports, k = np.linalg.inv(self.mass), len(self.port), self.force.shape[1]
         inner, driven = [-self.stiffness, -self.damping], [self.input_stiffness, self.input_damping]
         motion = [*inner, *driven, self.force, -self.port.T]
@@ -109,8 +140,12 @@ class System:
             [self.port, none, self.port_input, unmoved, beyond],
             [none, self.port, unmoved, self.port_input, beyond],
         ]
-        shown: Array = np.nan_to_num(self.output)
-        return np.asarray(inverse @ np.hstack(motion)), np.block(extension), shown
+        driven_end, r = self.reading.shape[1] - ports, len(self.reads)
+        read = np.insert(self.reading, [driven_end] * k, 0.0, axis=1) if r else self.reading
+        moved = [inverse @ np.hstack(motion), *([read] if r else [])]
+        shown = np.pad(np.nan_to_num(self.output), ((0, 0), (0, r)))
+        shown[list(self.reads), len(self.mass) + np.arange(r)] = 1.0
+        return self.widened(np.vstack(moved)), self.widened(np.block(extension)), shown
 
     def poles(self) -> NDArray[np.complex128]:
         """Eigenvalues (2n,) of the linear part, rad/s."""
@@ -148,7 +183,7 @@ class Assembly:
     _laws: list[tuple[Row, Law, tuple[float, ...], str]] = field(default_factory=list)
     _uprights: list[tuple[Row, Row, float]] = field(default_factory=list)
     _forces: list[Row] = field(default_factory=list)
-    _outputs: list[Row | None] = field(default_factory=list)
+    _outputs: list[Row | Reading | None] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._free += self.body
@@ -190,9 +225,10 @@ class Assembly:
         """An applied force along `row`; its history is the next column of w(t)."""
         self._forces.append(row)
 
-    def add_output(self, row: Row | None) -> None:
-        """The next output: the displacement `row`, or None for one that is not predicted."""
-        self._outputs.append(row)
+    def add_output(self, shown: Row | Reading | None) -> None:
+        """The next output: the acceleration of the displacement along a row, a reading, or None for
+        one that is not predicted."""
+        self._outputs.append(shown)
 
     def _vector(self, row: Row) -> Array:
         index = {name: i for i, name in enumerate((*self._free, *self.prescribed))}
@@ -237,8 +273,11 @@ class Assembly:
             parameters[i, : len(values)] = values
         upright = self._stack([row for *rows, _ in self._uprights for row in rows])
         output = np.full((len(self._outputs), n), np.nan)
+        readings = {i: out for i, out in enumerate(self._outputs) if isinstance(out, Reading)}
         for i, out in enumerate(self._outputs):
-            if out is not None:
+            if isinstance(out, Reading):
+                output[i] = 0.0
+            elif out is not None:
                 output[i] = self._vector(out)[:n]
         return System(
             mass=m[:n, :n],
@@ -257,4 +296,24 @@ class Assembly:
             output=output,
             coordinates=tuple(self._free),
             port_by=tuple(by for *_, by in self._laws),
+            reads=tuple(readings),
+            reading=np.array([self._read(reading) for reading in readings.values()]).reshape(
+                len(readings), 2 * ports.shape[1] + len(ports)
+            ),
         )
+
+    def _read(self, reading: Reading) -> Array:
+        """The row (2 n + 2 m + p,) of `System.reading`."""
+        n, row, scale = len(self._free), self._vector(reading.row), reading.scale
+        of_motion, of_rate, of_laws = 0.0, 0.0, np.zeros(len(self._laws))
+        if reading.kind == "force":
+            along = [spring for spring in self._springs if spring[0] == reading.row]
+            of_motion = sum(stiffness for _, stiffness, _ in along)
+            of_rate = sum(damping for *_, damping in along)
+            of_laws[[part[0] == reading.row for part in self._laws]] = scale
+        elif reading.kind == "displacement":
+            of_motion = 1.0
+        else:
+            of_rate = 1.0
+        moved, rated = scale * of_motion * row, scale * of_rate * row
+        return np.concatenate([moved[:n], rated[:n], moved[n:], rated[n:], of_laws])

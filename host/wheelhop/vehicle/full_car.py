@@ -5,6 +5,8 @@ unsprung masses on vertical suspensions and tyres (thesis section 4.1.2, "simpli
 equations of motion of this kind are 2.1). What stands on mounts of its own is added, and the modes
 of a frame. Half and quarter cars have those of the same parts that
 their body's motions leave (`wheelhop.vehicle.layout`).
+What is measured besides accelerations is read from the same motion: the travel of a strut and the
+force in it, and the rates of pitch and roll of the rigid body.
 The same parts also make the *axle-driven* vehicle: the axles' motion is imposed, and tyre, track
 and speed no longer matter.
 """
@@ -16,7 +18,7 @@ from typing import Literal
 
 from wheelhop.campaign import Channel
 from wheelhop.vehicle.aboard import add_aboard
-from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Row, between
+from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Reading, Row, between
 from wheelhop.vehicle.frame_modes import add_modes
 from wheelhop.vehicle.layout import axle_name, corner_position, motions, wheels
 
@@ -88,11 +90,18 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
     return parts
 
 
-def _output(values: Mapping[str, float], channel: Channel, drive: Drive) -> Row | None:
-    if channel.corner is not None:
+def _output(values: Mapping[str, float], channel: Channel, drive: Drive) -> Row | Reading | None:
+    corner = channel.corner
+    if corner is not None and channel.quantity == "travel":
+        return Reading("displacement", suspension(values, corner), channel.per_wheel)
+    if corner is not None and channel.quantity == "force":
+        return Reading("force", suspension(values, corner), channel.per_wheel)
+    if channel.quantity == "rate":
+        return Reading("rate", ((1.0, Coordinate(channel.point)),))
+    if corner is not None:
         if not channel.is_axle:
-            return ((1.0, body_corner(values, channel.corner)),)
-        return ((1.0, axle(channel.corner)),) if drive == "road" else None
+            return ((1.0, body_corner(values, corner)),)
+        return ((1.0, axle(corner)),) if drive == "road" else None
     if channel.x_m is not None and channel.y_m is not None:
         return ((1.0, Body(channel.x_m, channel.y_m)),)
     key = channel.key
