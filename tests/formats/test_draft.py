@@ -153,7 +153,7 @@ def test_a_unit_of_time_that_is_not_known_is_left_for_the_user_to_correct(tmp_pa
 def test_a_unit_that_is_not_known_is_said_to_stay(tmp_path):
     found = draft(tmp_path, "t;pot FL [turns];yaw [deg/s]\n0;1;3\n1;2;3\n2;5;3\n")
     assert 'unit = "turns"  # not known here: it stays as it is' in found
-    assert 'unit = "deg/s"  # not known here: it stays as it is' in found
+    assert 'unit = "deg/s"  # × 0.0174533 = rad/s' in found
     assert found.count('point = ""') == 2
 
 

@@ -132,7 +132,7 @@ def _value(text: str) -> str | float:
 
 
 def _place(word: str) -> tuple[str, str | list[float]]:
-    """`dash=0.35,0.0` or `imu=body`."""
+    """`dash=0.35,0.0`, `imu=body` or `pot=travel:1:0.65`."""
     name, equals, place = word.partition("=")
     if not equals:
         raise CampaignError(f"--place: '{word}' is not CHANNEL=PLACE, such as imu=body")

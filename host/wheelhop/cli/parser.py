@@ -329,7 +329,7 @@ def _make_campaign(command: argparse.ArgumentParser) -> None:
         metavar="CHANNEL=PLACE",
         action="append",
         default=[],
-        help="where a channel sits: A1…A4, B1…B4, body, or x,y in m from the centre of mass",
+        help="A1…A4, B1…B4, body, x,y in m; travel:CORNER:RATIO, force:CORNER, rate:pitch, speed",
     )
     add.add_argument("--id", required=True, help="name of the run, such as washboard-slow")
     add.add_argument("--speed-kmph", metavar="V", type=float, required=True, help="nominal speed")

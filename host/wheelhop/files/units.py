@@ -51,6 +51,9 @@ TABLE = (
     Unit("acceleration", G / 1e3, "thousandths of g", (), ("mg", "mgn", "mg_n")),
     Unit("angle", math.pi / 180, "degrees", ("deg",)),
     Unit("angle", 1.0, "radians", ("rad",)),
+    Unit("rotation", 1.0, "radians per second", ("rad_s",), ("rad/s", "rad.s-1")),
+    Unit("rotation", math.pi / 180, "degrees per second", ("deg_s",), ("deg/s", "°/s", "dps")),
+    Unit("rotation", math.pi / 30, "revolutions per minute", ("rpm",), ("rpm",)),
     Unit("time", 1.0, "seconds", ("s",), ("s", "sec", "second", "seconds")),
     Unit("time", 1e-3, "milliseconds", ("ms",), ("ms", "msec")),
     Unit("time", 1e-6, "microseconds", ("us",), ("us", "µs", "μs")),
@@ -95,7 +98,14 @@ TABLE = (
 UNITS = {key: unit for unit in TABLE for key in unit.keys}
 """By what keys end in, so that a wrong one can be recognised and converted."""
 
-MEASURED = {"acceleration": "m/s²", "speed": "m/s", "length": "m", "force": "N", "voltage": "V"}
+MEASURED = {
+    "acceleration": "m/s²",
+    "speed": "m/s",
+    "length": "m",
+    "rotation": "rad/s",
+    "force": "N",
+    "voltage": "V",
+}
 """What recordings are of, in SI."""
 
 SPELT = {

@@ -14,6 +14,8 @@ UNDERSCORED = {
     "_ms": "ms",
     "_us": "us",
     "_m_s": "m/s",
+    "_rad_s": "rad/s",
+    "_deg_s": "deg/s",
     "_s": "s",
     "_mm": "mm",
     "_m": "m",

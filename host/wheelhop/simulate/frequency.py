@@ -29,7 +29,7 @@ def frequency_response(
         force = system.port.T * port_stiffness[:, None, :]
         dynamic = dynamic + force @ system.port
         driven = driven - force @ system.port_input
-    moved: ComplexArray = np.linalg.solve(dynamic, driven)
+    moved = np.asarray(np.linalg.solve(dynamic, driven), np.complex128)
     shown = np.asarray(-(omega**2) * (system.output @ moved), np.complex128)
     imposed = np.eye(driven.shape[-1])
     return _with_readings(shown, system, omega, moved, imposed, port_stiffness)
