@@ -44,7 +44,7 @@ class Channel:
     right. A channel of a strut shows `per_wheel` times what the strut does at the wheel.
 
     `noise_rms` is the noise in band that is stated of this channel or its quantity, in `unit`,
-    None where the campaign's holds, or none is stated. `noise_ratio` is its noise over the
+    None where the campaign's holds, or none is stated. `noise_scale` is its noise over the
     campaign's: records are compared per that, so that every channel counts in units of its noise
     (`wheelhop.compare.weights`).
 
@@ -62,7 +62,7 @@ class Channel:
     unit: str = "m/s²"
     per_wheel: float = 1.0
     noise_rms: float | None = None
-    noise_ratio: float = 1.0
+    noise_scale: float = 1.0
     scale_uncertainty: float = 0.0
     gain_uncertainty: float = 0.0
     corner_hz: float = 0.0
@@ -193,9 +193,15 @@ class Campaign:
         return tuple(dict.fromkeys(every))
 
     @property
-    def noise_ratio(self) -> NDArray[np.float64]:
+    def states_noise(self) -> bool:
+        """Whether the noise of every channel is stated, of it or of its quantity."""
+        stated = (c.noise_rms or c.quantity == self.leading.quantity for c in self.channels)
+        return self.noise_rms is not None and all(stated)
+
+    @property
+    def noise_scale(self) -> NDArray[np.float64]:
         """Noise of every channel (c,) over the leading quantity's, in their units."""
-        return np.array([channel.noise_ratio for channel in self.channels])
+        return np.array([channel.noise_scale for channel in self.channels])
 
     @property
     def averaging(self) -> Averaging:

@@ -24,10 +24,11 @@ PLACES = (  # named sets of points, small ones first
     ("the body's rear end", {"B3", "B4"}),
     ("the axles", {"A1", "A2", "A3", "A4"}),
     ("the body", {"B1", "B2", "B3", "B4", "body", "body-xy"}),
-    ("the left side", {"A1", "A3", "B1", "B3"}),
-    ("the right side", {"A2", "A4", "B2", "B4"}),
-    ("the front", {"A1", "A2", "B1", "B2"}),
-    ("the rear", {"A3", "A4", "B3", "B4"}),
+    ("the struts", {"S1", "S2", "S3", "S4"}),
+    ("the left side", {"A1", "A3", "B1", "B3", "S1", "S3"}),
+    ("the right side", {"A2", "A4", "B2", "B4", "S2", "S4"}),
+    ("the front", {"A1", "A2", "B1", "B2", "S1", "S2"}),
+    ("the rear", {"A3", "A4", "B3", "B4", "S3", "S4"}),
 )
 
 

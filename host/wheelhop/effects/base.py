@@ -81,7 +81,7 @@ class Becomes:
 
 class Probe(Protocol):
     """How an effect looks at the data to find where its fit may begin. Signals are in band,
-    (n, channels), m/s²."""
+    (n, channels), each per its channel's noise scale, which of accelerations is 1: m/s²."""
 
     @property
     def settings(self) -> Sequence[RunSetting]:
@@ -288,12 +288,14 @@ class Effect:
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
     ) -> Array:
-        """What the instrument makes of the true accelerations (n, c), m/s², at rest before."""
+        """What the instrument makes of what truly is (n, c), in the channels' units, at rest
+        before."""
         return acceleration
 
     def lingering(self, theta: Values, since_s: Array, channels: Sequence[Channel]) -> Array | None:
         """What is left of motion before the record that no simulation knows, in the instrument
-        itself (T, c), m/s²; ``since_s`` (T,) counts from the record's first sample."""
+        itself (T, c), in the channels' units; ``since_s`` (T,) counts from the record's first
+        sample."""
         return None
 
     def restore(

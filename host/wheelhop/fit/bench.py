@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
+from wheelhop.compare import weighed
 from wheelhop.compare.band import InBand
 from wheelhop.effects import Effect, Parameter
 from wheelhop.fit.measured_axles import doubt, led_astray
@@ -49,11 +50,14 @@ class Bench:
     run: Run
     simulator: Simulator
     band: InBand
-    measured: Array  #: (2 n_bins, c) in-band coefficients of the record, per `doubt`
+    measured: (
+        Array  #: (2 n_bins, c) in-band coefficients of the record, per `doubt` and `noise_scale`
+    )
     predicted: NDArray[np.bool_]  #: (c,) channels the model predicts in this run
     memory_s: float  #: after this time what has moved the vehicle is as good as forgotten
     doubt: Array  #: (2 n_bins, c) noise of every datum per the sensors', `measured_axles.doubt`
     noise_ratio: Array  #: the same without motion folded into measured axles
+    noise_scale: Array  #: (c,) of every channel, `wheelhop.compare.weights`
     work: Work  #: where what is simulated is counted
 
     def _counted(self, trials: Sequence[Trial], done: Callable[[], T]) -> T:
@@ -124,8 +128,9 @@ class Bench:
 
     @RUNS_AWAY
     def coefficients(self, record: Array) -> Array:
-        """In-band coefficients (size,) of a record's predicted channels, each per `doubt`."""
-        found = self.band.coefficients(record[:, self.predicted])
+        """In-band coefficients (size,) of a record's predicted channels, each per `doubt` and per
+        its channel's `noise_scale`."""
+        found = self.band.coefficients(record[:, self.predicted]) / self.noise_scale[self.predicted]
         return np.asarray(found / self.doubt[:, self.predicted]).ravel()
 
     def undoubted(self, data: Array) -> Array:
@@ -162,7 +167,7 @@ class Workshop:
         noise_rms: float | None = None,
         jobs: int | None = None,
     ) -> None:
-        self.campaign = campaign
+        self.campaign = campaign = weighed(campaign)
         self.measured = tuple(measured)
         self.nominal = model.values
         self.watch: Watch = lambda iteration, error: None
@@ -178,7 +183,8 @@ class Workshop:
         self.set_noise(campaign.noise_rms if noise_rms is None else noise_rms)
 
     def set_noise(self, rms: float | None) -> None:
-        """State the in-band noise of one channel; None: not known, any residual may be noise.
+        """State the in-band noise of one channel of the leading quantity; None: not known, any
+        residual may be noise.
 
         `noise` is the standard deviation of one in-band coefficient: n samples with this noise in
         band have n · rms² as their sum of squares, spread over the band's coefficients.
@@ -296,10 +302,20 @@ class Workshop:
         doubted = ratio = np.ones((band.count, len(predicted)))
         if self._on_axles and simulator.drive == "axles" and self.campaign.noise_rms is not None:
             doubted, ratio = doubt(self.campaign, run, self._on_axles, band.frequency_hz)
-        measured, memory_s = band.coefficients(run.record), REMEMBERED * self._run_up_s
-        coefficients = measured / doubted
+        scale = self.campaign.noise_scale
+        measured = band.coefficients(run.record) / scale / doubted
+        memory_s = REMEMBERED * self._run_up_s
         return Bench(
-            run, simulator, band, coefficients, predicted, memory_s, doubted, ratio, self.work
+            run,
+            simulator,
+            band,
+            measured,
+            predicted,
+            memory_s,
+            doubted,
+            ratio,
+            scale,
+            self.work,
         )
 
 

@@ -29,7 +29,9 @@ def doubt(campaign: Campaign, run: Run, system: System, frequency_hz: Array) -> 
     on periodic roads it may be many times less.
     """
     acceleration = frequency_response(system, frequency_hz)
-    transmitted = np.abs(acceleration / (2 * np.pi * frequency_hz[:, None, None]) ** 2) ** 2
+    # What is not acceleration counts by its own noise.
+    shown = acceleration / campaign.noise_scale[:, None]
+    transmitted = np.abs(shown / (2 * np.pi * frequency_hz[:, None, None]) ** 2) ** 2
     uncertain = _input_power(campaign, run, frequency_hz) / _noise(campaign) ** 2
     once = np.sqrt(1.0 + np.einsum("fca,fa->fc", transmitted, uncertain))
     sensors = np.sqrt(1.0 + transmitted.sum(axis=2))

@@ -184,7 +184,7 @@ class RunSimulator:
         return Response(self.run.id, self.record(model, system), self._position(model))
 
     def record(self, model: Model, system: System) -> Array:
-        """Accelerations (n, n_channels), m/s², as the instrument gives them."""
+        """What the instrument gives (n, n_channels), in the channels' units."""
         return self.records([(model, system)])[0]
 
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:

@@ -342,7 +342,7 @@ def _floor(step: Step) -> Iterator[Finding]:
     if floor.is_stated or not floor.pooled_rms > 0.0:
         return
     second = estimate_noise_between_samples(
-        [run.bench.run.record[:, run.bench.predicted] for run in runs],
+        [(run.bench.run.record / run.bench.noise_scale)[:, run.bench.predicted] for run in runs],
         runs[0].bench.band.count / runs[0].bench.band.n,
     )
     if floor.pooled_rms > MISFIT * second:
