@@ -74,6 +74,12 @@ class Bench:
         """What moves the model in this run."""
         return self.simulator.drive
 
+    @property
+    def measures_force(self) -> bool:
+        """Whether a force is measured, in a strut or on a rig."""
+        channels = self.simulator.campaign.channels
+        return self.drive == "rig" or any(c.quantity == "force" for c in channels)
+
     def spread(self, residual: Array, sigma: float) -> Array:
         """Standard deviation of every datum (size,) of a residual per that of the sensors' noise,
         σ."""
