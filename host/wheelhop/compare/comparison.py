@@ -190,14 +190,20 @@ def _by_quantity(
     found = []
     for quantity in campaign.quantities:
         of_it = np.array([channel.quantity == quantity for channel in campaign.channels])
-        errors, at_best = list[float](), list[float]()
-        for role in ("fit", "validate"):
-            chosen = [record for record in records if record.run.role == role]
-            errors.append(relative_error(chosen, charged, of_it))
-            at_best.append(floor_of(campaign, chosen, floor, of_it))
+        fit, validate = ([r for r in records if r.run.role == role] for role in ("fit", "validate"))
         unit = next(c.unit for c in campaign.channels if c.quantity == quantity)
         noise = float(np.sqrt(np.mean(floor.of_channels[of_it] ** 2)))
-        found.append(OfQuantity(quantity, unit, *errors, *at_best, noise))
+        found.append(
+            OfQuantity(
+                quantity,
+                unit,
+                error_fit=relative_error(fit, charged, of_it),
+                error_validate=relative_error(validate, charged, of_it),
+                floor_fit=floor_of(campaign, fit, floor, of_it),
+                floor_validate=floor_of(campaign, validate, floor, of_it),
+                noise_rms=noise,
+            )
+        )
     return tuple(found)
 
 
