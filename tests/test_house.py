@@ -14,7 +14,7 @@ PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_si
 # A room may import itself and the rooms before it.
 ROOMS = (
     *("files", "logger", "formats", "calibration", "campaign", "track"),
-    *("material", "frame", "vehicle", "effects", "simulate", "gate", "compare", "fit", "identify"),
+    *("material", "frame", "vehicle", "effects", "simulate", "compare", "gate", "fit", "identify"),
     *("diagnose", "law", "hil_sim", "predict", "report", "api", "workbench", "cli"),
 )
 DOOR = ROOT / "host/wheelhop/__init__.py"  # opens rooms when they are asked for

@@ -63,7 +63,7 @@ def test_noise_stated_of_one_quantity_is_kept_where_others_are_estimated(bench):
     scale = dict(zip(KINDS, campaign.noise_scale, strict=True))
     assert scale["travel"] == pytest.approx(1e-3 / 0.1, rel=0.15)
     assert scale["force"] == pytest.approx(200.0, rel=0.15)
-    assert not campaign.states_noise
+    assert {channel.quantity for channel in campaign.unstated} == {"acceleration", "rate", "force"}
 
 
 def test_a_noisier_channel_of_the_same_quantity_counts_less(bench):

@@ -193,10 +193,14 @@ class Campaign:
         return tuple(dict.fromkeys(every))
 
     @property
-    def states_noise(self) -> bool:
-        """Whether the noise of every channel is stated, of it or of its quantity."""
-        stated = (c.noise_rms or c.quantity == self.leading.quantity for c in self.channels)
-        return self.noise_rms is not None and all(stated)
+    def unstated(self) -> tuple[Channel, ...]:
+        """The channels whose noise is stated neither of them nor of their quantity."""
+        leading = self.leading.quantity
+        return tuple(
+            c
+            for c in self.channels
+            if c.noise_rms is None and not (c.quantity == leading and self.noise_rms is not None)
+        )
 
     @property
     def noise_scale(self) -> NDArray[np.float64]:

@@ -100,7 +100,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     """
     every = tuple(channel.quantity for channel in campaign.channels)
     if campaign.noise_rms is not None:
-        source = campaign.noise_key if campaign.states_noise else "estimated"
+        source = campaign.noise_key if not campaign.unstated else "estimated"
         noise = np.full(len(campaign.channels), campaign.noise_rms)
     else:
         source, noise = "estimated", estimate_noise(records, every)
