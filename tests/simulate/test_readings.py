@@ -49,12 +49,11 @@ def test_travel_twice_differentiated_is_body_less_axle():
     np.testing.assert_allclose(-(OMEGA**2) * pot, RATIO * (body - axle), rtol=1e-9, atol=1e-9)
 
 
-def test_travel_of_measured_axles_is_body_less_axle():
-    """Prescribed axles: their accelerations are -omega² of what is imposed."""
-    body, axle, pot, _, _ = parts(response("axles"))
-    assert np.isnan(axle).all()
-    imposed = -(OMEGA**2) * np.eye(4)
-    np.testing.assert_allclose(-(OMEGA**2) * pot, RATIO * (body - imposed), rtol=1e-9, atol=1e-9)
+def test_on_measured_axles_travel_and_force_are_not_predicted():
+    """What drifts below the band is taken out of measured axles, and travel would show it."""
+    body, axle, pot, gyro, rod = parts(response("axles"))
+    assert all(np.isnan(part).all() for part in (axle, pot, rod))
+    assert np.isfinite(body).all() and np.isfinite(gyro).all()
 
 
 @pytest.mark.parametrize("drive", ["road", "axles"])
@@ -67,10 +66,9 @@ def test_rates_differentiated_are_differences_over_the_body(drive):
     np.testing.assert_allclose(1j * OMEGA * gyro, expected, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("drive", ["road", "axles"])
-def test_forces_move_the_body(drive):
+def test_forces_move_the_body():
     """Newton: mass times heave is the pull of all four struts, their tension downwards."""
-    body, _, pot, _, rod = parts(response(drive))
+    body, _, pot, _, rod = parts(response("road"))
     tension = rod / -1.4
     ahead = ATV["geometry.cg_to_front_axle_m"] / ATV["geometry.wheelbase_m"]
     heave = (1 - ahead) * (body[:, 0] + body[:, 1]) / 2 + ahead * (body[:, 2] + body[:, 3]) / 2

@@ -91,6 +91,11 @@ class Channel:
         return self.point in BODY_POINTS
 
     @property
+    def is_on_body(self) -> bool:
+        """Whether it shows how the sprung body moves, whatever its struts do."""
+        return self.quantity == "rate" or (self.is_acceleration and not self.is_axle)
+
+    @property
     def is_acceleration(self) -> bool:
         """Whether it is a vertical acceleration, wherever it is measured."""
         return self.quantity == ACCELERATION

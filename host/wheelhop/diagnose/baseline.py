@@ -99,7 +99,7 @@ def axle_driven(campaign: Campaign, vehicle: Vehicle) -> Campaign | None:
     """The same records, the measured axle motion driving the body: track, speed and tyres no
     longer matter. None without the axles of all wheels, or a channel on the body that moves."""
     corners = {c.corner for c in campaign.channels if c.is_axle}
-    body = [i for i, c in enumerate(campaign.channels) if not c.is_axle]
+    body = [i for i, c in enumerate(campaign.channels) if c.is_on_body]
     if corners != set(wheels(vehicle.values)) or not body or _resting(campaign, body):
         return None
     unknown = TrackSpec("unknown", {})
@@ -174,7 +174,7 @@ def _check(campaign: Campaign, vehicle: Vehicle) -> None:
             f" drive the model, but {', '.join(lacking)} is not among the channels; describe the"
             " track, or leave the run out"
         )
-    if unknown and all(c.is_axle for c in campaign.channels):
+    if unknown and not any(c.is_on_body for c in campaign.channels):
         raise CampaignError(
             f'{where}: run "{unknown[0]}" has track.kind = "unknown" and no channel on the body:'
             " nothing can be compared; describe the track, or add a channel on the body"

@@ -184,7 +184,7 @@ class Workshop:
         self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
         nominal = self.systems(model)
         self._run_up_s = 0.0 if "rig" in self.drives else run_up(nominal)
-        self._on_axles = nominal.get("axles")
+        self._nominal_systems = nominal
         self.benches = {run.id: self.bench(run) for run in campaign.runs}
         self.set_noise(campaign.noise_rms if noise_rms is None else noise_rms)
 
@@ -302,12 +302,15 @@ class Workshop:
         as long before its record."""
         simulator = make_simulator(self.campaign, run, earlier * self._run_up_s)
         band = InBand(len(run.time_s), self.campaign.sample_rate_hz, self.campaign.band_hz)
-        predicted = np.array(
-            [simulator.drive != "axles" or not c.is_axle for c in self.campaign.channels]
-        )
+        systems = self._nominal_systems
+        on_axles = systems.get("axles") if simulator.drive == "axles" else None
+        shown = systems.get(simulator.drive)  # None on a road that could be driven
+        predicted: NDArray[np.bool_] = np.ones(len(self.campaign.channels), bool)
+        if shown is not None:
+            predicted = np.asarray(~np.isnan(shown.output).any(axis=1))
         doubted = ratio = np.ones((band.count, len(predicted)))
-        if self._on_axles and simulator.drive == "axles" and self.campaign.noise_rms is not None:
-            doubted, ratio = doubt(self.campaign, run, self._on_axles, band.frequency_hz)
+        if on_axles and self.campaign.noise_rms is not None:
+            doubted, ratio = doubt(self.campaign, run, on_axles, band.frequency_hz)
         scale = self.campaign.noise_scale
         measured = band.coefficients(run.record) / scale / doubted
         memory_s = REMEMBERED * self._run_up_s

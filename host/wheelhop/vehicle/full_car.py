@@ -61,7 +61,9 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
         Numbers of vehicle.toml under their dotted keys, SI, modes of a frame included; for a
         channel on the body whose place is unknown also "channel.NAME.x_m" and "channel.NAME.y_m".
     channels
-        Outputs in this order. With the drive "axles" the axles' own channels are not predicted.
+        Outputs in this order. With the drive "axles" those of the axles themselves are not
+        predicted, nor travel and force of the struts: what moves slower than the band is not known
+        of measured axles, and travel shows it.
     drive
         Whether the ground heights or the axles' heights are prescribed.
     """
@@ -92,6 +94,8 @@ def baseline(values: Mapping[str, float], channels: Sequence[Channel], drive: Dr
 
 def _output(values: Mapping[str, float], channel: Channel, drive: Drive) -> Row | Reading | None:
     corner = channel.corner
+    if drive == "axles" and not channel.is_on_body:
+        return None
     if corner is not None and channel.quantity == "travel":
         return Reading("displacement", suspension(values, corner), channel.per_wheel)
     if corner is not None and channel.quantity == "force":
@@ -101,7 +105,7 @@ def _output(values: Mapping[str, float], channel: Channel, drive: Drive) -> Row 
     if corner is not None:
         if not channel.is_axle:
             return ((1.0, body_corner(values, corner)),)
-        return ((1.0, axle(corner)),) if drive == "road" else None
+        return ((1.0, axle(corner)),)
     if channel.x_m is not None and channel.y_m is not None:
         return ((1.0, Body(channel.x_m, channel.y_m)),)
     key = channel.key
