@@ -1,13 +1,18 @@
 """[channels]: quantities besides vertical acceleration, what is only known, and stated noise."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tests.campaign.build import ROWS, csv_text, edit, write_campaign
 from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.campaign.channels import read_channels
 from wheelhop.campaign.thin import thinned
 from wheelhop.campaign.types import Channel
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
+from wheelhop.files import parse_toml
 from wheelhop.logger.recording import Channel as Recorded
 from wheelhop.logger.recording import Recording
 
@@ -251,3 +256,14 @@ def test_a_word_with_too_many_parts_is_named(tmp_path):
 def test_who_is_asked_where_a_channel_sits_learns_of_other_quantities(tmp_path):
     with pytest.raises(CampaignError, match="of other quantities travel:CORNER"):
         new_campaign(tmp_path / "c", "x", recording_of([("stroke", "m")]), {})
+
+
+def test_the_page_on_channels_shows_a_campaign_that_reads():
+    page = (Path(__file__).parents[2] / "docs" / "channels.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    said = read_channels(parse_toml(example, Path("campaign.toml"), CampaignError))
+    assert {c.quantity for c in said.compared} == {"acceleration", "travel", "rate", "force"}
+    assert [c.name for c in said.known] == ["gps", "ax", "seat", "rpm"]
+    assert [c.noise_rms for c in said.compared if c.name in ("pot_fl", "roll_rate", "rod_fl")] == [
+        *(2e-4, 0.004, 8.0)
+    ]
