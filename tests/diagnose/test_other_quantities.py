@@ -1,5 +1,7 @@
 """Campaigns of potentiometers, gyros and strain gauges, made by another simulator."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -108,3 +110,33 @@ def test_other_physics_is_named_too(name, tmp_path):
     diagnosis = diagnosed(folder)
     assert diagnosis.verdict == case.verdict
     assert_at_the_floor(diagnosis)
+
+
+def test_a_ratio_that_is_known_roughly_is_estimated(tmp_path):
+    """The rocker of pot4 has 6 % more than its drawing says, to 5 %."""
+    folder = made(tmp_path, truth.SENSORS, {})
+    toml = folder / "campaign.toml"
+    text = toml.read_text()
+    said = "corner = 4, per_wheel = 0.65"
+    toml.write_text(
+        text.replace(said, f"corner = 4, per_wheel = {0.65 / 1.06}, scale_uncertainty = 0.05")
+    )
+    fitted = baseline_of(folder).rung.fit
+    assert fitted.model.values["channel.pot4.gain"] == pytest.approx(0.06, abs=0.005)
+    assert fitted.deviations["channel.pot4.gain"] < 0.01
+
+
+def test_gyros_judge_what_measured_axles_do(tmp_path):
+    """On a road nobody surveyed travel is not compared, and friction is named all the same."""
+    hubs = tuple(Sensor(f"A{i}", "acceleration", f"A{i}", 0.1) for i in (1, 2, 3, 4))
+    folder = made(tmp_path, (*hubs, *truth.SENSORS), {"dry-friction": FRICTION})
+    toml = folder / "campaign.toml"
+    lines = [
+        line for line in toml.read_text().split("\n") if not re.match(r"track\.(?!kind)", line)
+    ]
+    text = re.sub(r"track\.kind = .*", 'track.kind = "unknown"', "\n".join(lines))
+    toml.write_text(text)
+    diagnosis = diagnosed(folder)
+    assert diagnosis.verdict == ("dry-friction",)
+    compared = [e.quantity for e in diagnosis.ladder[-1].comparison.by_quantity if e.error_fit > 0]
+    assert compared == ["acceleration", "rate"]
