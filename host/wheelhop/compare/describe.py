@@ -49,7 +49,9 @@ def describe(where: Breakdown) -> list[str]:
     ratio = f"E = {where.total.ratio:.2f} times the floor"
     if where.total.folded > 0.0:
         expected = _percent((where.total.expected(0.0) / where.total.measured) ** 0.5)
-        ratio += f"; with what is folded into the axles’ records {expected} is expected"
+        on_axles = any(point[0] == "A" for point in where.points)
+        whose = "the axles’ records" if on_axles else "the records of travel"
+        ratio += f"; with what is folded into {whose} {expected} is expected"
     failing = is_excess(where, where.total)
     if failing and explains_nothing(where):
         share = _percent(where.total.residual / where.total.measured)

@@ -30,6 +30,9 @@ FOURTH = 1.0 + 2.0 * (56**2 + 28**2 + 8**2 + 1) / 70**2
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
 
 
+AXLES = "the axles that drive it"
+
+
 @dataclass(frozen=True)
 class Floor:
     """E that the sensors' noise alone would leave, over all compared runs and over those of each
@@ -44,7 +47,8 @@ class Floor:
     "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel over its
     ``noise_scale`` (`weights`), in ``unit``, that of the leading quantity, NaN where none
     could be estimated because the model predicts nothing; ``noise_key`` is its name in files.
-    ``scales`` is what of `expected` the scales of the channels alone leave.
+    ``scales`` is what of `expected` the scales of the channels alone leave. ``driver`` is what was
+    measured and drives the model, if anything does, in words.
     """
 
     error: float
@@ -59,6 +63,7 @@ class Floor:
     unit: str
     scales: float
     noise_scale: Array | float = 1.0
+    driver: str = AXLES
 
     @property
     def of_channels(self) -> Array:
@@ -75,7 +80,7 @@ class Floor:
         """Why a right model may leave more than the floor, in words; empty if nothing lets it."""
         folded = self.expected**2 - self.error**2 - self.scales**2
         if folded > self.scales**2:
-            return "what is folded into the records of the axles that drive it"
+            return f"what is folded into the records of {self.driver}"
         return "the uncertain scales of the channels" if self.scales > 0.0 else ""
 
     @property
@@ -122,6 +127,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         unit=campaign.unit,
         scales=ratio(None, "scales"),
         noise_scale=campaign.noise_scale,
+        driver=AXLES if any(c.is_axle for c in campaign.channels) else "travel, which drives it",
     )
 
 

@@ -129,8 +129,8 @@ class Probe(Protocol):
 class RunSetting:
     """What an effect may know of a run: its id, nominal speed, the instants at which the run-up
     and the record begin and the record ends, whether the track under it is known, and whether it
-    is no vehicle that runs but a component on a rig; and the speed along the track, where it
-    changes."""
+    is no vehicle that runs but a component on a rig, or one that measured travel of its struts
+    moves; and the speed along the track, where it changes."""
 
     run_id: str
     speed_m_s: float
@@ -139,6 +139,7 @@ class RunSetting:
     end_s: float
     on_road: bool
     on_rig: bool = False
+    by_travel: bool = False
     course: Course | None = None
 
 

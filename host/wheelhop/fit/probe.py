@@ -101,17 +101,17 @@ class FitProbe:
         if isinstance(bench.run, RigRun):
             return {COMPONENT: bench.run.displacement[:, None]}
         response = bench.response(self._model, self._systems).record
-        acceleration = np.where(bench.predicted, response, bench.run.record)
+        told = np.where(bench.predicted, response, bench.run.record)
         place = {c.point: i for i, c in enumerate(self._channels)}
         pots = {c.corner: i for i, c in enumerate(self._channels) if c.quantity == "travel"}
         found: dict[str, list[Array]] = {}
         for corner in CORNERS:
             upper, lower = place.get(f"B{corner + 1}"), place.get(f"A{corner + 1}")
             if corner in pots:
-                shown = response[:, pots[corner]] / self._channels[pots[corner]].per_wheel
+                shown = told[:, pots[corner]] / self._channels[pots[corner]].per_wheel
                 found.setdefault(axle_name(corner), []).append(bench.band.signal(shown))
             elif upper is not None and lower is not None:
-                relative = acceleration[:, upper] - acceleration[:, lower]
+                relative = told[:, upper] - told[:, lower]
                 way = _integrated_twice(bench.run.time_s, relative, self._lowest_hz)
                 found.setdefault(axle_name(corner), []).append(way)
         return {end: np.stack(extensions, axis=1) for end, extensions in found.items()}

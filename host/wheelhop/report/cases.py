@@ -64,7 +64,8 @@ def _record(run: RunFit) -> Record:
     bench = run.bench
     residual = np.zeros_like(bench.measured)
     residual[:, bench.predicted] = bench.undoubted(run.residual).reshape(bench.band.count, -1)
-    measured = np.where(bench.predicted, bench.measured * bench.doubt, 0.0)
+    measured = np.zeros_like(bench.measured)
+    measured[:, bench.predicted] = bench.recorded(bench.measured[:, bench.predicted])
     scale = bench.noise_scale
     return Record(
         bench.run, bench.band, bench.predicted, measured, residual, None, noise_scale=scale

@@ -32,14 +32,19 @@ SURE = 1e-12
 
 
 def folded_power(
-    record: Array, rate_hz: float, averaging: Averaging, noise_rms: float, frequency_hz: Array
+    record: Array,
+    rate_hz: float,
+    averaging: Averaging,
+    noise_rms: float | Array,
+    frequency_hz: Array,
 ) -> Array:
     """How much of a record's power is motion from above half the sample rate (f, c), (m/s²)², as
     white noise of that variance would have it at `frequency_hz` (f,).
 
     ``record`` (n, c) holds means (``averaging``) at ``rate_hz``, with sensor noise of
-    ``noise_rms`` in m/s². The spectrum of the upper octave, freed of the noise and of what
-    averaging took, is continued as a power of the frequency up to one and a half times the rate.
+    ``noise_rms``, of all or of each (c,), in its unit. The spectrum of the upper octave, freed of
+    the noise and of what averaging took, is continued as a power of the frequency up to one and a
+    half times the rate.
     It holds what is folded near half the rate, too: where spectra fall the answer is too high, by
     less than two.
     """

@@ -26,7 +26,8 @@ def frequency_response(
     dynamic = system.stiffness - omega**2 * system.mass + 1j * omega * system.damping
     driven = system.input_stiffness + 1j * omega * system.input_damping
     if port_stiffness is not None:
-        force = system.port.T * port_stiffness[:, None, :]
+        pushed = system.port if system.port_force is None else system.port_force
+        force = pushed.T * port_stiffness[:, None, :]
         dynamic = dynamic + force @ system.port
         driven = driven - force @ system.port_input
     moved = np.asarray(np.linalg.solve(dynamic, driven), np.complex128)

@@ -9,6 +9,10 @@ with f the nonlinear force laws. Masses that stand upright on a foot and lean ad
 :meth:`Assembly.add_upright`. Parts are added one by one between *nodes*; the matrices are formed at
 the end, so that a part may be added in any order, and a flexible mode of the body changes the
 motion of every point already attached to it.
+
+A node may be *carried*: its motion is that of another node and a prescribed one, but what carries
+it takes up the forces on it. So measured travel prescribes how far an axle is from the body, and
+the strut's force acts on the body alone.
 """
 
 from __future__ import annotations
@@ -24,6 +28,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Law = Callable[[float, float, float, float, float, Array], tuple[float, float]]
 """A force law, compiled with :func:`wheelhop.effects.law`: see there."""
+
+FREE_1_S = 1e-6
+"""A pole slower than this is that of a motion that nothing holds."""
 
 LAW_PARAMETERS = 6
 """Room for so many numbers of each force law; more if one of them, a spline, takes more."""
@@ -80,7 +87,7 @@ class System:
     input_stiffness: Array  #: (n, m) B, N/m
     input_damping: Array  #: (n, m) D, N·s/m
     force: Array  #: (n, k) E
-    port: Array  #: (p, n) P
+    port: Array  #: (p, n) P of the extensions
     port_input: Array  #: (p, m) R
     port_law: tuple[int, ...]  #: (p,) index into `laws` for each port
     laws: tuple[Law, ...]
@@ -90,6 +97,7 @@ class System:
     output: Array  #: (c, n) accelerations shown = output @ q̈; NaN row: not predicted
     coordinates: tuple[str, ...] = ()  #: (n,) names of the free coordinates
     port_by: tuple[str, ...] = ()  #: (p,) input that each port's force is times, "" for none
+    port_force: Array | None = None  #: (p, n) P of the forces, where it is another
     reads: tuple[int, ...] = ()  #: (r,) the outputs that are readings; their row of `output` is 0
     reading: Array = field(default_factory=lambda: np.zeros((0, 0)))
     """(r, 2 n + 2 m + p) what readings are of displacements q, rates q̇, prescribed motions u and
@@ -133,7 +141,8 @@ class System:
         """
         inverse, ports, k = np.linalg.inv(self.mass), len(self.port), self.force.shape[1]
         inner, driven = [-self.stiffness, -self.damping], [self.input_stiffness, self.input_damping]
-        motion = [*inner, *driven, self.force, -self.port.T]
+        pushed = self.port if self.port_force is None else self.port_force
+        motion = [*inner, *driven, self.force, -pushed.T]
         none, unmoved = np.zeros_like(self.port), np.zeros_like(self.port_input)
         beyond = np.zeros((ports, k + ports))
         extension = [
@@ -158,8 +167,8 @@ class System:
 
     @cached_property
     def fastest_1_s(self) -> float:
-        """The largest of their magnitudes."""
-        return float(np.abs(self.poles()).max())
+        """The largest of their magnitudes; not 0 where nothing holds the mechanism."""
+        return max(float(np.abs(self.poles()).max()), FREE_1_S)
 
 
 def kinetic_shares(shape: NDArray[np.complex128], mass: Array) -> Array:
@@ -184,6 +193,7 @@ class Assembly:
     _uprights: list[tuple[Row, Row, float]] = field(default_factory=list)
     _forces: list[Row] = field(default_factory=list)
     _outputs: list[Row | Reading | None] = field(default_factory=list)
+    _carried: dict[str, Row] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._free += self.body
@@ -192,6 +202,10 @@ class Assembly:
         """A new free coordinate (a vertical displacement, metres)."""
         self._free.append(name)
         return Coordinate(name)
+
+    def add_carried(self, node: Coordinate, row: Row) -> None:
+        """A node that moves as `row` says, and takes up no force."""
+        self._carried[node.name] = row
 
     def add_body_mode(self, name: str, shape: Callable[[float, float], float]) -> Coordinate:
         """A flexible mode: the body's point (x, y) also moves by shape(x, y) × coordinate."""
@@ -230,10 +244,16 @@ class Assembly:
         one that is not predicted."""
         self._outputs.append(shown)
 
-    def _vector(self, row: Row) -> Array:
+    def _vector(self, row: Row, *, of_force: bool = False) -> Array:
+        """How the displacement `row` follows from all coordinates, or, `of_force`, what a force
+        along it pushes."""
         index = {name: i for i, name in enumerate((*self._free, *self.prescribed))}
         vector = np.zeros(len(index))
         for coefficient, node in row:
+            if isinstance(node, Coordinate) and node.name in self._carried:
+                if not of_force:
+                    vector += coefficient * self._vector(self._carried[node.name])
+                continue
             if isinstance(node, Coordinate):
                 vector[index[node.name]] += coefficient
                 continue
@@ -245,9 +265,10 @@ class Assembly:
                 vector[index[name]] += coefficient * shape(node.x_m, node.y_m)
         return vector
 
-    def _stack(self, rows: list[Row]) -> Array:
+    def _stack(self, rows: list[Row], *, of_force: bool = False) -> Array:
         n = len(self._free) + len(self.prescribed)
-        return np.array([self._vector(row) for row in rows]).reshape(len(rows), n)
+        found = [self._vector(row, of_force=of_force) for row in rows]
+        return np.array(found).reshape(len(rows), n)
 
     def system(self, body_inertia: tuple[float, ...] = ()) -> System:
         """Form the matrices.
@@ -262,10 +283,12 @@ class Assembly:
         m = masses.T @ (np.array([value for _, value in self._masses])[:, None] * masses)
         rigid = len(body_inertia)
         m[:rigid, :rigid] += np.diag(body_inertia)
-        springs = self._stack([row for row, _, _ in self._springs])
-        k = springs.T @ (np.array([value for _, value, _ in self._springs])[:, None] * springs)
-        c = springs.T @ (np.array([value for _, _, value in self._springs])[:, None] * springs)
+        along = [row for row, _, _ in self._springs]
+        springs, pushed = self._stack(along), self._stack(along, of_force=True)
+        k = pushed.T @ (np.array([value for _, value, _ in self._springs])[:, None] * springs)
+        c = pushed.T @ (np.array([value for _, _, value in self._springs])[:, None] * springs)
         ports = self._stack([row for row, *_ in self._laws])
+        forces = self._stack([row for row, *_ in self._laws], of_force=True)
         laws = tuple(dict.fromkeys(law for _, law, *_ in self._laws))
         width = max([LAW_PARAMETERS, *(len(values) for _, _, values, _ in self._laws)])
         parameters = np.zeros((len(self._laws), width))
@@ -285,7 +308,7 @@ class Assembly:
             stiffness=k[:n, :n],
             input_stiffness=-k[:n, n:],
             input_damping=-c[:n, n:],
-            force=self._stack(self._forces)[:, :n].T.copy(),
+            force=self._stack(self._forces, of_force=True)[:, :n].T.copy(),
             port=np.ascontiguousarray(ports[:, :n]),
             port_input=np.ascontiguousarray(ports[:, n:]),
             port_law=tuple(laws.index(law) for _, law, *_ in self._laws),
@@ -296,6 +319,7 @@ class Assembly:
             output=output,
             coordinates=tuple(self._free),
             port_by=tuple(by for *_, by in self._laws),
+            port_force=np.ascontiguousarray(forces[:, :n]) if self._carried else None,
             reads=tuple(readings),
             reading=np.array([self._read(reading) for reading in readings.values()]).reshape(
                 len(readings), 2 * ports.shape[1] + len(ports)
