@@ -9,6 +9,7 @@ import pytest
 from tests import truth
 from tests.truth import Sensor
 from wheelhop.campaign import TrackSpec, read_campaign
+from wheelhop.cli.main import main
 from wheelhop.gate import gate
 from wheelhop.vehicle import read_nominal
 
@@ -152,3 +153,27 @@ def test_accelerometers_tell_on_any_road(mistake, driven):
     how, kind, words = UNSURVEYED[mistake]
     found = gate(changed(campaign, how), vehicle).findings
     assert any(f.kind == kind and words in f"{f.text} {f.about}" for f in found), found
+
+
+def test_check_says_what_every_channel_is_and_what_is_kept(tmp_path, capsys):
+    sensors = (*truth.SENSORS[:5], *truth.SENSORS[8:], RODS[0])
+    folder = truth.make_campaign(
+        tmp_path, seed=3, effects={}, short=True, seconds=3.0, draft=True, sensors=sensors
+    )
+    toml = folder / "campaign.toml"
+    text = toml.read_text().replace("noise_rms_N = 8\n", "")
+    toml.write_text(text.replace("[channels]\n", '[channels]\ngps = { quantity = "speed" }\n'))
+    for file in (folder / "runs").glob("*.csv"):
+        head, *rows = file.read_text().splitlines()
+        file.write_text("\n".join([f"{head},gps", *(f"{row},2.5" for row in rows)]) + "\n")
+    assert main(["check", str(folder)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    for words in (
+        "pot1 (travel of strut 1, 0.65 per wheel)",
+        "pitch_rate (rate of pitch)",
+        "rod1 (force of strut 1, -1.4 per wheel)",
+        "kept gps (speed, m/s): read and checked, not used yet",
+        "0.1 m/s², 0.0002 m, 0.004 rad/s rms in band; of force not stated, will be estimated",
+        "axle, body: m/s²; travel: m; rate: rad/s; force: N rms without the mean",
+    ):
+        assert words in said, (words, said)

@@ -184,12 +184,15 @@ def _by_quantity(
     charged: Mapping[str, float] | None,
     floor: Floor,
 ) -> tuple[OfQuantity, ...]:
-    """What each quantity leaves; nothing where there is but one."""
+    """What each quantity that is compared leaves; nothing where the campaign has but one."""
     if len(campaign.quantities) < 2:
         return ()
     found = []
+    compared = np.any([record.predicted for record in records], axis=0)
     for quantity in campaign.quantities:
         of_it = np.array([channel.quantity == quantity for channel in campaign.channels])
+        if not compared[of_it].any():
+            continue
         fit, validate = ([r for r in records if r.run.role == role] for role in ("fit", "validate"))
         unit = next(c.unit for c in campaign.channels if c.quantity == quantity)
         noise = float(np.sqrt(np.mean(floor.of_channels[of_it] ** 2)))

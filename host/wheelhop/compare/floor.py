@@ -127,7 +127,7 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         unit=campaign.unit,
         scales=ratio(None, "scales"),
         noise_scale=campaign.noise_scale,
-        driver=AXLES if any(c.is_axle for c in campaign.channels) else "travel, which drives it",
+        driver=AXLES if any(c.is_axle for c in campaign.channels) else "travel that drives it",
     )
 
 
