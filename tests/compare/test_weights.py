@@ -136,6 +136,32 @@ def test_another_unit_of_length_changes_nothing(bench):
     assert there.floor.error == pytest.approx(here.floor.error, rel=1e-9)
 
 
+def test_a_quantity_is_quiet_where_it_is_quiet_itself(bench):
+    """Travel is large below 10 Hz, accelerations above: nowhere are both at rest."""
+    size = np.array([0.1, 2e-4])
+    share = np.sqrt(604 / 1024)
+
+    def move(time, speed):
+        slow, fast = np.linspace(1.0, 9.0, 60), np.linspace(11.0, 29.0, 140)
+        waves = [
+            np.cos(2 * np.pi * np.outer(time, hz) + 7.0 * hz).sum(axis=1) for hz in (fast, slow)
+        ]
+        return 30.0 * size * np.stack(waves, axis=1)
+
+    campaign, responses = bench.campaign(
+        [2.0, 3.0, 2.5, 4.0],
+        lambda t, v: size / share * bench.noise(1.0, (len(t), 2)) + 0.3 * move(t, v),
+        points=("B1", "S1"),
+        noise=None,
+        motion=move,
+    )
+    pot = replace(campaign.channels[1], quantity="travel", unit="m")
+    campaign = weighed(replace(campaign, channels=(campaign.channels[0], pot)))
+    np.testing.assert_allclose(campaign.noise_scale, [1.0, 2e-3], rtol=0.25)
+    found = compare(campaign, responses).floor.of_channels
+    np.testing.assert_allclose(found, size, rtol=0.25)
+
+
 def test_of_accelerations_alone_the_error_is_that_of_the_records_as_they_are():
     """An example, to the last bit: E = √(Σ r²/Σ y²) in m/s², and no table by quantity."""
     found = compare_folder(ROOT / "examples" / "clean").comparison

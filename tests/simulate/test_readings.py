@@ -1,5 +1,7 @@
 """What is measured besides accelerations: travel and force of a strut, rates of the body."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from tests.simulate.setup import ATV, EFFECTS, campaign_of, model_of, relative, 
 from tests.simulate.test_against_mujoco import CASES, REACHED, RUNS
 from tests.truth.sensors import Sensor
 from wheelhop.campaign import Channel
+from wheelhop.fit import Ground, Workshop
 from wheelhop.simulate import RunSimulator, frequency_response
 from wheelhop.simulate.frequency import ForceResponse
 from wheelhop.vehicle import struts
@@ -130,3 +133,32 @@ def test_a_constant_force_lets_travel_rest_where_springs_hold_it():
     pushed = ForceResponse(system, 4000, 0, 0.01, campaign.averaging)(np.ones((4000, 1)))
     held = (pushed[-1, 14:] / -1.4).sum()
     assert held == pytest.approx(ATV["body.mass_kg"], rel=1e-6)
+
+
+def test_exchanged_channels_are_of_one_quantity():
+    choices = EFFECTS["sensor-polarity"].choices(EVERY)
+    assert {"pot1/pot4", "B1/A2", "pitch/roll", "rod2"} <= set(choices)
+    assert not {"pot1/B1", "B1/pitch", "pot1/rod1"} & set(choices)
+    for fault in ("sensor-clipping", "sensor-mount"):
+        assert set(EFFECTS[fault].choices(EVERY)) - {"all"} == {c.name for c in POINTS}
+
+
+def test_heights_nobody_knows_are_heard_by_every_channel_in_units_of_its_noise():
+    """To first order, what small waves of the ground do to a record."""
+    run = {"twist": RUNS["twist"]}
+    quantities = {"acceleration": 0.1, "travel": 2e-4, "rate": 0.004, "force": 8.0}
+    channels = tuple(replace(c, noise_rms=quantities[c.quantity]) for c in EVERY)
+    model = model_of(ATV, run)
+    workshop = Workshop(campaign_of(run, channels=channels, noise_rms=0.1), model)
+    bench, systems = workshop.benches["twist"], workshop.systems(model)
+    count = bench.simulator.series.count
+    rng = np.random.default_rng(2)
+    heights = 1e-6 * (rng.normal(size=(2, 2, count)).T @ [1.0, 1.0j]).T
+    rough = model.with_heights({"twist": heights})
+    records = bench.records([(model, systems), (rough, systems)])
+    change = bench.coefficients(records[1] - records[0]).reshape(bench.band.count, -1)
+    ground = Ground(bench, model, systems["road"])
+    heard = ground.apply(heights.reshape(-1, 1))[:, 0].reshape(bench.band.count, -1)
+    for column in range(len(channels)):
+        error = np.linalg.norm(heard[:, column] - change[:, column])
+        assert error < 0.15 * np.linalg.norm(change[:, column]), channels[column].name
