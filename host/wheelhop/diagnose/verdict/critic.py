@@ -64,7 +64,7 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
         *_bounds(numbers, effects),
         *_moved([*numbers, *measured_of(step)], effects),
         *_no_vehicle(step, numbers),
-        *_untold(step, numbers, covariance),
+        *_untold(numbers, covariance, step.comparison.units),
         *_fair_band(diagnosis.ladder),
         *_floor(step),
     ]
@@ -239,13 +239,15 @@ def _no_vehicle(step: Step, numbers: Sequence[Number]) -> Iterator[Finding]:
             yield replace(finding, when="after", remedy=remedy, severity="likely")
 
 
-def _untold(step: Step, numbers: Sequence[Number], covariance: Array) -> Iterator[Finding]:
+def _untold(
+    numbers: Sequence[Number], covariance: Array, units: Sequence[str] = ("m/s²",)
+) -> Iterator[Finding]:
     """Directions of which the data say nothing: eigenvectors of the covariance in units of the
     prior, their eigenvalue, at most 1, being what is left of the prior's variance."""
     believed = [i for i, n in enumerate(numbers) if isfinite(n.sigma)]
     if not believed:
         return
-    motions = "Accelerations" if set(step.comparison.units) == {"m/s²"} else "Motions"
+    motions = "Accelerations" if set(units) == {"m/s²"} else "Motions"
     sigma = np.array([numbers[i].sigma for i in believed])
     left, directions = np.linalg.eigh(
         covariance[np.ix_(believed, believed)] / np.outer(sigma, sigma)
