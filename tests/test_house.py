@@ -14,7 +14,7 @@ PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_si
 # A room may import itself and the rooms before it.
 ROOMS = (
     *("files", "logger", "formats", "calibration", "campaign", "track"),
-    *("material", "frame", "vehicle", "effects", "simulate", "gate", "compare", "fit", "identify"),
+    *("material", "frame", "vehicle", "effects", "simulate", "compare", "gate", "fit", "identify"),
     *("diagnose", "law", "hil_sim", "predict", "report", "api", "workbench", "cli"),
 )
 DOOR = ROOT / "host/wheelhop/__init__.py"  # opens rooms when they are asked for
@@ -44,10 +44,12 @@ READ_OWN_WAY = {
     "hil_sim": "the files of a logger that is none",
     "campaign/proving_ground.py": "of the package",
     "campaign/recordings.py": "weighed and refused just before",
+    "formats/bulk.py": "in pieces, and refused just before",
+    "formats/cells.py": "both ends, and refused just before",
     "formats/header.py": "in pieces, and refused just before",
     "formats/mdf.py": "the registry refuses, and it is weighed when open",
     "formats/parquet.py": "weighs by what the file says",
-    "formats/registry.py": "the header that it has just written",
+    "formats/registry.py": "the header that it has just written, and first bytes",
     "formats/uff.py": "in a temporary folder",
     "logger/download.py": "what it has just written",
     "logger/emulated.py": "of the user's own cache",

@@ -143,3 +143,47 @@ def test_a_mistake_is_one_line(case, recording, tmp_path, capsys):
     assert main(add) == 2
     error = capsys.readouterr().err
     assert complaint in error and error.count("\n") == 1 and "Traceback" not in error
+
+
+def of_a_bus(tmp_path, rate_hz=100.0, unit="m/s²"):
+    """A recording of which one channel is an acceleration."""
+    rng = np.random.default_rng(3)
+    pot, hub = ("Damper Pos FL", "m"), ("Accel Upright FL", unit)
+    named = (("Distance", "m"), pot, hub, ("Speed", "m/s"))
+    values = rng.normal(size=(1000, 4))
+    values[::2, 3] = np.nan  # at half the rate
+    recording = Recording(values, rate_hz, tuple(Channel(*pair) for pair in named))
+    write(recording, tmp_path / "bus.csv")
+    return tmp_path / "bus.csv"
+
+
+def test_channels_that_a_campaign_never_takes_are_left_out_by_name(tmp_path, capsys):
+    """Before anybody is asked where they sit."""
+    file, folder = of_a_bus(tmp_path), tmp_path / "camp"
+    assert main(["campaign", "new", str(folder), str(file)]) == 2
+    said = capsys.readouterr()
+    assert "Accel Upright FL: where does it sit?" in said.err and "Damper" not in said.err
+    place = ["--place", "Accel Upright FL=A1"]
+    assert main(["campaign", "new", str(folder), str(file), *place]) == 0
+    assert "left out, no accelerations: Distance (in m), Damper Pos FL (in m), Speed (in m/s)" in (
+        capsys.readouterr().out
+    )
+    head = (folder / "campaign.toml").read_text()
+    assert '"Accel Upright FL" = "A1"' in head and "Distance" not in head
+    run = ["--id", "a", "--speed-kmph", "27", "--track", "unknown"]
+    assert main(["campaign", "add", str(folder), str(file), *run]) == 0
+    assert (folder / "runs/a.csv").read_text().startswith("time_s,Accel Upright FL\n")
+
+
+def test_a_rate_that_leaves_no_band_is_refused(tmp_path, capsys):
+    """Seconds that are milliseconds, say: the band would end below its beginning."""
+    for rate_hz, status in ((0.1, 2), (1.0, 2), (2.0, 2), (3.0, 0), (20.0, 0)):
+        file, folder = of_a_bus(tmp_path, rate_hz), tmp_path / f"camp-{rate_hz}"
+        place = ["--place", "Accel Upright FL=A1"]
+        assert main(["campaign", "new", str(folder), str(file), *place]) == status
+        assert (folder / "campaign.toml").exists() == (status == 0)
+        if status:
+            assert "was the recording's time read in the right unit?" in capsys.readouterr().err
+        else:
+            low, high = tomllib.loads((folder / "campaign.toml").read_text())["band_hz"]
+            assert 0 < low < high < rate_hz / 2

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from wheelhop.campaign import Channel
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.diagnose.verdict.critic import (
@@ -214,6 +215,8 @@ def test_an_estimated_floor_that_neighbouring_samples_do_not_show_is_misfit(rms,
         run=SimpleNamespace(record=record),
         predicted=np.array([True, True]),
         band=SimpleNamespace(count=59, n=100),
+        noise_scale=np.ones(2),
+        simulator=SimpleNamespace(campaign=SimpleNamespace(unstated=(Channel("A1", "A1"),))),
     )
     fitted = SimpleNamespace(runs=(SimpleNamespace(bench=bench),))
     floor = SimpleNamespace(
@@ -221,7 +224,7 @@ def test_an_estimated_floor_that_neighbouring_samples_do_not_show_is_misfit(rms,
     )
     rung = SimpleNamespace(fit=fitted, validation=None)
     step = SimpleNamespace(rung=rung, comparison=SimpleNamespace(floor=floor))
-    assert [f.kind for f in _floor(step)] == ["floor"] * said
+    assert [(f.kind, f.about) for f in _floor(step)] == [("floor", "noise_rms_m_s2")] * said
 
 
 @pytest.mark.parametrize("is_free", [True, False])

@@ -161,7 +161,7 @@ def test_a_text_that_takes_more_than_is_free_is_not_read(name, tmp_path, free, o
     free(100_000.0)
     with pytest.raises(InputError, match=r"takes about .* GB of memory, and .* free: cut it"):
         READERS[name](path)
-    assert [file.asked for file in opened] == [0]
+    assert max(file.asked for file in opened) <= 8  # first bytes tell MDF from text
 
 
 @pytest.mark.parametrize("name", ["vehicle.toml", "column.csv", "x.csv", "rig.csv", "road.csv"])
@@ -173,7 +173,19 @@ def test_a_text_with_a_hole_is_read_no_farther_than_the_hole(name, tmp_path, fre
     free(math.inf)
     with pytest.raises(InputError, match="byte 18 is zero"):
         READERS[name](path)
-    assert [file.asked for file in opened] == [files_read.PIECE_BYTES]
+    assert 0 < max(file.asked for file in opened) <= files_read.PIECE_BYTES
+
+
+@pytest.mark.parametrize("zeros", [1, 700, 3 << 20])
+def test_room_that_a_logger_had_reserved_behind_its_text_is_left_out(zeros, tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_bytes(b"time_s,A1\n0.00,1\n0.01,2\n" + bytes(zeros))
+    found = read_recording(path)
+    assert found.values.tolist() == [[1.0], [2.0]]
+    assert any(f"that was reserved: {zeros}; left out" in step for step in found.history)
+    path.write_bytes(path.read_bytes() + b"0.02,3\n")
+    with pytest.raises(InputError, match="byte 24 is zero"):
+        read_recording(path)
 
 
 def test_utf_16_has_zero_bytes_and_is_text(tmp_path):

@@ -32,6 +32,7 @@ class LinearBench:
     steepness: float = 1.0  # by how much derivatives are exaggerated
     band = SimpleNamespace(count=SIZE)
     memory_s, drive, size, simulated, asked = 1.0, "road", SIZE, 0, 0
+    measures_force = False
     work = Work()
 
     @property

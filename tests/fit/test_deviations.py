@@ -73,7 +73,7 @@ def told(free, drive, given=None):
     """Relative standard deviations where derivatives with an error make all numbers known to one
     part in a million."""
     values = {f.name: f.mean for f in free}
-    shared, bench = tuple(free), SimpleNamespace(drive=drive)
+    shared, bench = tuple(free), SimpleNamespace(measures_force=drive == "rig")
     run = SimpleNamespace(
         bench=bench,
         followed=lambda: np.zeros((1, len(free))),
@@ -106,7 +106,7 @@ def test_no_number_is_known_worse_than_it_was_believed(told, pulled, at):
     free = (replace(HEAVY, in_proportion=True), LONG)
     column = 10.0**told * np.array([[1.0, 0.5]])
     run = SimpleNamespace(
-        bench=SimpleNamespace(drive="road"),
+        bench=SimpleNamespace(measures_force=False),
         followed=lambda: column,
         by_block=lambda columns: 10.0**pulled * columns,
     )

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from tests.report.small import write_small_campaign
-from wheelhop.campaign import read_campaign
+from tests.simulate.setup import ATV, campaign_of, model_of
+from tests.simulate.test_against_mujoco import RUNS
+from wheelhop.campaign import Channel, read_campaign
 from wheelhop.diagnose.baseline import fit_baseline
-from wheelhop.fit import FitProbe
+from wheelhop.fit import FitProbe, Workshop
 from wheelhop.vehicle import read_nominal
 
 RUN = "washboard-low-fast"
@@ -35,3 +37,17 @@ def test_travel_is_what_the_struts_ends_differ_by_integrated_twice(base):
             expected = bench.band.coefficients(relative)
             found = -(omega**2) * bench.band.coefficients(column)
             assert np.linalg.norm(found - expected) < 0.2 * np.linalg.norm(expected)
+
+
+def test_travel_that_is_measured_is_what_its_channel_shows():
+    """Per wheel, in band; what drives the model is not predicted, and is the record itself."""
+    run = {"twist": RUNS["twist"]}
+    pot = Channel("pot", "S3", quantity="travel", unit="m", per_wheel=0.5)
+    channels = (Channel("B1", "B1"), pot)
+    model = model_of(ATV, run)
+    workshop = Workshop(campaign_of(run, channels=channels, noise_rms=0.1), model)
+    bench = workshop.benches["twist"]
+    travel = FitProbe(workshop, model, [bench]).travel("twist")
+    record = bench.response(model, workshop.systems(model)).record
+    assert set(travel) == {"rear"}
+    np.testing.assert_allclose(travel["rear"], bench.band.signal(record[:, 1:] / 0.5), atol=1e-12)

@@ -25,7 +25,9 @@ def draft(tmp_path, text, name="run.txt"):
 def layout(tmp_path, text):
     """Keys of a draft before its channels, and the columns that are channels."""
     head, *channels = draft(tmp_path, text).split("[[channel]]")
-    said = dict(line.split("  #")[0].split(" = ") for line in head.split("\n") if line)
+    said = dict(
+        line.split("  #")[0].split(" = ") for line in head.split("\n") if line[:1] not in ("", "#")
+    )
     return said, [channel.split("\n")[1].removeprefix("column = ") for channel in channels]
 
 
@@ -40,6 +42,7 @@ units_row = 3  # the line with their units, 0: none
 first_row = 4  # the line of the first numbers
 time = "Zeit"
 time_unit = "s"
+# left out: Bemerkung, no numbers
 
 [[channel]]
 column = "Achse vl"
@@ -79,10 +82,11 @@ point = ""
     alone = lvm(part()).replace("A1", "axle FL")
     assert draft(tmp_path, alone, "run.lvm") == guessed
     twice = text.replace("Aufbau", "axle FL")
-    by_number = rest.format("A1", "1", "2", "  # by its name: is it so?", "axle FL")
+    by_number = rest.format("A1", "1", "2", "  # by its name: is it so?", "axle FL (Volts)")
+    by_number = by_number.replace('"axle FL"', '"axle FL (g)"')
     assert draft(tmp_path, twice, "run.lvm") == group + by_number
     timeless = lvm(without_x(), x_columns="No").replace("7,812500E-3", "")
-    rate = "rate_hz = 100.0  # the file has no time: say how many samples are a second\n\n[[chan"
+    rate = 'rate_hz = ""  # the file has no time: how many samples has a second?\n\n[[chan'
     assert draft(tmp_path, timeless, "run.lvm").startswith(rate)
 
 
@@ -92,10 +96,12 @@ def test_without_channels_there_is_no_draft(tmp_path):
 
 
 def test_a_point_is_guessed_for_accelerometers_alone(tmp_path):
+    """And said beside a channel that may be one, once its unit is known."""
     text = "t;axle FL [km/h];axle FR;axle RL [g]\n0;1;3;2\n1;2;2;2\n2;5;3;2\n"
     found = draft(tmp_path, text)
     points = [line.split('"')[1] for line in found.split("\n") if line.startswith("point")]
-    assert points == ["", "A2", "A3"]
+    assert points == ["", "", "A3"]
+    assert 'point = ""  # A2 by its name, once its unit is said' in found
     assert 'unit = "km/h"  # × 0.277778 = m/s' in found and "# not said: g, m/s²?" in found
 
 
@@ -120,46 +126,43 @@ def test_lines_are_counted_as_an_editor_does(text, header, units, first, tmp_pat
 
 @pytest.mark.parametrize(
     "name",
-    ["time", "Time_stamp", "TIMESTAMP", "X_Value", "Zeit [ms]", "t (s)", "time / ms", "time_us"],
+    ["time", "Time_stamp", "TIMESTAMP", "X_Value", "Zeit [s]", "t (s)", "time / s", "time_s"],
 )
 def test_time_is_known_by_its_name(name, tmp_path):
-    said, columns = layout(tmp_path, f"x;{name}\n1;0\n")
+    said, columns = layout(tmp_path, f"x;{name}\n1;0\n2;0.01\n1;0.02\n")
     assert said["time"] == f'"{name}"' and columns == ['"x"']
-    unit = next((unit for unit in ("ms", "us") if unit in name and "stamp" not in name), "s")
-    assert said["time_unit"] == f'"{unit}"'
+    assert said["time_unit"] == '"s"'
 
 
-def test_or_it_is_the_first_column_that_rises_evenly(tmp_path):
-    rows = "1;9;0;0;5\n1;8;10;10;6\n1;7;25;20;7\n"
-    said, columns = layout(tmp_path, f"same;falls;uneven;even;too\n{rows}")
-    assert (said["time"], said["time_unit"]) == ('"even"', '"s"')
-    assert columns == ['"same"', '"falls"', '"uneven"', '"too"']
-    said, _ = layout(tmp_path, f"same;falls;uneven;even;too\ng;g;g;ms;g\n{rows}")
-    assert said["time_unit"] == '"ms"'
-    said, _ = layout(tmp_path, f"same;falls;uneven;even [ms];too\n{rows}")
-    assert said["time_unit"] == '"ms"'
-    said, columns = layout(tmp_path, f"same;falls;uneven;even;too\ng;g;g;V;g\n{rows}")
-    assert "time" not in said and '"even"' in columns  # volts are no time
+@pytest.mark.parametrize("rows", ["0;9\n10;8\n20;7\n", "5;9\n6;8\n7;7\n", "0;9\n0.01;8\n0.02;7\n"])
+def test_what_only_rises_evenly_is_asked_about(rows, tmp_path):
+    """It may be a distance, a ramp or a counter."""
+    said, columns = layout(tmp_path, f"rises;falls\n{rows}")
+    assert (said["time"], said["time_unit"]) == ('"rises"', '""')
+    assert columns == ['"falls"']
+    said, columns = layout(tmp_path, f"rises;falls\nV;V\n{rows}")
+    assert "time" not in said and said["rate_hz"] == '""'  # volts are no time
+    assert columns == ['"rises"', '"falls"']
 
 
-def test_a_unit_of_time_that_is_not_known_is_left_for_the_user_to_correct(tmp_path):
+def test_a_unit_of_time_that_is_not_known_is_asked_for(tmp_path):
     said, _ = layout(tmp_path, "x;time [ticks]\n1;0\n")
-    assert said["time_unit"] == '"ticks"'
+    assert said["time_unit"] == '""'
     mapping = save(tmp_path, "map.toml", draft_mapping(tmp_path / "run.txt"))
-    with pytest.raises(ExchangeError, match=r'map\.toml: time_unit = "ticks" is not known: s, ms'):
+    with pytest.raises(ExchangeError, match=r"map\.toml: still to be answered: time_unit = … .*ms"):
         read_mapping(mapping)
 
 
 def test_a_unit_that_is_not_known_is_said_to_stay(tmp_path):
-    found = draft(tmp_path, "t;pot FL [turns];yaw [deg/s]\n0;1;3\n1;2;3\n2;5;3\n")
+    found = draft(tmp_path, "t;pot FL [turns];yaw [degs]\n0;1;3\n1;2;3\n2;5;3\n")
     assert 'unit = "turns"  # not known here: it stays as it is' in found
-    assert 'unit = "deg/s"  # not known here: it stays as it is' in found
+    assert "unit = \"degs\"  # not known here: it stays as it is, did you mean 'deg/s'?" in found
     assert found.count('point = ""') == 2
 
 
-def test_two_rows_do_not_show_what_rises_evenly(tmp_path):
+def test_a_file_of_two_rows_without_time_asks_for_the_rate(tmp_path):
     said, columns = layout(tmp_path, "temperature;x\n1;3\n2;4\n")
-    assert said["rate_hz"] == "100.0" and "time" not in said
+    assert said["rate_hz"] == '""' and "time" not in said
     assert columns == ['"temperature"', '"x"']
 
 
@@ -171,8 +174,9 @@ def test_a_single_column_of_numbers_has_a_draft(tmp_path):
     """Nothing but its rate is missing."""
     text = "acc [g]\n1.5\n-0.5\n2.5\n"
     said, columns = layout(tmp_path, text)
-    assert (said["rate_hz"], said["first_row"], columns) == ("100.0", "2", ['"acc [g]"'])
-    mapping = read_mapping(save(tmp_path, "map.toml", draft_mapping(tmp_path / "run.txt")))
+    assert (said["rate_hz"], said["first_row"], columns) == ('""', "2", ['"acc [g]"'])
+    answered = draft_mapping(tmp_path / "run.txt").replace('rate_hz = ""', "rate_hz = 50")
+    mapping = read_mapping(save(tmp_path, "map.toml", answered))
     found = read(tmp_path / "run.txt", mapping)
     assert found.values[:, 0] == pytest.approx([1.5 * G, -0.5 * G, 2.5 * G])
 

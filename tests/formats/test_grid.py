@@ -25,7 +25,12 @@ def place(row):
 def test_gaps_are_whole_steps_and_the_rate_is_the_round_one(rate, start, runs):
     steps = [step for length, gap in runs for step in (*[1] * length, gap)]
     index = np.cumsum([0, *steps, 1])
-    grid = fit_grid(start + index / rate, place)
+    time_s = start + index / rate
+    try:
+        grid = fit_grid(time_s, place)
+    except ExchangeError as asked:  # many steps of two units: stamps may have been rounded
+        assert "say rate_hz" in str(asked)
+        grid = fit_grid(time_s, place, rate)
     assert grid.index.tolist() == index.tolist()
     assert grid.rate_hz == pytest.approx(rate, rel=1e-6)
     assert grid.start_s == pytest.approx(start, abs=1e-2 / rate)

@@ -78,22 +78,27 @@ def test_the_draft_of_a_mapping_reads_the_file_it_was_made_for(text, encoding, f
     path = save(tmp_path, "run.csv", text, encoding)
     with pytest.raises(ExchangeError, match=r"wheelhop import run\.csv --draft"):
         read(path)
-    draft = save(tmp_path, "map.toml", draft_mapping(path))
-    found = read(path, read_mapping(draft))
+    draft = draft_mapping(path)
+    if 'time_unit = ""' in draft:  # a column without a name: it may be anything that rises
+        draft = draft.replace('time_unit = ""', 'time_unit = "s"')
+    found = read(path, read_mapping(save(tmp_path, "map.toml", draft)))
     assert found.values[:, 0] == pytest.approx(factor * np.array([1.5, 2.5, 3.5, 4.5]))
     assert (found.rate_hz, found.start_s) == (100.0, 0.0)
 
 
-def test_columns_of_one_name_are_told_by_their_number(tmp_path):
-    """The user names them apart in the draft, and it reads."""
-    path = save(tmp_path, "run.csv", "t;acc;acc\n0;1,5;3\n0,01;2,5;3\n0,02;3,5;4\n")
-    draft = draft_mapping(path)
-    with pytest.raises(ExchangeError, match='2 channels are called "acc": name them apart'):
-        read(path, read_mapping(save(tmp_path, "map.toml", draft)))
-    apart = draft.replace('name = "acc"', 'name = "A1"', 1)
-    found = read(path, read_mapping(save(tmp_path, "apart.toml", apart)))
-    assert [channel.name for channel in found.channels] == ["A1", "acc"]
-    assert found.values.tolist() == [[1.5, 3.0], [2.5, 3.0], [3.5, 4.0]]
+def test_columns_of_one_name_are_kept_apart_by_unit_or_number(tmp_path):
+    path = save(tmp_path, "run.csv", "t;acc;acc;pot;pot\ns;g;g;V;mm\n0;1,5;3;1;1\n0,01;2,5;3;1;1\n")
+    found = read(path, read_mapping(save(tmp_path, "map.toml", draft_mapping(path))))
+    assert [(channel.name, channel.unit) for channel in found.channels] == [
+        ("acc (g) (column 2)", "m/s²"),
+        ("acc (g) (column 3)", "m/s²"),
+        ("pot (V)", "V"),
+        ("pot (mm)", "m"),
+    ]
+    assert found.values[:, 2:] == pytest.approx(np.array([[1.0, 0.001], [1.0, 0.001]]))
+    twice = draft_mapping(path).replace("pot (V)", "pot").replace("pot (mm)", "pot")
+    with pytest.raises(ExchangeError, match='2 channels are called "pot": name them apart'):
+        read(path, read_mapping(save(tmp_path, "twice.toml", twice)))
 
 
 def test_without_a_column_of_time_the_mapping_gives_the_rate(tmp_path):
@@ -137,7 +142,10 @@ def test_what_is_wrong_is_found_by_its_line(text, line, tmp_path):
         ("format = 2", "format = 1 is missing"),
         ("format = true", "format = 1 is missing"),
         ('format = 1\nseparator = "x"', "separator must be"),
-        ('format = 1\ndecimal = ","', "decimal must be"),
+        ('format = 1\ndecimal = "x"', "decimal must be"),
+        ('format = 1\nthousands = "."\ndecimal = "."', "thousands must be"),
+        ('format = 1\nrate_hz = ""\ntime_unit = ""', "still to be answered: time_unit .*; rate_hz"),
+        ("format = 1\nheader_row = [1, 0]", "header_row must hold the numbers of lines"),
         ('format = 1\ntime_unit = "weeks"', 'time_unit = "weeks" is not known'),
         ("format = 1\nrate_hz = -1", "rate_hz must be above 0"),
         ("format = 1\nheader_row = -1", "header_row must be the number of a line"),

@@ -236,3 +236,22 @@ def test_segments_of_one_sample_each_are_joined(tmp_path):
 def test_segments_that_do_not_follow_each_other_are_groups(second, tmp_path):
     said = 'not sampled together: choose with group = … in a mapping from "1" (2 channels), "2" (2'
     assert said in refused(tmp_path, lvm(part(), second))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ("X_Dimension\tTime\tTime", "X_Dimension\tFrequency\tFrequency", "a spectrum"),
+        ("X_Dimension\tTime\tTime", "X_Dimension\tTime\t\nX_Unit_Label\tHz\tHz", "a spectrum"),
+        ("X_Dimension\tTime\tTime", "X_Dimension\tLength\t\nX_Unit_Label\tmm\tmm", "no recording"),
+    ],
+)
+def test_x_that_is_no_time_is_no_recording(old, new, word, tmp_path):
+    assert old in lvm(part())
+    said = refused(tmp_path, lvm(part()).replace(old, new))
+    assert "not time: this is" in said and word in said
+
+
+def test_the_unit_of_x_counts(tmp_path):
+    text = lvm(part()).replace("X_Dimension", "X_Unit_Label\tms\tms\t\nX_Dimension")
+    assert read(save(tmp_path, "run.lvm", text)).rate_hz == 128_000.0

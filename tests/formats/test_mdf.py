@@ -9,7 +9,7 @@ import pytest
 
 from tests.formats.foreign import G
 from tests.formats.recordings import recording
-from wheelhop.formats import ExchangeError, read, write
+from wheelhop.formats import ExchangeError, Map, read, write
 from wheelhop.formats.header import to_text
 from wheelhop.formats.registry import load
 
@@ -135,3 +135,56 @@ def test_a_master_that_is_no_time_is_refused(tmp_path, kind, axis):
         mdf.save(path)
     with pytest.raises(ExchangeError, match=f"group 0 is sampled over {axis}, not over time"):
         read(path)
+
+
+def test_what_is_sampled_over_time_is_read_beside_what_is_not(tmp_path):
+    path, at = tmp_path / "run.mf4", np.arange(4) / 100
+    with asammdf.MDF(version="4.10") as mdf:
+        for name, kind in (("A1", 1), ("B1", 3)):
+            master = ("master", kind)
+            mdf.append([asammdf.Signal(np.arange(4.0), at, name=name, master_metadata=master)])
+        mdf.save(path)
+    found = read(path)
+    assert ([channel.name for channel in found.channels], found.rate_hz) == (["A1"], 100.0)
+    assert "left out: group 1 is sampled over a distance, not over time" in found.history
+
+
+def test_samples_that_are_only_counted_have_no_rate(healthy, tmp_path):
+    """The master is an ordinary channel: asammdf makes seconds of the samples' numbers."""
+    data = damaged(healthy, channels(healthy)[0], TYPE, lambda _: 0)
+    data = data.replace(b"wheelhop.toml", b"wheelhop.doml")  # of others
+    said = (
+        "has no time (the samples of group 0 are only counted): give time or rate_hz in a mapping"
+    )
+    assert refused(tmp_path, data) == said
+    assert read(tmp_path / "run.mf4", Map(rate_hz=50.0)).rate_hz == 50.0
+
+
+@pytest.mark.parametrize("version", ["3.10", "3.30"])
+@pytest.mark.parametrize("suffix", [".mdf", ".dat", ".mf4"])
+def test_mdf_3_is_read_under_each_of_its_suffixes(version, suffix, tmp_path):
+    path, at = tmp_path / "ecu.mdf", np.arange(300) / 100
+    signals = [asammdf.Signal(np.arange(300.0), at, name=name, unit="g") for name in ("A1", "B1")]
+    with asammdf.MDF(version=version) as mdf:
+        mdf.append(signals)
+        mdf.save(path)
+    path = path.rename(path.with_suffix(suffix))
+    found = read(path)
+    assert [(channel.name, channel.unit) for channel in found.channels] == [
+        ("A1", "m/s²"),
+        ("B1", "m/s²"),
+    ]
+    assert (found.rate_hz, len(found.values)) == (100.0, 300)
+    with pytest.raises(ExchangeError, match="has its own time: leave time = 'nope' out"):
+        read(path, Map(time="nope"))
+
+
+def test_the_unit_of_a_master_counts(tmp_path):
+    path = tmp_path / "run.mf4"
+    for unit, rate_hz in (("ms", 100.0), ("s", 0.1)):
+        master = asammdf.Signal(np.arange(4.0), 10.0 * np.arange(4), name="A1")
+        with asammdf.MDF(version="4.10") as mdf:
+            mdf.append([master])
+            mdf.groups[0].channels[0].unit = unit
+            mdf.save(path, overwrite=True)
+        assert read(path).rate_hz == pytest.approx(rate_hz)

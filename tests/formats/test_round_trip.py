@@ -203,3 +203,18 @@ def test_a_failed_export_leaves_what_was_there(tmp_path, monkeypatch):
         write(recording(rows=7, gaps=()), path)
     assert path.read_bytes() == before
     assert sorted(file.name for file in tmp_path.iterdir()) == ["run.csv", "run.csv.toml"]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".mf4"])
+def test_a_gap_of_one_channel_comes_back_as_one(suffix, tmp_path):
+    """And MDF says so by the invalidation bits of that channel alone, for other programs."""
+    values = recording().values.copy()
+    values[300:320, 1] = np.nan
+    original = replace(recording(), values=values)
+    path = tmp_path / f"run{suffix}"
+    write(original, path)
+    assert_same(read(path), original)
+    if suffix == ".mf4":
+        data = path.read_bytes().replace(b"wheelhop.toml", b"wheelhop.doml")  # of others
+        path.write_bytes(data)
+        assert np.isnan(read(path).values).sum(axis=0).tolist() == [11, 31, 11]

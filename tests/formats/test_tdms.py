@@ -145,5 +145,77 @@ def test_what_does_not_count_time_is_no_recording(tmp_path):
     """LabVIEW and DIAdem write spectra as waveforms."""
     found = read(saved(tmp_path, [wave("A1", [1.0, 2.0], 5.0, 250.0, wf_xunit_string="ms")]))
     assert (found.rate_hz, found.start_s) == (200.0, 0.25)
-    with pytest.raises(ExchangeError, match="A1: its x axis is in Hz, no unit of time"):
+    with pytest.raises(
+        ExchangeError, match="A1: its x axis is in Hz, not in time: this is a spectrum"
+    ):
         read(saved(tmp_path, [wave("A1", [1.0, 2.0], wf_xunit_string="Hz")]))
+
+
+@pytest.mark.parametrize(
+    ("unit", "word"), [("Hz", "a spectrum"), ("mm", "a loop"), ("N", "a loop"), ("rev", "no recor")]
+)
+def test_what_is_no_recording_is_left_out_beside_one(unit, word, tmp_path):
+    path = saved(tmp_path, [wave("A1", [1.0, 2.0]), wave("PSD", [1.0, 2.0], wf_xunit_string=unit)])
+    found = read(path)
+    assert [channel.name for channel in found.channels] == ["A1"]
+    assert any(f"left out: PSD: its x axis is in {unit}, not in time" in s for s in found.history)
+    assert any(word in step for step in found.history)
+
+
+@pytest.mark.parametrize("kind", ["PieceWisePolynomial", "Rosette", "Map"])
+def test_values_whose_scaling_is_not_known_are_raw_and_in_no_unit(kind, tmp_path):
+    scaled = {"NI_Number_Of_Scales": 1, "NI_Scaling_Status": "unscaled", "unit_string": "g"}
+    scaled["NI_Scale[0]_Scale_Type"] = kind
+    found = read(saved(tmp_path, [wave("A1", [1.0, 2.0], **scaled)]))
+    assert [(channel.unit, channel.point) for channel in found.channels] == [("", "")]
+    assert found.values.tolist() == [[1.0], [2.0]]
+    assert (
+        f"A1: scaling {kind} is not known: the values are raw, in an unknown unit" in found.history
+    )
+    done = read(saved(tmp_path, [wave("A1", [1.0], **scaled | {"NI_Scaling_Status": "scaled"})]))
+    assert done.channels[0].unit == "m/s²"
+
+
+def since(ms):
+    return {"wf_start_time": np.datetime64(START.replace(tzinfo=None)) + np.timedelta64(ms, "ms")}
+
+
+def test_channels_that_began_at_other_times_are_shifted_and_not_put_in_step(tmp_path):
+    early, late = wave("A1", [1.0, 2.0, 3.0], **since(10)), wave("B1", [4.0, 5.0, 6.0], **since(0))
+    found = read(saved(tmp_path, [early, late]))
+    nan = np.nan
+    expected = [[nan, 4], [nan, 5], [1, 6], [2, nan], [3, nan]]
+    assert np.array_equal(found.values, expected, equal_nan=True)
+    assert found.start_unix_s == START.timestamp()
+    path = saved(tmp_path, [early, wave("B1", [4.0, 5.0, 6.0], **since(7))])  # 0.6 steps
+    with pytest.raises(ExchangeError, match="were not sampled together"):
+        read(path)
+
+
+def test_groups_on_one_clock_are_one_recording(tmp_path):
+    one, two = since(0), since(0)
+    path = saved(
+        tmp_path, [wave("A1", [1.0, 2.0], **one), wave("A1", [3.0, 4.0], group="b", **two)]
+    )
+    found = read(path)
+    columns = dict(zip((c.name for c in found.channels), found.values.T.tolist(), strict=True))
+    assert columns == {"car/A1": [1.0, 2.0], "b/A1": [3.0, 4.0]}
+    assert read(path, Map(group="b")).values.tolist() == [[3.0], [4.0]]
+    unknown = saved(tmp_path, [wave("A1", [1.0, 2.0]), wave("B1", [3.0, 4.0], group="b")])
+    with pytest.raises(ExchangeError, match="were not sampled together"):
+        read(unknown)
+
+
+def test_a_channel_that_is_called_time_is_time_if_its_unit_is_said(tmp_path):
+    sets = [channel("Time", [0.0, 10.0, 20.0], unit_string="ms"), channel("A1", [1.0, 2.0, 3.0])]
+    found = read(saved(tmp_path, sets))
+    assert found.rate_hz == 100.0 and [c.name for c in found.channels] == ["A1"]
+    sets[0] = channel("Time", [0.0, 10.0, 20.0])
+    with pytest.raises(ExchangeError, match=r"has no time .the unit of Time is not said"):
+        read(saved(tmp_path, sets))
+
+
+def test_a_mapping_that_names_a_time_that_is_not_there_is_refused(tmp_path):
+    path = saved(tmp_path, [wave("A1", [1.0, 2.0])])
+    with pytest.raises(ExchangeError, match="there is no channel 'nope'; it has A1"):
+        read(path, Map(time="nope"))

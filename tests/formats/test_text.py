@@ -64,6 +64,15 @@ def test_a_column_that_is_not_there_is_refused_with_those_that_are(column, tmp_p
     assert refused(tmp_path, "t;x\n0;1\n", picked) == said
 
 
+def test_rows_without_any_value_are_none_where_time_is_a_column(tmp_path):
+    """Nobody knows when they were; without a column of time they are samples that are missing."""
+    timed = Map(separator=";", time="t")
+    assert len(found(tmp_path, "t;x\n0;1\n0.01;2\n;\n0.02;3\n", timed).values) == 3
+    assert np.isnan(found(tmp_path, "A1;B1\n1;2\n;\n5;6\n").values[1]).all()
+    assert refused(tmp_path, "t;x\n;\n;\n", timed) == "holds no samples: all its rows are empty"
+    assert refused(tmp_path, "t;x\n0;1\n;2\n0.02;3\n", timed) == "line 3: t: has no time"
+
+
 def test_a_file_of_nothing_but_time_is_refused(tmp_path):
     said = "has no columns of numbers beside time: t, note"
     assert refused(tmp_path, "t;note\n0;a\n1;b\n", Map(separator=";", time="t")) == said
@@ -100,16 +109,17 @@ def test_dates_are_instants_if_they_name_their_zone(first, second, since, tmp_pa
 
 def test_dates_with_and_without_a_zone_do_not_mix(tmp_path):
     text = "t;x\n2026-05-01T12:00:00Z;1\n2026-05-01T12:00:01;2\n"
-    assert refused(tmp_path, text, CLOCK) == "only some of the times have a time zone"
+    assert refused(tmp_path, text, CLOCK) == "line 3: only some of the times have a time zone"
     said = refused(tmp_path, text.replace("2026-05-01T12:00:01", "noon"), CLOCK)
     assert said.startswith("line 3: 'noon' is no time: write 2026-05-01 12:34:56.789")
 
 
-@pytest.mark.parametrize("cell", ["", "NaN", "n/a", "-", "NULL"])
-def test_an_empty_cell_leaves_its_row_empty_and_says_so(cell, tmp_path):
+@pytest.mark.parametrize("cell", ["", "NaN", "n/a", "-", "NULL", "#N/A"])
+def test_an_empty_cell_is_a_gap_of_its_channel_alone_and_said(cell, tmp_path):
     recording = found(tmp_path, f"A1;B1\n1;2\n{cell};4\n5;6\n")
-    assert np.flatnonzero(recording.missing).tolist() == [1]
-    assert recording.history[-1] == "rows without a value in every channel: 1; left empty"
+    assert recording.values[:, 1].tolist() == [2.0, 4.0, 6.0]
+    assert np.flatnonzero(np.isnan(recording.values[:, 0])).tolist() == [1]
+    assert recording.history[-1] == "A1: rows without a value of its own: 1; left empty"
 
 
 def test_a_column_without_a_value_is_not_a_channel(tmp_path):

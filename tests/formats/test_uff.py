@@ -84,7 +84,7 @@ def test_a_function_may_be_a_single_sample(tmp_path):
 
 def test_functions_that_are_not_of_time_are_left_out(tmp_path):
     assert names(tmp_path, function(func_type=0), function(func_type=4, rsp_node=6)) == ["5+Z"]
-    with pytest.raises(ExchangeError, match="holds no channels of numbers"):
+    with pytest.raises(ExchangeError, match="dataset 1: is a frequency response, no recording"):
         read(saved(tmp_path, function(func_type=4)))
 
 
@@ -256,5 +256,44 @@ def test_the_abscissa_s_unit_counts(unit, seconds, tmp_path):
     item = function(start=0.0, step=8.0, abscissa_axis_units_lab=unit)
     found = read(saved(tmp_path, item))
     assert found.rate_hz == pytest.approx(1 / (8.0 * seconds))
-    with pytest.raises(ExchangeError, match="dataset 1: its abscissa is in rev, no unit of time"):
+    with pytest.raises(ExchangeError, match="dataset 1: its abscissa is rev, not time"):
         read(saved(tmp_path, function(abscissa_axis_units_lab="rev")))
+
+
+@pytest.mark.parametrize(
+    ("code", "unit", "word"),
+    [(18, "Hz", "a spectrum"), (8, "mm", "a loop"), (13, "N", "a loop"), (19, "rpm", "no recor")],
+)
+def test_an_abscissa_that_is_no_time_is_no_recording(code, unit, word, tmp_path):
+    other = function(abscissa_spec_data_type=code, abscissa_axis_units_lab=unit, rsp_node=6)
+    with pytest.raises(ExchangeError, match=f"dataset 1: its abscissa is .*, not time: .*{word}"):
+        read(saved(tmp_path, other))
+    found = read(saved(tmp_path, function(), other))
+    assert [channel.name for channel in found.channels] == ["5+Z"]
+    assert any("left out: dataset 2: its abscissa is" in step for step in found.history)
+
+
+DATE = {"id3": "14-JUN-25 10:00:00"}
+
+
+def test_two_sensors_at_one_node_are_two_channels(tmp_path):
+    """Named by their first lines; a repetition has the same ones, and is a group of its own."""
+    hub, body = function(id1="Hub acc", **DATE), function(id1="Body acc", **DATE)
+    assert names(tmp_path, hub, body) == ["Hub acc", "Body acc"]
+    force = function(id1="Force", ordinate_axis_units_lab="N", **DATE)
+    found = read(saved(tmp_path, hub, force))
+    assert [(c.name, c.unit) for c in found.channels] == [("Hub acc", "m/s²"), ("Force", "N")]
+    undated = [function(id1=f"Dof{k}", rsp_node=node) for k, node in enumerate((1, 2, 3, 1))]
+    assert names(tmp_path, *undated) == ["Dof0", "2+Z", "3+Z", "Dof3"]
+    path = saved(tmp_path, hub, body, hub, body)
+    with pytest.raises(ExchangeError, match=r'"1" \(2 channels\), "2" \(2 channels\)'):
+        read(path)
+
+
+def test_repeated_runs_are_no_channels_of_one(tmp_path):
+    """Not even if their first lines say which run they are."""
+    runs = [function(id1=f"hammer, run {k}") for k in (1, 2)]
+    later = [runs[0] | DATE, runs[1] | {"id3": "14-JUN-25 11:00:00"}]
+    for sets in (runs, later, [*later[:1], later[1] | {"rsp_node": 6}]):
+        with pytest.raises(ExchangeError, match=r'"1" \(1 channels\), "2" \(1 channels\)'):
+            read(saved(tmp_path, *sets))

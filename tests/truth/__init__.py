@@ -7,14 +7,17 @@ from .campaign import Truth, in_band, make_campaign, read_truth, write_campaign
 from .effects import known_ids, make_effect, make_effects
 from .model import CHANNELS, Motion, Run, integrate, simulate_run
 from .presets import PRESETS, Preset
+from .sensors import SENSORS, Sensor, sense
 from .tracks import Track
 
 __all__ = [
     "CHANNELS",
     "PRESETS",
+    "SENSORS",
     "Motion",
     "Preset",
     "Run",
+    "Sensor",
     "Track",
     "Truth",
     "in_band",
@@ -24,6 +27,7 @@ __all__ = [
     "make_effect",
     "make_effects",
     "read_truth",
+    "sense",
     "simulate_run",
     "write_campaign",
 ]

@@ -13,6 +13,7 @@ from .effect import Effect
 from .effects import Parameters, make_effects
 from .model import CHANNELS, STEP_S, Run, record, sense_run, simulate_run
 from .presets import PRESETS, PlannedRun, Preset, draw_vehicles, planned_runs
+from .sensors import KEYS, Sensor, sense, with_noise
 from .tracks import Array, Track
 from .vehicle import Vehicle, flatten
 
@@ -52,11 +53,12 @@ def make_campaign(
     noise_rms: float = 0.1,
     seconds: float = SECONDS,
     draft: bool = False,
+    sensors: Sequence[Sensor] = (),
 ) -> Path:
     """Simulate and write one campaign with its truth.toml; returns the folder.
 
     The same arguments give the same files. `noise_rms` is one channel's noise in band, m/s^2,
-    in the mean over channels; `seconds` is the length of a run, and a draft that of
+    in the mean over channels; `seconds` is the length of a run; draft and sensors are those of
     `write_campaign`. Raises ValueError for an unknown preset, effect or parameter.
     """
     if preset not in PRESETS:
@@ -71,6 +73,7 @@ def make_campaign(
         noise_rms=noise_rms,
         seconds=seconds,
         draft=draft,
+        sensors=sensors,
     )
 
 
@@ -86,11 +89,14 @@ def write_campaign(
     seconds: float = SECONDS,
     draft: bool = False,
     without: Collection[str] = (),
+    sensors: Sequence[Sensor] = (),
 ) -> Path:
     """`make_campaign` for a vehicle and for effects that need not be among the named ones; the same
     seconds at another sample rate, if one is given, and `without` the runs of these ids.
 
     A draft, to look at and not to keep, takes twice the step and says nothing of the baseline.
+    With `sensors` these are recorded in place of the eight points, each with the noise it states;
+    effects on sensors do nothing, and the truth knows no errors.
     """
     rng = np.random.default_rng(seed)
     true, nominal = draw_vehicles(preset, rng)
@@ -109,6 +115,12 @@ def write_campaign(
     step = min([STEP_S, *(effect.step_s for effect in physics)]) * (2.0 if draft else 1.0)
     for plan in planned:
         run = runs[plan.id]
+        if sensors:
+            shown = sense(true, run, sensors, physics, step_s=step)
+            noisy = with_noise(shown, sensors, _share(rate_hz), rng)
+            names = [sensor.name for sensor in sensors]
+            _write_recording(folder / "runs" / f"{plan.id}.csv", run.time_s, noisy, names)
+            continue
         true_samples = sense_run(true, run, physics, step_s=step)
         noisy = true_samples + offset + noise * rng.normal(size=true_samples.shape)
         samples = record(noisy, physics)
@@ -117,7 +129,8 @@ def write_campaign(
             baseline = true_samples if draft else simulate_run(true, run)[1]
             error.add(samples, record(true_samples, physics), baseline)
 
-    (folder / "campaign.toml").write_text(_campaign_toml(preset.name, planned, rate_hz, noise_rms))
+    text = _campaign_toml(preset.name, planned, rate_hz, noise_rms, sensors)
+    (folder / "campaign.toml").write_text(text)
     (folder / "vehicle.toml").write_text(_vehicle_toml(preset.name, nominal))
     truth = _truth_toml(true, physics, runs, noise, noise_rms, error)
     (folder / "truth.toml").write_text(truth)
@@ -161,13 +174,26 @@ class _Sums:
         self.noise += float(np.sum(in_band(samples - true_samples, rate) ** 2))
         self.hidden += float(np.sum(in_band(samples - baseline, rate) ** 2))
 
+    @property
+    def lines(self) -> list[str]:
+        """What truth.toml says of them."""
+        return [
+            "# error of the true vehicle with its effects (the noise), and without them",
+            f"oracle_rel_validate = {np.sqrt(self.noise / self.measured):.6g}",
+            f"baseline_rel_validate = {np.sqrt(self.hidden / self.measured):.6g}",
+        ]
+
 
 def _channel_noise(noise_rms: float, rate_hz: float, rng: np.random.Generator) -> Array:
     """Standard deviations of white noise (8,), unequal, whose in-band mean power is noise_rms^2."""
-    share = (BAND_HZ[1] - BAND_HZ[0]) / (rate_hz / 2.0)
     relative = rng.uniform(0.7, 1.3, len(CHANNELS))
     mean_power = float(np.mean(relative**2))
-    return noise_rms / np.sqrt(share * mean_power) * relative
+    return noise_rms / np.sqrt(_share(rate_hz) * mean_power) * relative
+
+
+def _share(rate_hz: float) -> float:
+    """How much of the power of white noise is in band."""
+    return (BAND_HZ[1] - BAND_HZ[0]) / (rate_hz / 2.0)
 
 
 def _draw_run(
@@ -185,15 +211,24 @@ def _averaging_s(rate_hz: float) -> float:
     return min(AVERAGING_S, 3.0 / rate_hz)
 
 
-def _write_recording(file: Path, time: Array, samples: Array) -> None:
+def _write_recording(
+    file: Path, time: Array, samples: Array, names: Sequence[str] = CHANNELS
+) -> None:
     rows = [
         f"{t:.9g}," + ",".join(f"{a:.5g}" for a in row)
         for t, row in zip(time, samples, strict=True)
     ]
-    file.write_text("\n".join(["time_s," + ",".join(CHANNELS), *rows]) + "\n")
+    file.write_text("\n".join(["time_s," + ",".join(names), *rows]) + "\n")
 
 
-def _campaign_toml(name: str, planned: list[PlannedRun], rate_hz: float, noise_rms: float) -> str:
+def _campaign_toml(
+    name: str,
+    planned: list[PlannedRun],
+    rate_hz: float,
+    noise_rms: float,
+    sensors: Sequence[Sensor] = (),
+) -> str:
+    noise = {KEYS.get(s.quantity, "noise_rms_m_s2"): s.noise_rms for s in sensors}
     lines = [
         "format = 1",
         f'title = "Simulated: {name}"',
@@ -201,8 +236,10 @@ def _campaign_toml(name: str, planned: list[PlannedRun], rate_hz: float, noise_r
         f"sample_rate_hz = {rate_hz}",
         f"band_hz = [{BAND_HZ[0]}, {BAND_HZ[1]}]",
         f"averaging_ms = {1000.0 * _averaging_s(rate_hz):.6g}",
-        f"noise_rms_m_s2 = {noise_rms:.3g}",
+        *(f"{key} = {rms:.3g}" for key, rms in (noise or {"noise_rms_m_s2": noise_rms}).items()),
     ]
+    if sensors:
+        lines += ["", "[channels]", *(sensor.in_campaign for sensor in sensors)]
     for run in planned:
         lines += [
             "",
@@ -239,9 +276,7 @@ def _truth_toml(
         'position = "start_m is the x of the FRONT axle at time_s = 0; '
         'the vehicle has been on the track for 4 s"',
         f"noise_rms_in_band_m_s2 = {noise_rms:.6g}",
-        "# error of the true vehicle with its effects (the noise), and without them",
-        f"oracle_rel_validate = {np.sqrt(error.noise / error.measured):.6g}",
-        f"baseline_rel_validate = {np.sqrt(error.hidden / error.measured):.6g}",
+        *(error.lines if error.measured > 0.0 else ()),
         "",
         "[effect]",
     ]

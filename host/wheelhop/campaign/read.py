@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wheelhop.campaign.channels import NOISE_KEYS, POINTS, QUANTITIES, read_channels
 from wheelhop.campaign.common import (
     Entry,
     band,
@@ -24,8 +26,6 @@ from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.tracks import read_track
 from wheelhop.campaign.types import (
-    AXLE_POINTS,
-    BODY_POINTS,
     Campaign,
     CampaignError,
     Channel,
@@ -33,20 +33,17 @@ from wheelhop.campaign.types import (
     TrackSpec,
 )
 from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
-from wheelhop.logger.recording import ACCELERATION
 
 T = TypeVar("T")
 Progress = Callable[[str], None]
 Unread = Callable[[Sequence[Entry]], Container[str]]
 
-POINTS = (*AXLE_POINTS, *BODY_POINTS)
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
 TOP_KEYS = (
     *("format", "kind", "title", "vehicle", "sample_rate_hz", "band_hz", "averaging_ms"),
-    *("noise_rms_m_s2", "filter", "channels", "run"),
+    *(*NOISE_KEYS, "filter", "channels", "run"),
 )
 CONSTANTS_FILE = "calibration.toml"
-LARGEST_M_S2 = 1e6  # a hundred thousand g: a broken file, and powers of it overflow
 LONGEST_AVERAGING = 3.0  # sample periods
 ROUNDED = 1e-3
 """A window of three periods, written with a few digits, may be longer by this share."""
@@ -101,6 +98,7 @@ def _read(
     top.only(TOP_KEYS)
     _refuse_gaps(top)
     rate = top.number("sample_rate_hz", above=0.0)
+    said = read_channels(top)
     empty = Campaign(
         folder=folder,
         title=top.text("title"),
@@ -108,8 +106,9 @@ def _read(
         sample_rate_hz=rate,
         band_hz=band(top, rate),
         averaging_s=_averaging(top, rate),
-        noise_rms=_noise(top),
-        channels=_channels(top.table("channels")) if "channels" in top else (),
+        noise_rms=said.noise_rms,
+        channels=said.compared,
+        known=said.known,
         runs=(),
         low_pass=read_low_pass(top.table("filter")) if "filter" in top else None,
     )
@@ -159,31 +158,6 @@ def _averaging(top: Table, rate_hz: float) -> float:
     return min(milliseconds, longest) * 1e-3
 
 
-def _noise(top: Table) -> float | None:
-    return top.number("noise_rms_m_s2", above=0.0) if "noise_rms_m_s2" in top else None
-
-
-def _channels(table: Table) -> tuple[Channel, ...]:
-    if not table.values:
-        raise table.error('is empty: name one channel or more (A1 = "A1"), or delete the table')
-    return tuple(_channel(table, name) for name in table.values)
-
-
-def _channel(table: Table, name: str) -> Channel:
-    place = table.values[name]
-    if not name.strip() or not name.isprintable() or name == "time_s":
-        raise table.error(f"{name!r} cannot be the name of a channel")
-    if isinstance(place, list):
-        x_m, y_m = table.pair(name)
-        return Channel(name, "body-xy", x_m, y_m)
-    if place in (*POINTS, "body"):
-        return Channel(name, place)
-    raise table.error(
-        f'{name}: say where the sensor sits: "A1".."A4", "B1".."B4", "body" (unknown), or [x, y] '
-        "in metres from the centre of mass"
-    )
-
-
 def _drive(run: Table, folder: Path) -> _Drive:
     run.only((*RUN_KEYS, "speed_along"))
     return _Drive(
@@ -216,41 +190,51 @@ def _counted(items: Sequence[T], what: str, progress: Progress) -> Iterator[T]:
 
 
 def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progress) -> Campaign:
-    channels = campaign.channels
+    channels, known = campaign.channels, campaign.known
     runs: list[Run] = []
     beside = campaign.folder / CONSTANTS_FILE
     constants = beside if beside.is_file() else None
     for drive in _counted(drives, "recording", progress):
-        names = _names(campaign.channels) or POINTS
-        wanted_units = dict.fromkeys(names, ACCELERATION)
-        columns, values = read_columns(drive.file, constants, wanted_units)
+        listed = campaign.channels or tuple(Channel(point, point) for point in POINTS)
+        units = {channel.name: channel.unit for channel in (*listed, *known)}
+        columns, values = read_columns(drive.file, constants, units)
         if not campaign.channels:
             _check_only_points(drive.file, columns)
         if not runs:
-            channels = campaign.channels or tuple(Channel(point, point) for point in POINTS)
-            channels = _in_order_of(drive.file, columns, channels)
-        wanted = [
-            column(drive.file, columns, name, NOT_RECORDED)
-            for name in ("time_s", *_names(channels))
-        ]
-        time_s = frozen(values[:, wanted[0]])
+            channels = _in_order_of(drive.file, columns, listed)
+        wanted = [column(drive.file, columns, name, NOT_RECORDED) for name in ("time_s", *units)]
+        place = dict(zip(("time_s", *units), wanted, strict=True))
+        time_s = frozen(values[:, place["time_s"]])
         check_time(drive.file, time_s, campaign.sample_rate_hz)
         check_resolved(drive.file, len(time_s), campaign.sample_rate_hz, campaign.band_hz)
-        if not np.ptp(values[:, wanted[1:]], axis=0).any():
+        record = frozen(values[:, [place[channel.name] for channel in channels]])
+        if not np.ptp(record, axis=0).any():
             raise CampaignError(
                 f"{drive.file}: no channel ever changes: there is nothing to compare; "
                 "leave the run out"
             )
-        largest = float(np.abs(values[:, wanted[1:]]).max())
-        if largest > LARGEST_M_S2:
-            raise CampaignError(
-                f"{drive.file}: a sample of {largest:g} m/s²: no accelerometer measures "
-                f"more than {LARGEST_M_S2:g}; leave the run out"
-            )
-        runs.append(Run(**vars(drive), time_s=time_s, record=frozen(values[:, wanted[1:]])))
+        beside_it = {channel.name: frozen(values[:, place[channel.name]]) for channel in known}
+        for channel in (*channels, *known):
+            _check_size(drive.file, channel, values[:, place[channel.name]])
+        runs.append(Run(**vars(drive), time_s=time_s, record=record, known=beside_it))
     if constants is not None:
         channels = _with_uncertainty(channels, constants)
     return replace(campaign, channels=channels, runs=tuple(runs))
+
+
+def _check_size(file: Path, channel: Channel, values: NDArray[np.float64]) -> None:
+    """Raise for a sample that no sensor of its quantity shows."""
+    quantity, largest = QUANTITIES[channel.quantity], float(np.abs(values).max())
+    most = quantity.largest if channel.unit == quantity.unit else np.inf
+    if largest > most:
+        sensor = "accelerometer" if channel.is_acceleration else f"sensor of {channel.quantity}"
+        remedy = "leave the run out"
+        if quantity.hint:
+            remedy = f"{quantity.hint} Convert {channel.name} to {channel.unit}, or {remedy}"
+        raise CampaignError(
+            f"{file}: a sample of {largest:g} {channel.unit}: no {sensor} measures more than "
+            f"{most:g}; {remedy}"
+        )
 
 
 def _with_uncertainty(channels: tuple[Channel, ...], file: Path) -> tuple[Channel, ...]:
@@ -276,7 +260,3 @@ def _check_only_points(file: Path, columns: list[str]) -> None:
                 "default to A1..A4 and B1..B4; say under [channels] in campaign.toml where others "
                 "sit"
             )
-
-
-def _names(channels: tuple[Channel, ...]) -> list[str]:
-    return [channel.name for channel in channels]

@@ -1,5 +1,6 @@
 """From any recording on disk to what a campaign holds: m/s², at true time."""
 
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,9 +9,11 @@ import numpy as np
 from wheelhop.calibration import Constants, nominal_constants, read_constants
 from wheelhop.calibration.constants import NOMINAL_CORNER_HZ, NOMINAL_CORNER_LIMITS
 from wheelhop.campaign.types import Channel
+from wheelhop.files.units import is_measured
 from wheelhop.formats import read
+from wheelhop.formats.table import POINTS
 from wheelhop.logger import correct_clock, correct_sensor
-from wheelhop.logger.recording import CODE, Recording
+from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
 CROSS_AXIS = 0.01  # ADXL326, Analog Devices, data sheet rev. 0, table 1
 UNMEASURED_CORNER = float(np.hypot(*NOMINAL_CORNER_LIMITS) / np.sqrt(3))
@@ -35,6 +38,32 @@ def read_recording(
     if nominal:
         return _calibrated(recording, nominal_constants(c.name for c in recording.channels))
     return recording
+
+
+def accelerations(recording: Recording, asked: Collection[str] = ()) -> tuple[Recording, list[str]]:
+    """The accelerations of a recording and what else is `asked` for by name, and what was left out,
+    in words. What is not calibrated yet stays, and what is at a place and does not say its unit:
+    that is refused."""
+    kept = [
+        k
+        for k, channel in enumerate(recording.channels)
+        if channel.unit in (ACCELERATION, CODE)
+        or channel.name in asked
+        or (channel.name in POINTS and not is_measured(channel.unit))
+    ]
+    if len(kept) == len(recording.channels) or not kept:
+        return recording, []
+    left_out = [
+        f"{channel.name} ({f'in {channel.unit}' if channel.unit else 'its unit is not said'})"
+        for k, channel in enumerate(recording.channels)
+        if k not in kept
+    ]
+    taken = recording.after(
+        f"left out, no accelerations: {', '.join(left_out)}",
+        values=recording.values[:, kept],
+        channels=tuple(recording.channels[k] for k in kept),
+    )
+    return taken, left_out
 
 
 def with_uncertainty(channel: Channel, constants: Constants) -> Channel:

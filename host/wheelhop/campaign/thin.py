@@ -42,4 +42,5 @@ def _thinned(run: Run, n: int) -> Run:
         run,
         time_s=frozen(run.time_s[:rows].reshape(-1, n).mean(axis=1)),
         record=frozen(run.record[:rows].reshape(rows // n, n, -1).mean(axis=1)),
+        known={k: frozen(v[:rows].reshape(-1, n).mean(axis=1)) for k, v in run.known.items()},
     )

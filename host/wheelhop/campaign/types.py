@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")
+STRUT_POINTS = ("S1", "S2", "S3", "S4")
+ACCELERATION = "acceleration"
 RigDrive = Literal["displacement", "force"]
 """What a rig imposes."""
 
@@ -34,13 +36,21 @@ class CampaignError(InputError):
 
 @dataclass(frozen=True)
 class Channel:
-    """One measured signal: a vertical acceleration, or what a rig measures.
+    """One measured signal: what of a vehicle (`wheelhop.campaign.channels`), or of a rig.
 
     `point` is "A1".."A4" (wheel axles), "B1".."B4" (suspension-to-body points), "body-xy" (on the
     sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
-    sprung body, position unknown), or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
-    right. `scale_uncertainty` is the standard uncertainty of what the channel shows, relative, as
-    its calibration states it, `gain_uncertainty` the gain's share in it; `corner_hz` that of the
+    sprung body, position unknown) for a vertical acceleration, "S1".."S4" (struts) for travel or
+    force, "pitch" or "roll" for a rate, or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
+    right. A channel of a strut shows `per_wheel` times what the strut does at the wheel.
+
+    `noise_rms` is the noise in band that is stated of this channel or its quantity, in `unit`,
+    None where the campaign's holds, or none is stated. `noise_scale` is its noise over the
+    campaign's: records are compared per that, so that every channel counts in units of its noise
+    (`wheelhop.compare.weights`).
+
+    `scale_uncertainty` is the standard uncertainty of what the channel shows, relative, as its
+    calibration states it, `gain_uncertainty` the gain's share in it; `corner_hz` that of the
     sensor's low-pass, which was undone, `corner_uncertainty` how well it is known, relative. 0 if
     nothing is stated.
     """
@@ -51,6 +61,9 @@ class Channel:
     y_m: float | None = None
     quantity: str = "acceleration"
     unit: str = "m/s²"
+    per_wheel: float = 1.0
+    noise_rms: float | None = None
+    noise_scale: float = 1.0
     scale_uncertainty: float = 0.0
     gain_uncertainty: float = 0.0
     corner_hz: float = 0.0
@@ -58,8 +71,8 @@ class Channel:
 
     @property
     def corner(self) -> int | None:
-        """0..3 for the points 1..4 of axle or body, None for any other place."""
-        named = self.point in AXLE_POINTS or self.point in BODY_POINTS
+        """0..3 for the points 1..4 of axle, body or strut, None for any other place."""
+        named = self.point in (*AXLE_POINTS, *BODY_POINTS, *STRUT_POINTS)
         return int(self.point[1]) - 1 if named else None
 
     @property
@@ -70,8 +83,23 @@ class Channel:
 
     @property
     def is_axle(self) -> bool:
-        """Whether the sensor sits on a wheel axle and not on the sprung body."""
+        """Whether it is an acceleration of a wheel axle."""
         return self.point in AXLE_POINTS
+
+    @property
+    def is_body_point(self) -> bool:
+        """Whether it is an acceleration of a suspension-to-body point."""
+        return self.point in BODY_POINTS
+
+    @property
+    def is_on_body(self) -> bool:
+        """Whether it shows how the sprung body moves, whatever its struts do."""
+        return self.quantity == "rate" or (self.is_acceleration and not self.is_axle)
+
+    @property
+    def is_acceleration(self) -> bool:
+        """Whether it is a vertical acceleration, wherever it is measured."""
+        return self.quantity == ACCELERATION
 
 
 @dataclass(frozen=True)
@@ -94,7 +122,8 @@ class Run:
     `time_s` is (n,), uniform at the campaign's sample rate; `record` is (n, n_channels), columns
     in the order of the campaign's channels and in their units. Both arrays are read-only.
     `speed_m_s` is nominal: the driver held it by hand, or drove a `course`, whose speeds it stands
-    for: all of them are faster or slower with it. `role` is "fit" or "validate".
+    for: all of them are faster or slower with it. `role` is "fit" or "validate". `known` holds what
+    was recorded and is not compared (n,), by the names of the campaign's `known` channels.
     """
 
     id: str
@@ -106,6 +135,7 @@ class Run:
     record: NDArray[np.float64]
 
     course: Course | None = field(default=None, kw_only=True)
+    known: Mapping[str, NDArray[np.float64]] = field(default_factory=dict, kw_only=True)
 
     def __repr__(self) -> str:
         how = f"{self.track.kind}, {self.speed_m_s * 3.6:.3g} km/h"
@@ -139,9 +169,10 @@ class Campaign:
     `averaging_s` is the window over which each recorded sample is a mean (0: ideal sampling), and
     so many recorded samples in a row were made one of by their mean (`thinned`): `means`;
     `low_pass` is what the recorder filtered every channel with before, None: nothing is stated;
-    `noise_rms` the noise floor of one channel inside `band_hz`, None when it is not known;
-    `noise_key` is its name in campaign.toml.
-    `channels` stand in the column order of the first run's recording.
+    `noise_rms` the noise floor of one channel of the `leading` quantity inside `band_hz`, None when
+    it is not known; `noise_key` is its name in campaign.toml.
+    `channels` stand in the column order of the first run's recording, without those that are
+    `known`: read and kept, but neither compared nor used.
     """
 
     folder: Path
@@ -155,6 +186,34 @@ class Campaign:
     runs: tuple[Run, ...]
     means: int = field(default=1, kw_only=True)
     low_pass: LowPass | None = field(default=None, kw_only=True)
+    known: tuple[Channel, ...] = field(default=(), kw_only=True)
+
+    @property
+    def leading(self) -> Channel:
+        """The first acceleration, or the first channel where there is none: every channel counts in
+        units of its noise over that of this one's quantity."""
+        return next((c for c in self.channels if c.is_acceleration), self.channels[0])
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is measured, each quantity once, the leading one first."""
+        every = (self.leading.quantity, *(c.quantity for c in self.channels))
+        return tuple(dict.fromkeys(every))
+
+    @property
+    def unstated(self) -> tuple[Channel, ...]:
+        """The channels whose noise is stated neither of them nor of their quantity."""
+        leading = self.leading.quantity
+        return tuple(
+            c
+            for c in self.channels
+            if c.noise_rms is None and not (c.quantity == leading and self.noise_rms is not None)
+        )
+
+    @property
+    def noise_scale(self) -> NDArray[np.float64]:
+        """Noise of every channel (c,) over the leading quantity's, in their units."""
+        return np.array([channel.noise_scale for channel in self.channels])
 
     @property
     def averaging(self) -> Averaging:
@@ -186,8 +245,8 @@ class Campaign:
 
     @property
     def unit(self) -> str:
-        """The unit of what the channels measure."""
-        return self.channels[0].unit
+        """The unit of the leading quantity, in which all channels count."""
+        return self.leading.unit
 
     @property
     def noise_key(self) -> str:
@@ -226,10 +285,11 @@ class Campaign:
         )
 
     def to_dataframe(self) -> DataFrame:
-        """The runs, one a row: role, track, nominal speed, duration, samples, and the rms of all
-        channels without their means, in their unit."""
+        """The runs, one a row: role, track, nominal speed, duration, samples, and the rms of the
+        channels of the leading quantity without their means, in its unit."""
         import pandas
 
+        leading = [c.quantity == self.leading.quantity for c in self.channels]
         return pandas.DataFrame(
             [
                 {
@@ -239,7 +299,9 @@ class Campaign:
                     "speed_m_s": run.speed_m_s,
                     "duration_s": len(run.time_s) / self.sample_rate_hz,
                     "samples": len(run.time_s),
-                    f"rms{ending_of(self.unit)}": float(np.sqrt(run.record.var(axis=0).mean())),
+                    f"rms{ending_of(self.unit)}": float(
+                        np.sqrt(run.record[:, leading].var(axis=0).mean())
+                    ),
                 }
                 for run in self.runs
             ]

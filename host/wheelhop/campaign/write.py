@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wheelhop.campaign.channels import Place, place_of, units_of
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
@@ -114,7 +115,7 @@ def new_campaign(
     folder: str | Path,
     title: str,
     like: Recording,
-    places: Mapping[str, str | Sequence[float]],
+    places: Mapping[str, Place],
     vehicle: str | Path | None = None,
     constants: str | Path | None = None,
     noise_rms: float | None = None,
@@ -122,9 +123,9 @@ def new_campaign(
     """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
 
     Sample rate, averaging and channels are those of the recording `like`; `places` says where
-    channels sit that its points do not tell. `vehicle`, the files of mount and
-    frame that it names, and the sensors' `constants` are copied; without `vehicle`, one that is
-    there stays, or else a sample file is written. If anything fails,
+    channels sit, or what they measure (`channels.place_of`), that its points do not tell.
+    `vehicle`, the files of mount and frame that it names, and the sensors' `constants` are copied;
+    without `vehicle`, one that is there stays, or else a sample file is written. If anything fails,
     nothing is left behind. Raises CampaignError if there is a campaign already, or a channel has no
     place.
     """
@@ -134,6 +135,12 @@ def new_campaign(
     file, target = folder / "campaign.toml", folder / "vehicle.toml"
     rate = like.rate_hz
     high = DEFAULT_BAND_HZ[1] if DEFAULT_BAND_HZ[1] < rate / 2 else TOP_OF_BAND * rate
+    if high < 2 * DEFAULT_BAND_HZ[0]:
+        raise CampaignError(
+            f"{folder}: {rate:g} samples a second tell nothing above {high:g} Hz, and a campaign"
+            f" needs {DEFAULT_BAND_HZ[0]:g} to {2 * DEFAULT_BAND_HZ[0]:g} Hz at least: was the"
+            " recording's time read in the right unit?"
+        )
     lines = [
         "format = 1",
         f"title = {quoted(title)}",
@@ -188,12 +195,14 @@ def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> li
     """
     folder = Path(folder)
     toml, files = folder / "campaign.toml", []
-    for recording, run in runs:
+    for _, run in runs:
         if not FILE_NAME.fullmatch(run.id):
             raise CampaignError(f"id = {run.id!r}: use letters, digits, '-', '_' and '.'")
-        _check_samples(recording, run.source or run.id)
     if not toml.exists():
         raise CampaignError(f"{toml}: no such file; begin with campaign new")
+    units = listed(folder)
+    for recording, run in runs:
+        _check_samples(recording, run.source or run.id, units)
     with locked(folder, CampaignError):
         text = before = _text(toml)
         made: list[Path] = []
@@ -220,6 +229,15 @@ def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> li
                 remove(made)
             raise
     return files
+
+
+def listed(folder: str | Path) -> dict[str, str]:
+    """The unit of every channel that the campaign in `folder` takes, by its name.
+
+    Raises CampaignError as reading its channels does.
+    """
+    toml = Path(folder) / "campaign.toml"
+    return units_of(parse_toml(_text(toml).split("[[run]]\n")[0], toml, CampaignError))
 
 
 OWN_RUN = re.compile(r'id = "([\w.-]+)"\nfile = "([^"\\\n]+)"\nrole = "(fit|validate)"\n')
@@ -282,15 +300,16 @@ def cut(recording: Recording, from_s: float | None, to_s: float | None) -> Recor
     )
 
 
-def _check_samples(recording: Recording, name: str) -> None:
+def _check_samples(recording: Recording, name: str, units: Mapping[str, str]) -> None:
     for channel in recording.channels:
-        if channel.unit != ACCELERATION:
+        wanted = units.get(channel.name, ACCELERATION)
+        if channel.unit != wanted:
             remedy = "say its unit in a mapping (wheelhop import --draft), or leave it out"
             if channel.unit == CODE:
                 remedy = "give its constants with --calibration, or --nominal to do without"
             unit = f"is in {channel.unit}" if channel.unit else "does not say its unit"
             raise CampaignError(
-                f"{name}: channel {channel.name} {unit}, a campaign takes m/s²: {remedy}"
+                f"{name}: channel {channel.name} {unit}, a campaign takes {wanted}: {remedy}"
             )
     missing = np.flatnonzero(recording.missing)
     if len(missing):
@@ -300,15 +319,16 @@ def _check_samples(recording: Recording, name: str) -> None:
         )
 
 
-def _channel_lines(like: Recording, places: Mapping[str, str | Sequence[float]]) -> list[str]:
+def _channel_lines(like: Recording, places: Mapping[str, Place]) -> list[str]:
     """[channels], unless the recording holds the eight points under their names and no more."""
     names = [channel.name for channel in like.channels]
     for name in places:
         if name not in names:
             raise CampaignError(f"{name}: no such channel; the recording has {', '.join(names)}")
-    placed = {c.name: places.get(c.name, c.point or c.name) for c in like.channels}
+    said = {c.name: places.get(c.name, c.point or c.name) for c in like.channels}
     if not places and set(names) == set(AXLE_POINTS + BODY_POINTS):
         return []
+    placed = {n: place_of(place) if isinstance(place, str) else place for n, place in said.items()}
     known = (*AXLE_POINTS, *BODY_POINTS, "body")
     unknown = [n for n, place in placed.items() if isinstance(place, str) and place not in known]
     if unknown:
@@ -321,7 +341,10 @@ def _where(unknown: Sequence[str], likely: Mapping[str, str]) -> str:
     answers = [f"--place {shlex.quote(f'{name}={likely[name]}')}" for name in unknown]
     said = " as their names say," if all(likely[name] for name in unknown) else ""
     sit = "where does it sit?" if len(unknown) == 1 else "where do they sit?"
-    return f"{', '.join(unknown)}: {sit}{said} {' '.join(answers)} (A1…A4, B1…B4, body, or x,y)"
+    return (
+        f"{', '.join(unknown)}: {sit}{said} {' '.join(answers)} (A1…A4, B1…B4, body, or x,y;"
+        " of other quantities travel:CORNER, force:CORNER, rate:pitch, rate:roll, speed)"
+    )
 
 
 def _run_lines(recording: Recording, run: NewRun) -> str:
@@ -351,7 +374,9 @@ def _key(key: str) -> str:
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
 
 
-def _value(value: str | float | Sequence[float]) -> str:
+def _value(value: float | Place) -> str:
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_value(item)}' for key, item in value.items())} }}"
     return quoted(value) if isinstance(value, str) else repr(value)
 
 

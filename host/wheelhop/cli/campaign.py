@@ -10,9 +10,9 @@ from rich.table import Table
 
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import Stretch, stretches
-from wheelhop.campaign.recorded import read_recording
+from wheelhop.campaign.recorded import accelerations, read_recording
 from wheelhop.campaign.tracks import is_steady
-from wheelhop.campaign.write import NewRun, add_run, cut, new_campaign
+from wheelhop.campaign.write import NewRun, add_run, cut, listed, new_campaign
 from wheelhop.cli.output import open_console
 from wheelhop.logger.recording import Recording
 
@@ -20,8 +20,19 @@ from wheelhop.logger.recording import Recording
 def run(arguments: Namespace) -> int:
     """Do what `arguments.action` says; raises CampaignError and what reading a recording raises."""
     recording = read_recording(arguments.recording, arguments.calibration, arguments.nominal)
+    recording, left_out = accelerations(recording, _asked(arguments))
+    if left_out:
+        print(f"left out, no accelerations: {', '.join(left_out)}")
     action = {"stretches": _stretches, "new": _new, "add": _add}[arguments.action]
     return action(arguments, recording)
+
+
+def _asked(arguments: Namespace) -> list[str]:
+    """The channels that are placed, or that the campaign takes, whatever they measure."""
+    if arguments.action == "new":
+        return [word.partition("=")[0] for word in arguments.place]
+    there = arguments.action == "add" and (arguments.folder / "campaign.toml").exists()
+    return [*listed(arguments.folder)] if there else []
 
 
 def _stretches(arguments: Namespace, recording: Recording) -> int:
@@ -132,7 +143,7 @@ def _value(text: str) -> str | float:
 
 
 def _place(word: str) -> tuple[str, str | list[float]]:
-    """`dash=0.35,0.0` or `imu=body`."""
+    """`dash=0.35,0.0`, `imu=body` or `pot=travel:1:0.65`."""
     name, equals, place = word.partition("=")
     if not equals:
         raise CampaignError(f"--place: '{word}' is not CHANNEL=PLACE, such as imu=body")

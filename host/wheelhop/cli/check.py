@@ -22,7 +22,7 @@ from wheelhop.campaign.write import SAMPLE, marked_numbers
 from wheelhop.cli.output import open_console
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
-from wheelhop.files.words import significant
+from wheelhop.files.words import listed, significant
 from wheelhop.gate import gate
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.vehicle.estimate import ESTIMATED
@@ -36,6 +36,9 @@ def run(arguments: Namespace) -> int:
     console.print(Text(campaign.title, style="bold"))
     console.print(Text(_tested(nominal)))
     console.print(Text(f"channels  {', '.join(map(_place, campaign.channels))}"))
+    if campaign.known:
+        kept = ", ".join(f"{channel.name} ({_known(channel)})" for channel in campaign.known)
+        console.print(Text(f"kept      {kept}: read and checked, not used yet"))
     console.print(Text(f"samples   {_samples(campaign)}"))
     console.print(Text(f"noise     {_noise(campaign)}"))
     gated = gate(campaign, nominal)
@@ -47,7 +50,8 @@ def run(arguments: Namespace) -> int:
         console.print(_rig_runs(campaign))
     else:
         console.print(_runs(campaign))
-        console.print(Text("axle, body: m/s² rms without the mean"))
+        rest = "".join(f"; {q}: {unit}" for q, unit in _others(campaign).items())
+        console.print(Text(f"axle, body: m/s²{rest} rms without the mean"))
     for duplicate in find_duplicates(campaign):
         console.print(Text(f"! {duplicate}", style="yellow"))
     if not campaign.validate_runs:
@@ -72,6 +76,11 @@ def _place(channel: Channel) -> str:
         return f"{channel.name} (body, x {channel.x_m:g} m, y {channel.y_m:g} m)"
     if channel.point == "body":
         return f"{channel.name} (body, place unknown)"
+    if channel.quantity == "rate":
+        return f"{channel.name} (rate of {channel.point})"
+    if channel.corner is not None and not channel.is_acceleration:
+        ratio = f", {channel.per_wheel:g} per wheel" if channel.per_wheel != 1.0 else ""
+        return f"{channel.name} ({channel.quantity} of strut {channel.corner + 1}{ratio})"
     return channel.name if channel.name == channel.point else f"{channel.name} ({channel.point})"
 
 
@@ -81,10 +90,24 @@ def _samples(campaign: Campaign) -> str:
 
 
 def _noise(campaign: Campaign) -> str:
-    noise = campaign.noise_rms
-    if noise is None:
+    stated, untold = [], []
+    for quantity in campaign.quantities:
+        first = next(c for c in campaign.channels if c.quantity == quantity)
+        is_leading = quantity == campaign.leading.quantity
+        noise = campaign.noise_rms if is_leading else first.noise_rms
+        if noise is None:
+            untold.append(quantity)
+        else:
+            stated.append(f"{noise:g} {first.unit}")
+    if not stated:
         return "not stated, will be estimated"
-    return f"{noise:g} {campaign.unit} rms in band"
+    rest = f"; of {listed(untold)} not stated, will be estimated" if untold else ""
+    return f"{', '.join(stated)} rms in band{rest}"
+
+
+def _known(channel: Channel) -> str:
+    """What is measured of a channel that is only kept, in a word or two."""
+    return f"{channel.quantity}, {channel.unit}"
 
 
 def _tested(nominal: Vehicle) -> str:
@@ -101,7 +124,8 @@ def _tested(nominal: Vehicle) -> str:
 def _runs(campaign: Campaign) -> Table:
     """One line a run."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("run", "role", "km/h", "track", "rows", "s", "axle", "body"):
+    others = _others(campaign)
+    for heading in ("run", "role", "km/h", "track", "rows", "s", "axle", "body", *others):
         right = heading not in ("run", "role", "track")
         table.add_column(heading, justify="right" if right else "left", overflow="fold")
     for item in campaign.runs:
@@ -112,8 +136,9 @@ def _runs(campaign: Campaign) -> Table:
             Text(_track(item.track)),
             str(len(item.time_s)),
             f"{len(item.time_s) / campaign.sample_rate_hz:.1f}",
-            _rms(campaign, item, axle=True),
-            _rms(campaign, item, axle=False),
+            _rms(item, [c.is_axle for c in campaign.channels]),
+            _rms(item, [c.is_acceleration and not c.is_axle for c in campaign.channels]),
+            *(_rms(item, [c.quantity == other for c in campaign.channels]) for other in others),
         )
     return table
 
@@ -144,8 +169,12 @@ def _track(track: TrackSpec) -> str:
     return f"{track.kind}{size}" + (f" {Path(str(file)).name}" if file else "")
 
 
-def _rms(campaign: Campaign, item: Run, axle: bool) -> str:
-    columns = [i for i, channel in enumerate(campaign.channels) if channel.is_axle is axle]
-    if not columns:
+def _others(campaign: Campaign) -> dict[str, str]:
+    """What is compared besides accelerations, and its unit."""
+    return {c.quantity: c.unit for c in campaign.channels if not c.is_acceleration}
+
+
+def _rms(item: Run, columns: list[bool]) -> str:
+    if not any(columns):
         return "-"
     return f"{float((item.record[:, columns].var(axis=0)).mean()) ** 0.5:.3g}"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
+import numpy as np
+
 from wheelhop.cli.progress import stages
 from wheelhop.formats import ExchangeError, losses, read, write
 from wheelhop.logger.recording import Recording
@@ -36,12 +38,16 @@ def check_target(target: Path, force: bool, *sources: Path) -> None:
 
 def in_words(recording: Recording) -> str:
     """A recording in a line."""
-    rows, missing = len(recording.values), int(recording.missing.sum())
+    rows, lost = len(recording.values), np.isnan(recording.values)
+    missing = int(lost.all(axis=1).sum()) if rows else 0
+    own = (lost.sum(axis=0) - missing).tolist()
     channels = ", ".join(
         f"{channel.name} {f'[{channel.unit}]' if channel.unit else '(unit unknown)'}"
         for channel in recording.channels
     )
     gaps = f", {missing} samples missing" if missing else ""
+    for channel, count in zip(recording.channels, own, strict=True):
+        gaps += f", {count} of {channel.name} alone" if count else ""
     return (
         f"{rows} samples at {recording.rate_hz:g} Hz ({rows / recording.rate_hz:.6g} s){gaps}: "
         f"{channels}"

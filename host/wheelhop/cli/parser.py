@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import NoReturn
 
+from wheelhop.cli.parser_formats import add_formats
 from wheelhop.cli.parser_identify import add_identify
 from wheelhop.cli.parser_new import add_new
 from wheelhop.cli.parser_parts import add_bushing, add_frame, add_rates
@@ -77,13 +78,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     _make_logs(commands)
     _make_checks(commands)
-    convert = commands.add_parser("convert", help="write a recording in another format")
-    convert.add_argument("source", metavar="FILE", type=Path, help="the recording")
-    convert.add_argument(
-        "target", metavar="NEW", type=Path, help="what to write: .csv, .parquet, .mf4, .uff"
-    )
-    convert.add_argument("--force", action="store_true", help="replace a file that exists")
-    _make_import(commands.add_parser("import", help="read recordings of other recorders, into SI"))
+    add_formats(commands)
     add_bushing(commands)
     add_frame(commands)
     add_rates(commands)
@@ -294,19 +289,6 @@ def _make_checks(commands: "argparse._SubParsersAction[_Parser]") -> None:
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
 
 
-def _make_import(command: argparse.ArgumentParser) -> None:
-    command.add_argument("files", metavar="FILE", nargs="+", type=Path)
-    command.add_argument("--map", metavar="MAP.toml", type=Path, help="what the columns are")
-    command.add_argument(
-        "--out", metavar="FOLDER", type=Path, default=Path(), help="where to write (default .)"
-    )
-    command.add_argument("--to", choices=(".csv", ".parquet", ".mf4", ".uff"), default=".csv")
-    command.add_argument(
-        "--draft", action="store_true", help="print a mapping made from the file's look"
-    )
-    command.add_argument("--force", action="store_true", help="replace files that exist")
-
-
 def _make_campaign(command: argparse.ArgumentParser) -> None:
     actions = command.add_subparsers(dest="action", metavar="ACTION", required=True)
     stretches = actions.add_parser("stretches", help="show where a recording was driven")
@@ -329,7 +311,7 @@ def _make_campaign(command: argparse.ArgumentParser) -> None:
         metavar="CHANNEL=PLACE",
         action="append",
         default=[],
-        help="where a channel sits: A1…A4, B1…B4, body, or x,y in m from the centre of mass",
+        help="A1…A4, B1…B4, body, x,y in m; travel:CORNER:RATIO, force:CORNER, rate:pitch, speed",
     )
     add.add_argument("--id", required=True, help="name of the run, such as washboard-slow")
     add.add_argument("--speed-kmph", metavar="V", type=float, required=True, help="nominal speed")

@@ -2,7 +2,14 @@
 
 from wheelhop.compare.band import InBand
 from wheelhop.compare.breakdown import Breakdown, Grid, Slice, breakdown
-from wheelhop.compare.comparison import Comparison, compare, to_json, where_to_json
+from wheelhop.compare.comparison import (
+    Comparison,
+    OfQuantity,
+    compare,
+    quantities_to_json,
+    to_json,
+    where_to_json,
+)
 from wheelhop.compare.describe import describe, explains_nothing
 from wheelhop.compare.floor import (
     Floor,
@@ -15,6 +22,7 @@ from wheelhop.compare.metrics import ChannelFigures, Peak
 from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
 from wheelhop.compare.terminal import print_comparison
+from wheelhop.compare.weights import weighed
 
 __all__ = [
     "Breakdown",
@@ -25,6 +33,7 @@ __all__ = [
     "InBand",
     "Line",
     "Locking",
+    "OfQuantity",
     "Peak",
     "Rating",
     "Record",
@@ -39,7 +48,9 @@ __all__ = [
     "iso18571",
     "noise_floor",
     "print_comparison",
+    "quantities_to_json",
     "relative_error",
     "to_json",
+    "weighed",
     "where_to_json",
 ]

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Slice:
-    """One part of the residual: sums of squares in band, in the channels' unit squared,
-    summed over samples.
+    """One part of the residual: sums of squares in band, summed over samples, in the square of the
+    unit in which all channels count (`Campaign.unit`).
 
     ``noise`` is what the sensors' noise is expected to contribute, ``share`` the part of the
     residual of all slices of the same cut that is in this one, and ``folded`` what motion folded

@@ -13,7 +13,7 @@ import numpy as np
 from wheelhop.campaign import Campaign
 from wheelhop.compare.breakdown import Breakdown, Slice, breakdown
 from wheelhop.compare.describe import describe
-from wheelhop.compare.floor import Floor, noise_floor
+from wheelhop.compare.floor import Floor, floor_of, noise_floor
 from wheelhop.compare.metrics import ChannelFigures, channel_figures
 from wheelhop.compare.records import Record, in_band, relative_error
 from wheelhop.files import shown
@@ -25,13 +25,28 @@ if TYPE_CHECKING:
     from wheelhop.simulate import Response
 
 
+@dataclass(frozen=True)
+class OfQuantity:
+    """E of the channels of one quantity alone, and what of it noise alone would leave, over the
+    runs of each role; and their noise in band, rms of a channel in ``unit``."""
+
+    quantity: str
+    unit: str
+    error_fit: float
+    error_validate: float
+    floor_fit: float
+    floor_validate: float
+    noise_rms: float
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """A model's responses against a campaign's runs, in band.
 
     ``error_fit`` and ``error_validate`` are E over the runs of that role (NaN if
-    none was compared), with charged degrees of freedom. Figures and breakdown are of the residual
-    as it is, nothing charged.
+    none was compared), with charged degrees of freedom: over all channels, each in units of its
+    noise. ``by_quantity`` says E of every quantity by itself, where there are several. Figures and
+    breakdown are of the residual as it is, nothing charged.
     """
 
     title: str
@@ -42,6 +57,8 @@ class Comparison:
     breakdown: Breakdown
     records: Sequence[Record]
     channels: Sequence[str]
+    units: Sequence[str] = ()
+    by_quantity: tuple[OfQuantity, ...] = ()
 
     @cached_property
     def figures(self) -> tuple[ChannelFigures, ...]:
@@ -53,8 +70,9 @@ class Comparison:
         """What the model leaves in each channel, by third-octave band (its nominal centre, Hz) or
         by run, a row for each pair.
 
-        Rms of residual, measurement and expected noise over all samples, in the channels' unit;
-        `error` is E of the pair, residual over measurement, `over_floor` residual over noise.
+        Rms of residual, measurement and expected noise over all samples, in the channel's unit,
+        which stands beside them where channels differ in it; `error` is E of the pair, residual
+        over measurement, `over_floor` residual over noise.
         """
         import pandas
 
@@ -64,8 +82,10 @@ class Comparison:
         samples = np.array([record.band.n * record.predicted for record in self.records])
         if by == "band":
             samples = np.tile(samples.sum(axis=0), (len(grid.rows), 1))
-        unit = ending_of(self.floor.unit)
+        mixed = len(set(self.units)) > 1
+        unit = "" if mixed else ending_of(self.floor.unit)
         sums = {"residual": grid.residual, "measured": grid.measured, "noise": grid.noise}
+        sums = {name: each * self.floor.noise_scale**2 for name, each in sums.items()}
         index = pandas.MultiIndex.from_product(
             [rows, grid.columns], names=["band_hz" if by == "band" else "run", "channel"]
         )
@@ -73,6 +93,8 @@ class Comparison:
             columns = {f"{k}_rms{unit}": np.sqrt(v / samples).ravel() for k, v in sums.items()}
             columns["error"] = np.sqrt(grid.residual / grid.measured).ravel()
             columns["over_floor"] = np.sqrt(grid.residual / grid.noise).ravel()
+        if mixed:
+            columns["unit"] = np.array([*self.units] * len(rows), dtype=object)
         return pandas.DataFrame(columns, index=index)
 
     def agreement(self) -> DataFrame:
@@ -80,7 +102,9 @@ class Comparison:
         `ChannelFigures`, and the ISO/TS 18571 rating."""
         import pandas
 
-        height = f"height{ending_of(self.floor.unit)}"
+        mixed = len(set(self.units)) > 1
+        height = "height" if mixed else f"height{ending_of(self.floor.unit)}"
+        unit = dict(zip(self.channels, self.units, strict=False))
         rows = [
             {
                 "run": f.run_id,
@@ -94,6 +118,7 @@ class Comparison:
                 "model_peak_hz": f.model_peak.frequency_hz,
                 f"model_peak_{height}": f.model_peak.height,
                 "iso18571": f.rating.overall,
+                **({"unit": unit[f.channel]} if mixed else {}),
             }
             for f in self.figures
         ]
@@ -148,13 +173,46 @@ def compare(
         breakdown=breakdown(campaign, records, floor),
         records=records,
         channels=[channel.name for channel in campaign.channels],
+        units=[channel.unit for channel in campaign.channels],
+        by_quantity=_by_quantity(campaign, records, charged, floor),
     )
+
+
+def _by_quantity(
+    campaign: Campaign,
+    records: Sequence[Record],
+    charged: Mapping[str, float] | None,
+    floor: Floor,
+) -> tuple[OfQuantity, ...]:
+    """What each quantity that is compared leaves; nothing where the campaign has but one."""
+    if len(campaign.quantities) < 2:
+        return ()
+    found = []
+    compared = np.any([record.predicted for record in records], axis=0)
+    for quantity in campaign.quantities:
+        of_it = np.array([channel.quantity == quantity for channel in campaign.channels])
+        if not compared[of_it].any():
+            continue
+        fit, validate = ([r for r in records if r.run.role == role] for role in ("fit", "validate"))
+        unit = next(c.unit for c in campaign.channels if c.quantity == quantity)
+        noise = float(np.sqrt(np.mean(floor.of_channels[of_it] ** 2)))
+        found.append(
+            OfQuantity(
+                quantity,
+                unit,
+                error_fit=relative_error(fit, charged, of_it),
+                error_validate=relative_error(validate, charged, of_it),
+                floor_fit=floor_of(campaign, fit, floor, of_it),
+                floor_validate=floor_of(campaign, validate, floor, of_it),
+                noise_rms=noise,
+            )
+        )
+    return tuple(found)
 
 
 def to_json(comparison: Comparison) -> dict[str, Any]:
     """Plain dictionaries, lists, strings and numbers; what is undetermined is None."""
     floor = comparison.floor
-    channels = comparison.breakdown.runs_channels.columns
     plain: dict[str, Any] = _plain(
         {
             "title": comparison.title,
@@ -168,7 +226,7 @@ def to_json(comparison: Comparison) -> dict[str, Any]:
                 "expected_fit": floor.expected_fit,
                 "expected_validate": floor.expected_validate,
                 "source": floor.source,
-                floor.noise_key: dict(zip(channels, floor.noise_rms, strict=True)),
+                **_noise_by_key(comparison),
             },
             "figures": [
                 asdict(figures)
@@ -176,9 +234,26 @@ def to_json(comparison: Comparison) -> dict[str, Any]:
                 for figures in comparison.figures
             ],
             "where": where_to_json(comparison.breakdown),
+            **quantities_to_json(comparison),
         }
     )
     return plain
+
+
+def quantities_to_json(comparison: Comparison) -> dict[str, Any]:
+    """The errors of each quantity, as `compare --json` and `diagnose --json` write them; nothing
+    where there is but one."""
+    found = [_plain(asdict(each)) for each in comparison.by_quantity]
+    return {"quantities": found} if found else {}
+
+
+def _noise_by_key(comparison: Comparison) -> dict[str, dict[str, float]]:
+    """The noise of every channel in its own unit, those of one unit under one key."""
+    found: dict[str, dict[str, float]] = {}
+    noise = comparison.floor.of_channels
+    for name, unit, rms in zip(comparison.channels, comparison.units, noise, strict=True):
+        found.setdefault(f"noise_rms{ending_of(unit)}", {})[name] = rms
+    return found
 
 
 def where_to_json(where: Breakdown) -> dict[str, Any]:

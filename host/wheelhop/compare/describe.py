@@ -24,10 +24,11 @@ PLACES = (  # named sets of points, small ones first
     ("the body's rear end", {"B3", "B4"}),
     ("the axles", {"A1", "A2", "A3", "A4"}),
     ("the body", {"B1", "B2", "B3", "B4", "body", "body-xy"}),
-    ("the left side", {"A1", "A3", "B1", "B3"}),
-    ("the right side", {"A2", "A4", "B2", "B4"}),
-    ("the front", {"A1", "A2", "B1", "B2"}),
-    ("the rear", {"A3", "A4", "B3", "B4"}),
+    ("the struts", {"S1", "S2", "S3", "S4"}),
+    ("the left side", {"A1", "A3", "B1", "B3", "S1", "S3"}),
+    ("the right side", {"A2", "A4", "B2", "B4", "S2", "S4"}),
+    ("the front", {"A1", "A2", "B1", "B2", "S1", "S2"}),
+    ("the rear", {"A3", "A4", "B3", "B4", "S3", "S4"}),
 )
 
 
@@ -48,7 +49,9 @@ def describe(where: Breakdown) -> list[str]:
     ratio = f"E = {where.total.ratio:.2f} times the floor"
     if where.total.folded > 0.0:
         expected = _percent((where.total.expected(0.0) / where.total.measured) ** 0.5)
-        ratio += f"; with what is folded into the axles’ records {expected} is expected"
+        on_axles = any(point[0] == "A" for point in where.points)
+        whose = "the axles’ records" if on_axles else "the records of travel"
+        ratio += f"; with what is folded into {whose} {expected} is expected"
     failing = is_excess(where, where.total)
     if failing and explains_nothing(where):
         share = _percent(where.total.residual / where.total.measured)

@@ -7,7 +7,7 @@ measured axles drive it: see `Floor.expected`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import nan
@@ -30,6 +30,9 @@ FOURTH = 1.0 + 2.0 * (56**2 + 28**2 + 8**2 + 1) / 70**2
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
 
 
+AXLES = "the axles that drive it"
+
+
 @dataclass(frozen=True)
 class Floor:
     """E that the sensors' noise alone would leave, over all compared runs and over those of each
@@ -41,9 +44,11 @@ class Floor:
     folded into their records, and how much is estimated.
 
     ``source`` is the key under which the campaign states the noise ("noise_rms_m_s2"), or
-    "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel, in
-    ``unit``, NaN where none could be estimated because the model predicts nothing; ``noise_key``
-    is its name in files. ``scales`` is what of `expected` the scales of the channels alone leave.
+    "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel over its
+    ``noise_scale`` (`weights`), in ``unit``, that of the leading quantity, NaN where none
+    could be estimated because the model predicts nothing; ``noise_key`` is its name in files.
+    ``scales`` is what of `expected` the scales of the channels alone leave. ``driver`` is what was
+    measured and drives the model, if anything does, in words.
     """
 
     error: float
@@ -57,6 +62,13 @@ class Floor:
     noise_key: str
     unit: str
     scales: float
+    noise_scale: Array | float = 1.0
+    driver: str = AXLES
+
+    @property
+    def of_channels(self) -> Array:
+        """Noise in band (n_channels,) of each channel in its own unit."""
+        return np.asarray(self.noise_rms * self.noise_scale)
 
     @property
     def is_stated(self) -> bool:
@@ -68,7 +80,7 @@ class Floor:
         """Why a right model may leave more than the floor, in words; empty if nothing lets it."""
         folded = self.expected**2 - self.error**2 - self.scales**2
         if folded > self.scales**2:
-            return "what is folded into the records of the axles that drive it"
+            return f"what is folded into the records of {self.driver}"
         return "the uncertain scales of the channels" if self.scales > 0.0 else ""
 
     @property
@@ -91,22 +103,16 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     not (`Record.folded_power`). u is the standard uncertainty of a channel's scale, where a
     calibration states it.
     """
-    scale = np.array([channel.scale_uncertainty for channel in campaign.channels])
+    every = tuple(channel.quantity for channel in campaign.channels)
     if campaign.noise_rms is not None:
-        source = campaign.noise_key
+        source = campaign.noise_key if not campaign.unstated else "estimated"
         noise = np.full(len(campaign.channels), campaign.noise_rms)
     else:
-        source, noise = "estimated", estimate_noise(records)
+        source, noise = "estimated", estimate_noise(records, every)
+    share = _Shares(campaign, records, noise)
 
     def ratio(role: str | None, *parts: str) -> float:
-        chosen = [r for r in records if role in (None, r.run.role)]
-        power = {
-            "noise": sum(float(np.sum(r.noise_power(noise**2))) for r in chosen),
-            "folded": sum(float(np.sum(r.folded_power(noise**2))) for r in chosen),
-            "scales": sum(float(np.sum((r.measured * scale) ** 2)) for r in chosen),
-        }
-        measured = sum(float(np.sum(r.measured**2)) for r in chosen)
-        return float(np.sqrt(sum(power[p] for p in parts) / measured)) if measured > 0.0 else nan
+        return share.error(role, parts, slice(None))
 
     return Floor(
         error=ratio(None, "noise"),
@@ -120,12 +126,48 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         noise_key=campaign.noise_key,
         unit=campaign.unit,
         scales=ratio(None, "scales"),
+        noise_scale=campaign.noise_scale,
+        driver=AXLES if any(c.is_axle for c in campaign.channels) else "travel that drives it",
     )
 
 
-def estimate_noise(records: Sequence[Record]) -> Array:
-    """Estimate the in-band rms of each channel's noise (n_channels,), in its unit, taken as
-    white.
+@dataclass(frozen=True, eq=False)
+class _Shares:
+    """What of the records is noise, and what else a right model may leave."""
+
+    campaign: Campaign
+    records: Sequence[Record]
+    noise: Array
+
+    def error(
+        self, role: str | None, parts: Sequence[str], columns: slice | NDArray[np.bool_]
+    ) -> float:
+        """E of some of the parts "noise", "folded" and "scales", in the runs of a role, or in
+        all."""
+        scale = np.array([channel.scale_uncertainty for channel in self.campaign.channels])
+        chosen = [r for r in self.records if role in (None, r.run.role)]
+        of_part: dict[str, Callable[[Record], Array]] = {
+            "noise": lambda r: r.noise_power(self.noise**2),
+            "folded": lambda r: r.folded_power(self.noise**2),
+            "scales": lambda r: np.asarray((r.measured * scale) ** 2),
+        }
+        power = {
+            part: sum(float(np.sum(of_part[part](r)[:, columns])) for r in chosen) for part in parts
+        }
+        measured = sum(float(np.sum(r.measured[:, columns] ** 2)) for r in chosen)
+        return float(np.sqrt(sum(power[p] for p in parts) / measured)) if measured > 0.0 else nan
+
+
+def floor_of(
+    campaign: Campaign, records: Sequence[Record], floor: Floor, columns: NDArray[np.bool_]
+) -> float:
+    """E that the noise alone would leave of some of the channels (n_channels,)."""
+    return _Shares(campaign, records, floor.noise_rms).error(None, ("noise",), columns)
+
+
+def estimate_noise(records: Sequence[Record], quantities: Sequence[str] = ()) -> Array:
+    """Estimate the in-band rms of each channel's noise (n_channels,), as the records hold it, taken
+    as white. Channels of different ``quantities`` (n_channels,) are quiet in different places.
 
     Noise is what is left where nothing else is: between the road's harmonics, in the part
     of the band and the run that are quietest. The spectrum's *median* over a part of the
@@ -137,9 +179,31 @@ def estimate_noise(records: Sequence[Record]) -> Array:
     result counts. A vehicle that is never quiet anywhere gives too high a value.
     """
     heard = [record for record in records if record.predicted.any()]
-    measured = _quiet_level([(record.measured, record) for record in heard])
-    residual = _quiet_level([(record.residual, record) for record in heard])
-    return np.sqrt(np.fmin(measured, residual))
+    level = np.full(heard[0].measured.shape[1], np.nan)
+    for alike in _alike(quantities, len(level)):
+        some = [_chosen(record, alike) for record in heard]
+        some = [record for record in some if record.predicted.any()]
+        if some:
+            measured = _quiet_level([(record.measured, record) for record in some])
+            residual = _quiet_level([(record.residual, record) for record in some])
+            level[alike] = np.fmin(measured, residual)
+    return np.asarray(np.sqrt(level))
+
+
+def _alike(quantities: Sequence[str], count: int) -> list[NDArray[np.bool_]]:
+    """The channels of each quantity; all of them if nothing is said."""
+    if len(set(quantities)) < 2:
+        return [np.ones(count, dtype=bool)]
+    return [np.array([q == each for q in quantities]) for each in dict.fromkeys(quantities)]
+
+
+def _chosen(record: Record, columns: NDArray[np.bool_]) -> Record:
+    """A record of some of its channels."""
+    if columns.all():
+        return record
+    measured, residual = record.measured[:, columns], record.residual[:, columns]
+    predicted = record.predicted[columns]
+    return Record(record.run, record.band, predicted, measured, residual, None)
 
 
 def estimate_noise_between_samples(records: Sequence[Array], share: float) -> float:

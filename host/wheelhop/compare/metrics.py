@@ -62,16 +62,14 @@ def channel_figures(
 ) -> tuple[ChannelFigures, ...]:
     """Figures of every predicted channel of every record, in that order.
 
-    ``noise_rms`` (n_channels,) is the noise of each channel in band, in its unit.
+    ``noise_rms`` (n_channels,) is the noise of each channel in band, as the records hold it.
     """
     out = []
-    signals = [
-        (r.band.from_coefficients(r.measured), r.band.from_coefficients(r.model)) for r in records
-    ]
+    signals = [(r.signal(r.measured), r.signal(r.model)) for r in records]
     for record, (measured, model), rating in zip(records, signals, _ratings(signals), strict=True):
         n, rate = record.band.n, record.band.rate_hz
         coherence = _coherence(measured, model, record)
-        noise = np.sqrt(np.sum(record.noise_power(noise_rms**2), axis=0) / n)
+        noise = record.noise_scale * np.sqrt(np.sum(record.noise_power(noise_rms**2), axis=0) / n)
         for c in np.flatnonzero(record.predicted):
             y = measured[:, c]
             energy = float(np.sum(y**2))

@@ -34,14 +34,17 @@ def motion_matrix(channels: Sequence[Channel], predicted: NDArray[np.bool_]) -> 
     With all eight points it is orthonormal. With body points missing, the body is taken as
     rigid and a motion is given if the points left determine it: three give heave, pitch and
     roll, two abreast give roll. Hop and tramp of an axle need both its ends. Rows
-    of motions that are not determined are NaN. Channels at other places take no part.
+    of motions that are not determined are NaN. Channels at other places, or of other quantities,
+    take no part.
     """
     matrix = np.full((len(MOTIONS), len(channels)), np.nan)
     body, axles = (
         {
             channel.corner: i
             for i, channel in enumerate(channels)
-            if predicted[i] and channel.corner is not None and channel.is_axle is is_axle
+            if predicted[i]
+            and channel.corner is not None
+            and (channel.is_axle if is_axle else channel.is_body_point)
         }
         for is_axle in (False, True)
     )

@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One run in band, as coefficients (``band.count``, n_channels), in the channels'
-    units.
+    """One run in band, as coefficients (``band.count``, n_channels), each in its channel's unit
+    over the channel's ``noise_scale`` (n_channels,): all are as noisy (`weights`).
 
     ``predicted`` (n_channels,) says which channels the model predicts. The others are zero
     in ``measured`` and ``residual`` (measured - model), and so count nowhere.
@@ -38,6 +38,11 @@ class Record:
     position_m: Array | None
     doubt: Array | None = None
     noise_ratio: Array | None = None
+    noise_scale: Array | float = 1.0
+
+    def signal(self, coefficients: Array) -> Array:
+        """Coefficients as a signal (n, n_channels) in the channels' own units."""
+        return self.band.from_coefficients(coefficients) * self.noise_scale
 
     @property
     def model(self) -> Array:
@@ -53,8 +58,8 @@ class Record:
         """Expected square (count, n_channels) of the sensors' noise in every coefficient about the
         model, that of the axles that drive it included: the truest model leaves as much.
 
-        ``noise`` (n_channels,) is the mean square of each sensor's noise in band; what the model
-        does not predict has none.
+        ``noise`` (n_channels,) is the mean square of each sensor's noise in band, per its scale's
+        square; what the model does not predict has none.
         """
         return self._power(noise, self.noise_ratio)
 
@@ -76,6 +81,7 @@ def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, 
     """
     runs = {run.id: run for run in campaign.runs}
     bands: dict[int, InBand] = {}
+    scale = campaign.noise_scale
     records = []
     for response in responses:
         if response.run_id not in runs:
@@ -93,8 +99,8 @@ def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, 
         if n not in bands:
             bands[n] = InBand(n, campaign.sample_rate_hz, campaign.band_hz)
         band = bands[n]
-        measured = band.coefficients(np.where(predicted, run.record, 0.0))
-        model = band.coefficients(np.where(predicted, response.record, 0.0))
+        measured = band.coefficients(np.where(predicted, run.record, 0.0)) / scale
+        model = band.coefficients(np.where(predicted, response.record, 0.0)) / scale
         records.append(
             Record(
                 run,
@@ -105,13 +111,19 @@ def in_band(campaign: Campaign, responses: Iterable[Response]) -> tuple[Record, 
                 response.position_m,
                 response.doubt,
                 response.noise_ratio,
+                scale,
             )
         )
     return tuple(records)
 
 
-def relative_error(records: Sequence[Record], charged: Mapping[str, float] | None = None) -> float:
-    """E = sqrt(Σ|r|² / Σ|y|²) over runs and channels in band; NaN without any signal.
+def relative_error(
+    records: Sequence[Record],
+    charged: Mapping[str, float] | None = None,
+    columns: NDArray[np.bool_] | None = None,
+) -> float:
+    """E = sqrt(Σ|r|² / Σ|y|²) over runs and channels in band, each channel in units of its noise;
+    NaN without any signal. ``columns`` (n_channels,) chooses some of the channels.
 
     ``charged`` maps a run's id to the degrees of freedom that were fitted to that very run:
     its Σ|r|² is scaled by n / (n - charged), what it would be without them.
@@ -124,6 +136,7 @@ def relative_error(records: Sequence[Record], charged: Mapping[str, float] | Non
                 f"run {record.run.id}: {spent:g} degrees of freedom charged, it has {record.count}"
             )
         scale = record.count / (record.count - spent) if record.count else 0.0
-        residual += scale * float(np.sum(record.residual**2))
-        measured += float(np.sum(record.measured**2))
+        chosen = slice(None) if columns is None else columns
+        residual += scale * float(np.sum(record.residual[:, chosen] ** 2))
+        measured += float(np.sum(record.measured[:, chosen] ** 2))
     return float(np.sqrt(residual / measured)) if measured > 0.0 else float("nan")

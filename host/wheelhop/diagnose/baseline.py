@@ -24,7 +24,8 @@ from wheelhop.fit import (
     initial_model,
     vehicle_parameters,
 )
-from wheelhop.simulate import Model, climbing
+from wheelhop.simulate import Model, climbing, drive_of
+from wheelhop.simulate.measured import driving
 from wheelhop.vehicle import Vehicle, wheels
 
 Progress = Callable[[str], None]
@@ -99,7 +100,7 @@ def axle_driven(campaign: Campaign, vehicle: Vehicle) -> Campaign | None:
     """The same records, the measured axle motion driving the body: track, speed and tyres no
     longer matter. None without the axles of all wheels, or a channel on the body that moves."""
     corners = {c.corner for c in campaign.channels if c.is_axle}
-    body = [i for i, c in enumerate(campaign.channels) if not c.is_axle]
+    body = [i for i, c in enumerate(campaign.channels) if c.is_on_body]
     if corners != set(wheels(vehicle.values)) or not body or _resting(campaign, body):
         return None
     unknown = TrackSpec("unknown", {})
@@ -165,17 +166,26 @@ def _check(campaign: Campaign, vehicle: Vehicle) -> None:
             f"{where}: nothing moves between {campaign.band_hz[0]:g} and {campaign.band_hz[1]:g} Hz"
             f' in the runs with role = "{role}": are the sensors connected, and the units right?'
         )
-    corners = {c.corner for c in campaign.channels if c.is_axle}
-    unknown = [run.id for run in campaign.runs if run.track.kind == "unknown"]
-    lacking = [f"A{i + 1}" for i in wheels(vehicle.values) if i not in corners]
-    if unknown and lacking:
+    unknown = [run for run in campaign.runs if run.track.kind == "unknown"]
+    for run in unknown[:1]:
+        drive = drive_of(campaign, run)
+        corners = driving(campaign, drive)
+        missing = [i for i in wheels(vehicle.values) if i not in corners]
+        lacking = ", ".join(f"{'A' if drive == 'axles' else 'S'}{i + 1}" for i in missing)
+        if drive == "axles" and missing:
+            raise CampaignError(
+                f'{where}: run "{run.id}" has track.kind = "unknown", so measured axle motion must'
+                f" drive the model, but {lacking} is not among the channels; describe the"
+                " track, or leave the run out"
+            )
+        if missing:
+            raise CampaignError(
+                f'{where}: run "{run.id}" has track.kind = "unknown", so measured travel must drive'
+                f" the model, but no channel shows it at {lacking}; describe the track, add the"
+                " channel, or leave the run out"
+            )
+    if unknown and not any(c.is_on_body for c in campaign.channels):
         raise CampaignError(
-            f'{where}: run "{unknown[0]}" has track.kind = "unknown", so measured axle motion must'
-            f" drive the model, but {', '.join(lacking)} is not among the channels; describe the"
-            " track, or leave the run out"
-        )
-    if unknown and all(c.is_axle for c in campaign.channels):
-        raise CampaignError(
-            f'{where}: run "{unknown[0]}" has track.kind = "unknown" and no channel on the body:'
+            f'{where}: run "{unknown[0].id}" has track.kind = "unknown" and no channel on the body:'
             " nothing can be compared; describe the track, or add a channel on the body"
         )

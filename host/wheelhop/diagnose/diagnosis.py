@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from wheelhop.compare import Comparison, where_to_json
+from wheelhop.compare import Comparison, quantities_to_json, where_to_json
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.diagnose.score import EXACT, LAW, Rung
 from wheelhop.files.words import percent, unit_of
@@ -327,6 +327,7 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "expected_validate": _number(floor.expected_validate),
             "source": floor.source,
         },
+        **quantities_to_json(last),
         "ranking": [_ranked(r) for r in diagnosis.ranking],
         "ladder": [
             {

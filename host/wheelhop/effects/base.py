@@ -81,7 +81,7 @@ class Becomes:
 
 class Probe(Protocol):
     """How an effect looks at the data to find where its fit may begin. Signals are in band,
-    (n, channels), m/s²."""
+    (n, channels), each per its channel's noise scale, which of accelerations is 1: m/s²."""
 
     @property
     def settings(self) -> Sequence[RunSetting]:
@@ -129,8 +129,8 @@ class Probe(Protocol):
 class RunSetting:
     """What an effect may know of a run: its id, nominal speed, the instants at which the run-up
     and the record begin and the record ends, whether the track under it is known, and whether it
-    is no vehicle that runs but a component on a rig; and the speed along the track, where it
-    changes."""
+    is no vehicle that runs but a component on a rig, or one that measured travel of its struts
+    moves; and the speed along the track, where it changes."""
 
     run_id: str
     speed_m_s: float
@@ -139,6 +139,7 @@ class RunSetting:
     end_s: float
     on_road: bool
     on_rig: bool = False
+    by_travel: bool = False
     course: Course | None = None
 
 
@@ -288,12 +289,14 @@ class Effect:
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float
     ) -> Array:
-        """What the instrument makes of the true accelerations (n, c), m/s², at rest before."""
+        """What the instrument makes of what truly is (n, c), in the channels' units, at rest
+        before."""
         return acceleration
 
     def lingering(self, theta: Values, since_s: Array, channels: Sequence[Channel]) -> Array | None:
         """What is left of motion before the record that no simulation knows, in the instrument
-        itself (T, c), m/s²; ``since_s`` (T,) counts from the record's first sample."""
+        itself (T, c), in the channels' units; ``since_s`` (T,) counts from the record's first
+        sample."""
         return None
 
     def restore(

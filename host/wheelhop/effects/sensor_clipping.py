@@ -30,8 +30,9 @@ class SensorClipping(Effect):
         self.channel = channel
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
-        """Any channel, or all with the same range."""
-        return [*(c.name for c in channels), ALL]
+        """Any accelerometer, or all with the same range."""
+        felt = [c.name for c in channels if c.is_acceleration]
+        return [*felt, ALL] if felt else []
 
     def with_choice(self, choice: str) -> SensorClipping:
         """This fault in the channel `choice`."""
@@ -70,4 +71,4 @@ class SensorClipping(Effect):
         return reading
 
     def _affected(self, channels: Sequence[Channel]) -> NDArray[np.bool_]:
-        return np.array([self.channel in (c.name, ALL) for c in channels])
+        return np.array([c.is_acceleration and self.channel in (c.name, ALL) for c in channels])

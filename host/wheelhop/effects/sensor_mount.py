@@ -66,8 +66,8 @@ class SensorMount(Effect):
         self.channel = channel
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
-        """Any channel."""
-        return [c.name for c in channels]
+        """Any accelerometer: a mount that gives way resonates with its mass."""
+        return [c.name for c in channels if c.is_acceleration]
 
     def with_choice(self, choice: str) -> SensorMount:
         """This fault in the channel `choice`."""

@@ -24,7 +24,7 @@ class SensorPolarity(Effect):
         self.channels = channels
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
-        """Any channel inverted ("B3"), any two swapped ("A1/A2")."""
+        """Any channel inverted ("B3"), any two of one quantity swapped ("A1/A2")."""
         return list(_wirings([*enumerate(channels)]))
 
     def with_choice(self, choice: str) -> SensorPolarity:
@@ -64,6 +64,8 @@ def _wirings(numbered: Sequence[tuple[int, Channel]]) -> dict[str, tuple[int, ..
     reads as another choice has one "/" more."""
     found: dict[str, tuple[int, ...]] = {c.name: (i,) for i, c in numbered}
     for (i, a), (j, b) in combinations(numbered, 2):
+        if a.quantity != b.quantity:
+            continue
         between = "/"
         while (choice := f"{a.name}{between}{b.name}") in found:
             between += "/"

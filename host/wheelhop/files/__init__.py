@@ -22,6 +22,7 @@ from wheelhop.files.read import (
     check_room,
     digest,
     read_bytes,
+    read_text_and_zeros,
     read_text_bytes,
 )
 from wheelhop.files.source import Source
@@ -70,6 +71,7 @@ __all__ = [
     "quoted",
     "read_bytes",
     "read_text",
+    "read_text_and_zeros",
     "read_text_bytes",
     "read_toml",
     "readable",

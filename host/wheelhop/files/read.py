@@ -21,6 +21,7 @@ NUMBERS = 3 * 8.0
 """Bytes for each number of a packed file: as it is unpacked, as a column, and in the table."""
 SILENT_BYTES = 4e9  # that a system which does not say is taken to have
 PIECE_BYTES = 1 << 20
+RESERVED_BYTES = 1 << 26  # zeros behind a text, at most
 LIMIT = Path("/sys/fs/cgroup/memory.max")  # of a container
 USED = Path("/sys/fs/cgroup/memory.current")
 
@@ -62,19 +63,34 @@ def read_bytes(path: Path, kind: type[InputError] = InputError, times: float = 1
 def read_text_bytes(path: Path, kind: type[InputError] = InputError) -> bytes:
     """As `read_bytes`, of a text that becomes a table. A zero byte, which no text has, ends the
     reading: what follows may be a hole of any size. UTF-16 begins with its mark."""
+    return _until_zero(path, kind, 0)[0]
+
+
+def read_text_and_zeros(path: Path, kind: type[InputError] = InputError) -> tuple[bytes, int]:
+    """As `read_text_bytes`, and how many zero bytes stand behind the text, up to `RESERVED_BYTES`:
+    loggers reserve room before they write. Zeros that are not the end raise an error of this
+    `kind`."""
+    return _until_zero(path, kind, RESERVED_BYTES)
+
+
+def _until_zero(path: Path, kind: type[InputError], spare: int) -> tuple[bytes, int]:
     check_plain(path, kind)
     data = bytearray()
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
         check_room(path, TABLE * size, kind)
         while more := file.read(min(PIECE_BYTES, size - len(data))):
-            begun, data = len(data), data + more
+            begun = len(data)
+            data += more
             if b"\0" in more and not data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-                raise kind(
-                    f"{path}: byte {begun + more.index(0)} is zero: it is no text, or was cut off"
-                    " while it was written: save it anew"
-                )
-    return bytes(data)
+                first = begun + more.index(0)
+                if size - first > spare or (data[first:] + file.read(spare)).strip(b"\0"):
+                    raise kind(
+                        f"{path}: byte {first} is zero: it is no text, or was cut off"
+                        " while it was written: save it anew"
+                    )
+                return bytes(data[:first]), size - first
+    return bytes(data), 0
 
 
 def digest(path: Path) -> str:

@@ -4,7 +4,9 @@ One table serves all three; another unit is one line in it.
 """
 
 import math
+import re
 from dataclasses import dataclass
+from unicodedata import normalize
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """By definition: 3rd CGPM, 1901."""
@@ -22,43 +24,58 @@ class Unit:
     spelt: tuple[str, ...] = ()
 
 
-def _per_s2(length: str) -> tuple[str, ...]:
-    return (f"{length}/s²", f"{length}/s^2", f"{length}/s2")
-
-
-M_S2 = ("m/s²", "m/s^2", "m/s2", "m/s**2", "m/sec^2", "m.s-2", "m/s/s")
+M_S2 = ("m/s²", "m.s-2", "ms-2")
 KMPH = ("kmph", "kmh", "kph", "km_h")
 G = STANDARD_GRAVITY_M_S2
 TABLE = (
-    Unit("length", 1.0, "metres", ("m",), ("m", "metre", "meter")),
+    Unit("length", 1.0, "metres", ("m",), ("m", "metre", "meter", "metres", "meters")),
     Unit("length", 1e-2, "centimetres", ("cm",), ("cm",)),
     Unit("length", 1e-3, "millimetres", ("mm",), ("mm",)),
-    Unit("length", 1e-6, "micrometres", (), ("µm", "μm", "um")),  # both kinds of µ occur
-    Unit("length", 1e3, "kilometres", ("km",)),
-    Unit("length", 0.0254, "inches", ("in",), ("in", "inch", "Inch")),
-    Unit("length", 0.3048, "feet", ("ft",)),
-    Unit("speed", 1.0, "metres per second", ("m_s", "mps"), ("m/s", "m.s-1")),
+    Unit("length", 1e-6, "micrometres", (), ("µm", "um", "micron", "microns")),
+    Unit("length", 1e3, "kilometres", ("km",), ("km",)),
+    Unit("length", 0.0254, "inches", ("in",), ("in", "inch", "inches")),
+    Unit("length", 0.3048, "feet", ("ft",), ("ft", "feet")),
+    Unit("speed", 1.0, "metres per second", ("m_s", "mps"), ("m/s", "m.s-1", "mps")),
     Unit("speed", 1e-3, "millimetres per second", (), ("mm/s",)),
-    Unit("speed", 1 / 3.6, "kilometres per hour", KMPH, ("km/h", "kph", "kmh", "Km/h")),
-    Unit("speed", 0.44704, "miles per hour", ("mph",), ("mph", "MPH")),
-    Unit("speed", 0.0254, "inches per second", (), ("in/s",)),
+    Unit("speed", 1 / 3.6, "kilometres per hour", KMPH, ("km/h", "kph", "kmh", "kmph", "km/hr")),
+    Unit("speed", 0.44704, "miles per hour", ("mph",), ("mph", "mi/h")),
+    Unit("speed", 0.0254, "inches per second", (), ("in/s", "inch/s", "ips")),
+    Unit("speed", 0.3048, "feet per second", (), ("ft/s",)),
+    Unit("speed", 1e-2, "centimetres per second", (), ("cm/s",)),
+    Unit("speed", 1852 / 3600, "knots", (), ("kn", "kt", "kts", "knot", "knots")),
     Unit("acceleration", 1.0, "metres per second squared", ("m_s2",), M_S2),
-    Unit("acceleration", 1e-2, "centimetres per second squared", (), (*_per_s2("cm"), "Gal")),
-    Unit("acceleration", 1e-3, "millimetres per second squared", ("mm_s2",), _per_s2("mm")),
-    Unit("acceleration", 0.3048, "feet per second squared", (), _per_s2("ft")),
-    Unit("acceleration", 0.0254, "inches per second squared", (), _per_s2("in")),
+    Unit("acceleration", 1e-2, "centimetres per second squared", (), ("cm/s²", "Gal")),
+    Unit("acceleration", 1e-3, "millimetres per second squared", ("mm_s2",), ("mm/s²",)),
+    Unit("acceleration", 0.3048, "feet per second squared", (), ("ft/s²",)),
+    Unit("acceleration", 0.0254, "inches per second squared", (), ("in/s²",)),
     Unit("acceleration", G, "g", (), ("g", "G", "gn", "g_n", "g0")),
     Unit("acceleration", G / 1e3, "thousandths of g", (), ("mg", "mgn", "mg_n")),
-    Unit("angle", math.pi / 180, "degrees", ("deg",)),
-    Unit("angle", 1.0, "radians", ("rad",)),
-    Unit("time", 1.0, "seconds", ("s",), ("s", "sec", "second", "seconds")),
-    Unit("time", 1e-3, "milliseconds", ("ms",), ("ms", "msec")),
-    Unit("time", 1e-6, "microseconds", ("us",), ("us", "µs", "μs")),
-    Unit("time", 1e-9, "nanoseconds", (), ("ns",)),
-    Unit("time", 60.0, "minutes", (), ("min",)),
-    Unit("time", 3600.0, "hours", (), ("h",)),
+    Unit("angle", math.pi / 180, "degrees", ("deg",), ("°", "deg", "degree", "degrees")),
+    Unit("angle", 1.0, "radians", ("rad",), ("rad", "radian", "radians")),
+    Unit("angular rate", 1.0, "radians per second", ("rad_s",), ("rad/s", "rad.s-1")),
+    Unit("angular rate", math.pi / 180, "degrees per second", ("deg_s",), ("deg/s", "°/s", "dps")),
+    Unit("angular rate", math.pi / 30, "turns per minute", ("rpm",), ("rpm",)),
+    Unit("time", 1.0, "seconds", ("s",), ("s", "sec", "secs", "second", "seconds", "sek")),
+    Unit(
+        "time",
+        1e-3,
+        "milliseconds",
+        ("ms",),
+        ("ms", "msec", "millis", "millisecond", "milliseconds"),
+    ),
+    Unit(
+        "time",
+        1e-6,
+        "microseconds",
+        ("us",),
+        ("us", "µs", "μs", "usec", "micros", "microsecond", "microseconds"),
+    ),
+    Unit("time", 1e-9, "nanoseconds", (), ("ns", "nsec", "nanos", "nanosecond", "nanoseconds")),
+    Unit("time", 60.0, "minutes", (), ("min", "minute", "minutes")),
+    Unit("time", 3600.0, "hours", (), ("h", "hour", "hours")),
+    Unit("time", 86400.0, "days", (), ("day", "days")),
     Unit("frequency", 1.0, "hertz", ("hz", "Hz"), ("Hz",)),
-    Unit("frequency", 1e3, "kilohertz", ("khz", "kHz")),
+    Unit("frequency", 1e3, "kilohertz", ("khz", "kHz"), ("kHz",)),
     Unit("mass", 1.0, "kilograms", ("kg",), ("kg",)),
     Unit("mass", 1e-3, "grams", ("g",)),
     Unit("mass", 1e3, "tonnes", ("t",)),
@@ -68,8 +85,12 @@ TABLE = (
     Unit("inertia", 1.0, "kilogram square metres", ("kg_m2",), ("kg m²",)),
     Unit("density", 1.0, "kilograms per cubic metre", ("kg_m3",)),
     Unit("density", 1e3, "grams per cubic centimetre", ("g_cm3",)),
-    Unit("pressure", 1.0, "pascals", ("Pa",)),
-    Unit("pressure", 1e6, "megapascals", ("MPa",)),
+    Unit("pressure", 1.0, "pascals", ("Pa",), ("Pa",)),
+    Unit("pressure", 1e6, "megapascals", ("MPa",), ("MPa",)),
+    Unit("pressure", 1e3, "kilopascals", (), ("kPa",)),
+    Unit("pressure", 1e5, "bar", (), ("bar",)),
+    Unit("pressure", 1e2, "millibar", (), ("mbar", "hPa")),
+    Unit("pressure", 6894.757293168, "pounds per square inch", (), ("psi",)),
     Unit("pressure", 1e9, "gigapascals", ("GPa",)),
     Unit("unevenness", 1.0, "cubic metres", ("m3",)),
     Unit("unevenness", 1e-6, "cubic centimetres", ("cm3",)),
@@ -77,10 +98,19 @@ TABLE = (
     Unit("growth", 1.0, "per square metre", ("1_m2",), ("1/m²",)),
     Unit("force", 1.0, "newtons", ("N",), ("N", "Newton", "Newtons")),
     Unit("force", 1e3, "kilonewtons", (), ("kN",)),
+    Unit("force", 10.0, "decanewtons", (), ("daN",)),
+    Unit("force", G, "kilograms of force", (), ("kgf", "kp")),
     Unit("force", 4.4482216152605, "pounds of force", (), ("lbf", "lbs")),
+    Unit("torque", 1.0, "newton metres", (), ("N m", "N.m", "N-m", "Newton metre")),
+    Unit("torque", 1e3, "kilonewton metres", (), ("kN m", "kN.m")),
+    Unit("torque", 1.3558179483314, "foot pounds", (), ("ft-lb", "ft-lbs", "lb-ft", "lbf-ft")),
+    Unit("temperature", 1.0, "degrees Celsius", (), ("°C", "C", "degC")),
+    Unit("share", 1.0, "per cent", (), ("%",)),
+    Unit("current", 1.0, "amperes", (), ("A",)),
+    Unit("current", 1e-3, "milliamperes", (), ("mA",)),
     Unit("voltage", 1.0, "volts", (), ("V", "Volt", "Volts")),
     Unit("voltage", 1e-3, "millivolts", (), ("mV",)),
-    Unit("voltage", 1e-6, "microvolts", (), ("µV", "μV", "uV")),
+    Unit("voltage", 1e-6, "microvolts", (), ("µV", "uV")),
     Unit("compliance", 1.0, "metres per newton", ("m_N",), ("m/N",)),
     Unit("stiffness", 1.0, "newtons per metre", ("N_m",), ("N/m",)),
     Unit("stiffness", 1e3, "newtons per millimetre", ("N_mm",)),
@@ -95,8 +125,24 @@ TABLE = (
 UNITS = {key: unit for unit in TABLE for key in unit.keys}
 """By what keys end in, so that a wrong one can be recognised and converted."""
 
-MEASURED = {"acceleration": "m/s²", "speed": "m/s", "length": "m", "force": "N", "voltage": "V"}
-"""What recordings are of, in SI."""
+MEASURED = {
+    "acceleration": "m/s²",
+    "speed": "m/s",
+    "length": "m",
+    "force": "N",
+    "voltage": "V",
+    "angle": "rad",
+    "angular rate": "rad/s",
+    "torque": "N m",
+    "pressure": "Pa",
+    "current": "A",
+    "frequency": "Hz",
+    "mass": "kg",
+    "temperature": "°C",
+    "share": "%",
+}
+"""What recordings are of, and in which unit each quantity is kept: SI, but for temperatures in °C,
+which a factor does not convert, and per cent."""
 
 SPELT = {
     name: (MEASURED[unit.dimension], unit.in_si)
@@ -104,16 +150,39 @@ SPELT = {
     if unit.dimension in MEASURED
     for name in unit.spelt
 }
-"""By a recorder's spelling: the SI unit, and the factor into it."""
+"""By a recorder's spelling: the unit it is kept in, and the factor into that."""
 
 SECONDS = {name: unit.in_si for unit in TABLE if unit.dimension == "time" for name in unit.spelt}
 """By a recorder's spelling of a unit of time, how long it is."""
+
+CAPITALS_MATTER = frozenset(("mV", "mA", "mbar", "MPa", "hPa", "Gal"))
+"""Spellings that are another unit, or none, in other capitals."""
+
+
+def _plain(unit: str) -> str:
+    """A unit without what writers do differently: blanks, signs of powers and of products, and
+    what stands for seconds."""
+    text = normalize("NFKC", unit).strip().rstrip(".").replace("−", "-")  # ² is 2, both µ are one
+    for written, plain in ((" ", ""), ("**", ""), ("^", ""), ("·", "."), ("⋅", "."), ("*", ".")):
+        text = text.replace(written, plain)
+    return re.sub(r"/s/s$", "/s2", re.sub(r"(?<![A-Za-z])(?i:sec)(?![A-Za-z])", "s", text))
+
+
+_PLAIN = {_plain(name): kept for name, kept in SPELT.items()}
+_FOLDED = [name.lower() for name in _PLAIN]
+_LOWER = {
+    name.lower(): kept
+    for name, kept in _PLAIN.items()
+    if len(name) > 1 and name not in CAPITALS_MATTER and _FOLDED.count(name.lower()) == 1
+}
 
 
 def seconds_in(unit: str) -> float | None:
     """How long a unit of an axis of time is, None for one that is not known. Capitals are the
     writer's taste: no recording counts megaseconds."""
-    return SECONDS.get(unit.strip(), SECONDS.get(unit.strip().lower()))
+    plain = _plain(unit)
+    names = (unit.strip(), plain, plain.lower(), plain.replace("μ", "u").lower())
+    return next((SECONDS[name] for name in names if name in SECONDS), None)
 
 
 ENDINGS = {
@@ -125,8 +194,16 @@ ENDINGS = {
 
 
 def to_si(unit: str) -> tuple[str, float]:
-    """The SI unit and the factor into it; a unit that is not known stays, with factor 1."""
-    return SPELT.get(unit.strip(), (unit.strip(), 1.0))
+    """The unit that a quantity is kept in, mostly SI, and the factor into it; a unit that is not
+    known stays, with factor 1."""
+    plain = _plain(unit)
+    return _PLAIN.get(plain) or _LOWER.get(plain.lower()) or (unit.strip(), 1.0)
+
+
+def is_measured(unit: str) -> bool:
+    """Whether `to_si` knows a unit."""
+    plain = _plain(unit)
+    return plain in _PLAIN or plain.lower() in _LOWER
 
 
 SIZES = {

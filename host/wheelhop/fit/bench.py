@@ -16,14 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
+from wheelhop.compare import weighed
 from wheelhop.compare.band import InBand
 from wheelhop.effects import Effect, Parameter
-from wheelhop.fit.measured_axles import doubt, led_astray
+from wheelhop.fit.measured_axles import doubt, led_astray, shared_error
+from wheelhop.fit.shared_error import SharedError
 from wheelhop.fit.spread import cost, cost_of, spread, weights_of
 from wheelhop.fit.work import PER_RECORD_S, PER_STEP, Work
 from wheelhop.simulate import Model, Response, RunSimulator, Simulator, drive_of, make_simulator
 from wheelhop.simulate.abreast import integrate_jobs, shared_out
 from wheelhop.vehicle import Drive, Measured, System
+from wheelhop.vehicle.assembly import FREE_1_S
 
 Array = NDArray[np.float64]
 RUN_UP = 7.0
@@ -38,6 +41,9 @@ S = TypeVar("S")
 RUNS_AWAY = np.errstate(over="ignore", invalid="ignore")
 """A fit may try a model that is not stable: its record is infinite, which is no news."""
 
+MEASURED_DRIVES = ("axles", "travel")
+"""What moves the model there was measured, and is uncertain itself."""
+
 Trial = tuple[Model, dict[Drive, System]]
 """A model with its equations of motion."""
 
@@ -49,12 +55,14 @@ class Bench:
     run: Run
     simulator: Simulator
     band: InBand
-    measured: Array  #: (2 n_bins, c) in-band coefficients of the record, per `doubt`
+    measured: Array  #: (2 n_bins, c) in-band data of the record, as `coefficients` says
     predicted: NDArray[np.bool_]  #: (c,) channels the model predicts in this run
     memory_s: float  #: after this time what has moved the vehicle is as good as forgotten
     doubt: Array  #: (2 n_bins, c) noise of every datum per the sensors', `measured_axles.doubt`
     noise_ratio: Array  #: the same without motion folded into measured axles
+    noise_scale: Array  #: (c,) of every channel, `wheelhop.compare.weights`
     work: Work  #: where what is simulated is counted
+    shared_error: SharedError | None = None  #: where channels err together, beyond their noise
 
     def _counted(self, trials: Sequence[Trial], done: Callable[[], T]) -> T:
         """What is done with the records of these models, counted as work."""
@@ -69,6 +77,12 @@ class Bench:
     def drive(self) -> Drive:
         """What moves the model in this run."""
         return self.simulator.drive
+
+    @property
+    def measures_force(self) -> bool:
+        """Whether a force is measured, in a strut or on a rig."""
+        channels = self.simulator.campaign.channels
+        return self.drive == "rig" or any(c.quantity == "force" for c in channels)
 
     def spread(self, residual: Array, sigma: float) -> Array:
         """Standard deviation of every datum (size,) of a residual per that of the sensors' noise,
@@ -87,7 +101,7 @@ class Bench:
     @property
     def energy(self) -> float:
         """Σ y² of the predicted channels, in band."""
-        return float(((self.measured * self.doubt)[:, self.predicted] ** 2).sum())
+        return float((self.recorded(self.measured[:, self.predicted]) ** 2).sum())
 
     @property
     def size(self) -> int:
@@ -99,7 +113,7 @@ class Bench:
         found = self._counted(
             [(model, systems)], lambda: self.simulator.simulate(model, systems[self.drive])
         )
-        if self.drive != "axles":
+        if self.drive not in MEASURED_DRIVES:
             return found
         return replace(found, doubt=self.doubt, noise_ratio=self.noise_ratio)
 
@@ -124,13 +138,29 @@ class Bench:
 
     @RUNS_AWAY
     def coefficients(self, record: Array) -> Array:
-        """In-band coefficients (size,) of a record's predicted channels, each per `doubt`."""
-        found = self.band.coefficients(record[:, self.predicted])
+        """In-band data (size,) of a record's predicted channels: coefficients per `noise_scale` of
+        the channel, and per `doubt`, or free of `shared_error`."""
+        found = self.band.coefficients(record[:, self.predicted]) / self.noise_scale[self.predicted]
+        if self.shared_error is not None:
+            return self.shared_error.white(found).ravel()
         return np.asarray(found / self.doubt[:, self.predicted]).ravel()
 
     def undoubted(self, data: Array) -> Array:
-        """Data (size,) as they were before they were divided by `doubt`."""
-        return np.asarray(data * self.doubt[:, self.predicted].ravel())
+        """Data (size,) as they were recorded, with the errors of what drives the run."""
+        return self.recorded(data.reshape(self.band.count, -1)).ravel()
+
+    def recorded(self, data: Array) -> Array:
+        """The same of data (2 n_bins, p)."""
+        if self.shared_error is not None:
+            return self.shared_error.recorded(data)
+        return np.asarray(data * self.doubt[:, self.predicted])
+
+    @property
+    def foreseen(self) -> float:
+        """How many of the data's variances are the error of what drives the run."""
+        if self.shared_error is not None:
+            return self.shared_error.foreseen
+        return float((1.0 - 1.0 / self.doubt[:, self.predicted] ** 2).sum())
 
     def residual(self, model: Model, systems: dict[Drive, System]) -> Array:
         """Measured minus modelled, (size,)."""
@@ -162,7 +192,7 @@ class Workshop:
         noise_rms: float | None = None,
         jobs: int | None = None,
     ) -> None:
-        self.campaign = campaign
+        self.campaign = campaign = weighed(campaign)
         self.measured = tuple(measured)
         self.nominal = model.values
         self.watch: Watch = lambda iteration, error: None
@@ -170,15 +200,16 @@ class Workshop:
         self._threads = f"workshop-{id(self)}"
         self._workers = jobs or min(processors(), 8)
         self._pool = ThreadPoolExecutor(self._workers, self._threads)
-        self.drives = tuple(sorted({drive_of(run) for run in campaign.runs}))
+        self.drives = tuple(sorted({drive_of(campaign, run) for run in campaign.runs}))
         nominal = self.systems(model)
         self._run_up_s = 0.0 if "rig" in self.drives else run_up(nominal)
-        self._on_axles = nominal.get("axles")
+        self._nominal_systems = nominal
         self.benches = {run.id: self.bench(run) for run in campaign.runs}
         self.set_noise(campaign.noise_rms if noise_rms is None else noise_rms)
 
     def set_noise(self, rms: float | None) -> None:
-        """State the in-band noise of one channel; None: not known, any residual may be noise.
+        """State the in-band noise of one channel of the leading quantity; None: not known, any
+        residual may be noise.
 
         `noise` is the standard deviation of one in-band coefficient: n samples with this noise in
         band have n · rms² as their sum of squares, spread over the band's coefficients.
@@ -277,12 +308,11 @@ class Workshop:
 
     @cached_property
     def astray(self) -> dict[str, Bench]:
-        """Runs driven by measured axles on another bench, where these are as wrong as they may
-        be."""
+        """Runs driven by measured motion on another bench, where it is as wrong as it may be."""
         return {
             b.run.id: replace(b, simulator=self.bench(led_astray(self.campaign, b.run)).simulator)
             for b in self.benches.values()
-            if b.drive == "axles" and self.campaign.noise_rms is not None
+            if b.drive in MEASURED_DRIVES and self.campaign.noise_rms is not None
         }
 
     def bench(self, run: Run, earlier: float = 1.0) -> Bench:
@@ -290,20 +320,43 @@ class Workshop:
         as long before its record."""
         simulator = make_simulator(self.campaign, run, earlier * self._run_up_s)
         band = InBand(len(run.time_s), self.campaign.sample_rate_hz, self.campaign.band_hz)
-        predicted = np.array(
-            [simulator.drive != "axles" or not c.is_axle for c in self.campaign.channels]
-        )
+        systems = self._nominal_systems
+        shown = systems.get(simulator.drive)  # None on a road that could be driven
+        predicted: NDArray[np.bool_] = np.ones(len(self.campaign.channels), bool)
+        if shown is not None:
+            predicted = np.asarray(~np.isnan(shown.output).any(axis=1))
         doubted = ratio = np.ones((band.count, len(predicted)))
-        if self._on_axles and simulator.drive == "axles" and self.campaign.noise_rms is not None:
-            doubted, ratio = doubt(self.campaign, run, self._on_axles, band.frequency_hz)
-        measured, memory_s = band.coefficients(run.record), REMEMBERED * self._run_up_s
-        coefficients = measured / doubted
+        together: SharedError | None = None
+        measured_drive = simulator.drive in MEASURED_DRIVES
+        if shown is not None and measured_drive and self.campaign.noise_rms is not None:
+            doubted, ratio = doubt(self.campaign, run, shown, band.frequency_hz)
+            if simulator.drive == "travel":
+                together = shared_error(self.campaign, run, shown, band.frequency_hz, predicted)
+        scale = self.campaign.noise_scale
+        measured = band.coefficients(run.record) / scale / doubted
+        if together is not None:
+            coefficients = band.coefficients(run.record[:, predicted]) / scale[predicted]
+            measured = np.zeros_like(measured)
+            measured[:, predicted] = together.white(coefficients)
+        memory_s = REMEMBERED * self._run_up_s
         return Bench(
-            run, simulator, band, coefficients, predicted, memory_s, doubted, ratio, self.work
+            run,
+            simulator,
+            band,
+            measured,
+            predicted,
+            memory_s,
+            doubted,
+            ratio,
+            scale,
+            self.work,
+            together,
         )
 
 
 def run_up(systems: dict[Drive, System]) -> float:
     """When the nominal vehicle has forgotten its start."""
-    slowest = min(float(-system.poles().real.max()) for system in systems.values())
+    poles = [system.poles() for system in systems.values()]
+    held = [part[np.abs(part) > FREE_1_S] for part in poles]  # travel leaves the body free
+    slowest = min((float(-part.real.max()) for part in held if len(part)), default=np.inf)
     return float(np.clip(RUN_UP / max(slowest, 1e-3), 1.5, 6.0))

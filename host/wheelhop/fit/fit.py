@@ -328,9 +328,9 @@ class _Problem:
         return self._moved(state, LEAST_DAMPING)[1] >= self.converged * max(state.cost, state.size)
 
     def concluded(self, state: Fit) -> Fit:
-        """The state on the common scale that is likeliest, with precision and prior volume."""
-        model = state.model.with_values(self.belief.on_scale(state.model.values))
-        state = self._costed(replace(state, model=model))
+        """The state with precision and prior volume, its common scale the likeliest if untold."""
+        moved = {} if state.measures_force else self.belief.on_scale(state.model.values)
+        state = self._costed(replace(state, model=state.model.with_values(moved)))
         precision, log_volume = self._posterior(state)
         runs = self.workshop.each(RunFit.settled, state.runs)
         return replace(state, runs=tuple(runs), precision=precision, log_volume=log_volume)

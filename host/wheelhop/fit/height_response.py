@@ -60,7 +60,12 @@ class Ground:
 
     def response(self, wave_number_rad_m: Array) -> ComplexArray:
         """Record per height of the left and the right path (k, c, 2), or of every wheel
-        (k, c, wheels), 1/s², at the mean speed; phases are those under the front wheel."""
+        (k, c, wheels), accelerations in 1/s², every channel per its noise scale, at the mean speed;
+        phases are those under the front wheel."""
+        scale = self.bench.noise_scale[self.bench.predicted][:, None]
+        return np.asarray(self._response_to(wave_number_rad_m) / scale)
+
+    def _response_to(self, wave_number_rad_m: Array) -> ComplexArray:
         frequency = wave_number_rad_m * self.speed_m_s / (2 * np.pi)
         campaign = self.bench.simulator.campaign
         wheel = frequency_response(self._system, frequency)[:, self.bench.predicted]

@@ -13,13 +13,17 @@ from wheelhop.campaign import Campaign, Channel, ComponentCampaign, RigRun, Run
 from wheelhop.effects import Effect, Parameter, RunSetting
 from wheelhop.simulate import Model
 from wheelhop.simulate.job import PATH_KEYS
+from wheelhop.simulate.measured import offset_name
 from wheelhop.simulate.rig import INITIAL as RIG_INITIAL
-from wheelhop.vehicle import ABOARD, Measured, Vehicle, motions, on_mounts
+from wheelhop.vehicle import ABOARD, Measured, Vehicle, motions, on_mounts, wheels
 
 Array = NDArray[np.float64]
 
 SPEED_UNCERTAINTY = 0.06
 """A driver holds the nominal speed within ±10 %, nearly always: one standard deviation of it."""
+
+REST_M = 0.005
+"""How far from its mean in a run a strut may rest, one standard deviation."""
 
 PLACES = (".x_m", ".y_m")
 """How numbers end that may be negative."""
@@ -217,13 +221,17 @@ def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Eff
 
 def run_parameters(run: Run, setting: RunSetting, model: Model) -> list[Free]:
     """What a run leaves free: speed and start on the track (on measured axles and on a rig that
-    imposes a force: what moved how when the record began), and the effects' own."""
+    imposes a force: what moved how when the record began; where travel is measured: at which
+    extension struts rest), and the effects' own."""
     free = list(_rig_start(run)) if isinstance(run, RigRun) else []
     if setting.on_road and run.speed_m_s > 0:
         sigma = SPEED_UNCERTAINTY * run.speed_m_s
         free.append(Free("speed_m_s", run.speed_m_s, sigma, 1e-3 * run.speed_m_s, 0.0))
         free.append(Free("start_m", 0.0, np.inf, 1e-2))
-    if not setting.on_road and not setting.on_rig:
+    if setting.by_travel:
+        for corner in wheels(model.values):
+            free.append(Free(offset_name(corner), 0.0, REST_M, REST_M))
+    elif not setting.on_road and not setting.on_rig:
         for name in motions(model.values):
             free.append(Free(f"initial_{name}", 0.0, 0.02, 0.02))
             free.append(Free(f"initial_{name}_rate", 0.0, 0.2, 0.2))

@@ -34,12 +34,13 @@ def find_start(
     channels: Collection[int] | None = None,
 ) -> dict[str, float]:
     """Speed (m/s) and start (m) at which the linear model agrees best with a run, or with some of
-    its channels.
+    its channels, each counting by its noise.
 
     On a periodic track the start is found modulo the period.
     """
     if run.speed_m_s <= 0:
         return {}
+    run = replace(run, record=run.record / campaign.noise_scale)
     predicted = np.asarray(~np.isnan(system.output).any(axis=1))
     if channels is not None:
         predicted = predicted & np.isin(np.arange(len(predicted)), list(channels))
@@ -84,6 +85,12 @@ def seek_again(
     misfits = [float(residual @ residual) for residual in residuals]
     best = int(np.argmin(misfits))
     return trials[best - 1] if best > 0 else {}
+
+
+def _shown(campaign: Campaign, system: System, frequency_hz: Array) -> ComplexArray:
+    """What the channels show (f, c, wheels), each per its noise scale."""
+    response = frequency_response(system, frequency_hz)
+    return np.asarray(response / campaign.noise_scale[:, None])
 
 
 def _wavelength(run: Run, period_m: float | None) -> float | None:
@@ -144,7 +151,7 @@ def _match_harmonics(
             continue
         line = kernel[inside] @ measured[:, predicted]
         wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
-        response = frequency_response(system, frequency[inside])[:, predicted] @ wheel
+        response = _shown(campaign, system, frequency[inside])[:, predicted] @ wheel
         response *= campaign.recorded(frequency[inside])[:, None]
         turn = np.exp(2j * np.pi * k * phases)
         cross[inside] += (np.einsum("fc,fc->f", response, line.conj())[:, None] * turn).real
@@ -182,7 +189,7 @@ def _match_shape(
     n = fft.next_fast_len(int(longest / step) + len(measured), real=True)
     frequency = fft.rfftfreq(n, step)
     inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
-    response = frequency_response(system, frequency[inside])[:, predicted]
+    response = _shown(campaign, system, frequency[inside])[:, predicted]
     response *= campaign.recorded(frequency[inside])[:, None, None]
     sought = fft.rfft(measured, n, axis=0)[inside].conj()
     best = (-np.inf, run.speed_m_s, 0.0)

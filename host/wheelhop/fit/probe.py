@@ -54,12 +54,13 @@ class FitProbe:
         return self._benches[run_id].run.record
 
     def measured(self, run_id: str) -> Array:
-        """The record in band (n, c); zero where the model predicts nothing."""
-        bench = self._benches[run_id]
-        return bench.band.signal(np.where(bench.predicted, bench.run.record, 0.0))
+        """The record in band (n, c), every channel per its noise scale; zero where the model
+        predicts nothing."""
+        return self._in_band(self._benches[run_id], self._benches[run_id].run.record)
 
     def modelled(self, run_id: str, changes: Mapping[str, float]) -> Array:
-        """The model's answer in band (n, c), some of the run's numbers moved by an amount."""
+        """The model's answer in band (n, c), alike, some of the run's numbers moved by an
+        amount."""
         return self.all_modelled(run_id, [changes])[0]
 
     def all_modelled(self, run_id: str, trials: Sequence[Mapping[str, float]]) -> list[Array]:
@@ -71,7 +72,10 @@ class FitProbe:
             for changes in trials
         ]
         records = bench.records([(model, self._systems) for model in moved])
-        return [bench.band.signal(np.where(bench.predicted, r, 0.0)) for r in records]
+        return [self._in_band(bench, record) for record in records]
+
+    def _in_band(self, bench: Bench, record: Array) -> Array:
+        return bench.band.signal(np.where(bench.predicted, record, 0.0) / bench.noise_scale)
 
     def placed(self, run_id: str, channels: Collection[int]) -> Mapping[str, float]:
         """Speed and start at which the linear model agrees best with some of the channels."""
@@ -90,22 +94,24 @@ class FitProbe:
         return self._benches[run_id].simulator.way(self._model)
 
     def travel(self, run_id: str) -> Mapping[str, Array]:
-        """Extensions in band of the struts of each end (n, struts), m, where both ends of a strut
-        have a sensor: what the model says, or on measured axles the record, integrated twice; on a
-        rig what was recorded."""
+        """Extensions in band of the struts of each end (n, struts), m, where a strut's travel is
+        measured, or both its ends have a sensor: what the model says, or on measured axles the
+        record, integrated twice; on a rig what was recorded."""
         bench = self._benches[run_id]
         if isinstance(bench.run, RigRun):
             return {COMPONENT: bench.run.displacement[:, None]}
         response = bench.response(self._model, self._systems).record
-        acceleration = np.where(bench.predicted, response, bench.run.record)
-        place = {
-            (c.corner, c.is_axle): i for i, c in enumerate(self._channels) if c.corner is not None
-        }
+        told = np.where(bench.predicted, response, bench.run.record)
+        place = {c.point: i for i, c in enumerate(self._channels)}
+        pots = {c.corner: i for i, c in enumerate(self._channels) if c.quantity == "travel"}
         found: dict[str, list[Array]] = {}
         for corner in CORNERS:
-            if (corner, False) in place and (corner, True) in place:
-                upper, lower = place[corner, False], place[corner, True]
-                relative = acceleration[:, upper] - acceleration[:, lower]
+            upper, lower = place.get(f"B{corner + 1}"), place.get(f"A{corner + 1}")
+            if corner in pots:
+                shown = told[:, pots[corner]] / self._channels[pots[corner]].per_wheel
+                found.setdefault(axle_name(corner), []).append(bench.band.signal(shown))
+            elif upper is not None and lower is not None:
+                relative = told[:, upper] - told[:, lower]
                 way = _integrated_twice(bench.run.time_s, relative, self._lowest_hz)
                 found.setdefault(axle_name(corner), []).append(way)
         return {end: np.stack(extensions, axis=1) for end, extensions in found.items()}

@@ -226,6 +226,11 @@ class Fit:
         return any(run.heights is not None for run in self.runs)
 
     @property
+    def measures_force(self) -> bool:
+        """Whether the records show the common scale of masses and forces."""
+        return any(run.bench.measures_force for run in self.runs)
+
+    @property
     def has_derivatives(self) -> bool:
         """Whether it has not been taken `without_derivatives`."""
         return any(run.derivatives.columns for run in self.runs)
@@ -336,12 +341,12 @@ class Fit:
     def _of_scale(self) -> Array:
         """How much every shared number moves (g,), per scale, with one standard deviation of the
         common scale of masses and forces, which records do not show; 0 of others, and where one of
-        these numbers is given or a rig measures the force."""
+        these numbers is given or a force is measured."""
         values = {f.name: self.model.values[f.name] * of_forces(f.name) for f in self.shared}
         along = np.array([*values.values()]) / [f.scale for f in self.shared]
         told = float(along @ self.believed @ along)
         given = scale_is_given(self.shared, self.model.values)
-        if not told > 0.0 or given or self.runs[0].bench.drive == "rig":
+        if not told > 0.0 or given or self.measures_force:
             return np.zeros(len(along))
         return np.asarray(along / np.sqrt(told))
 

@@ -1,179 +1,345 @@
-"""A first mapping for a file, made from what it looks like; the user corrects it."""
+"""What a file of another recorder seems to hold, and a first mapping for it that the user corrects.
+
+What the file does not say is a question, and a blank key of the mapping; it is never made up.
+"""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from wheelhop.files import quoted
-from wheelhop.files.units import SECONDS, to_si
+from wheelhop.files import did_you_mean, quoted
+from wheelhop.files.units import SECONDS, SPELT, is_measured, to_si
 from wheelhop.formats import cells
+from wheelhop.formats.digits import Digits
 from wheelhop.formats.error import ExchangeError, guarded
-from wheelhop.formats.labels import is_unit, name_and_unit
-from wheelhop.formats.mapping import SEPARATORS
+from wheelhop.formats.labels import apart, is_unit, name_and_unit
+from wheelhop.formats.layout import Layout, find_layout
+from wheelhop.formats.mapping import ASKED, SEPARATORS, Map, parse_mapping
 from wheelhop.formats.places import likely_points
-from wheelhop.formats.registry import load
+from wheelhop.formats.registry import is_text, load
+from wheelhop.formats.stamps import SAMPLE, Stamps, of_texts
+from wheelhop.formats.stated import stated_rates
 from wheelhop.formats.table import POINTS
+from wheelhop.formats.timing import Column, Question, Timing, find_timing
 from wheelhop.logger.recording import ACCELERATION
 
-LOOK = 200  # lines that are looked at
-STYLES = (
-    (";", ","),
-    ("\t", ","),
-    (";", "."),
-    ("\t", "."),
-    (",", "."),
-    ("|", "."),
-    (None, "."),
-    (None, ","),
-)
-"""Separator and decimal point, the ones that are hard to mistake first."""
-TIMES = ("time", "time_s", "t", "timestamp", "zeit", "temps", "tiempo", "x_value", "date", "datum")
+FASTEST_ANSWER_HZ = 1e12
+CHANNEL, TIME, LEFT_OUT = "a channel", "time", "left out"
+UNNAMED = re.compile(r"[\s,\"]*[,\"][\s,\"]*")
+"""What a name cannot hold in every format that is written."""
 
 
 @dataclass(frozen=True)
-class Layout:
-    """How a text file is laid out; lines count from 1, 0: there is none."""
+class Found:
+    """One column: how a mapping names it (`key`, as TOML), what it is called, its unit as the file
+    says, what it is taken for and why; and the place that its name means, "" for none."""
 
-    separator: str | None
-    decimal: str
-    header_row: int
-    units_row: int
-    first_row: int
-    labels: tuple[str, ...]
-    units: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    key: str
+    label: str
+    name: str
+    unit: str
+    taken_for: str
+    why: str
+    point: str = ""
+
+    @property
+    def placed(self) -> bool:
+        """Whether the place can be given: a channel in an unknown unit has none."""
+        return bool(self.point) and is_measured(self.unit)
+
+
+@dataclass(frozen=True)
+class Understood:
+    """What was understood of a file: the keys of its mapping with their comments, its columns, what
+    it does not say (`questions`), and what was taken for granted (`guesses`)."""
+
+    path: Path
+    keys: tuple[tuple[str, str, str], ...]
+    columns: tuple[Found, ...]
+    questions: tuple[Question, ...] = ()
+    guesses: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    def text(self) -> str:
+        """The mapping; keys that are asked for are blank."""
+        head = [
+            f"# How to read {self.path.name}, guessed from its look: correct it, then",
+            f"#     wheelhop import --map THIS.toml {self.path.name}",
+            "# Delete the channels that are not wanted. point is A1 … A4 (axles), B1 … B4 or body.",
+            "# A channel is column × scale + offset, in unit: add scale = … and offset = … as"
+            " needed.",
+            "format = 1",
+        ]
+        lines = [f"{k} = {v}{f'  # {note}' if note else ''}" for k, v, note in self.keys]
+        channels = [column for column in self.columns if column.taken_for == CHANNEL]
+        left_out = (c for c in self.columns if c.taken_for == LEFT_OUT)
+        notes = [f"# left out: {_short(column.label)}, {column.why}" for column in left_out]
+        entries = (line for column in channels for line in _entry(column))
+        return "\n".join([*head, *lines, *notes, *entries]) + "\n"
+
+    def words(self) -> str:
+        """How the file is laid out and sampled, in a line."""
+        said = {key: value for key, value, _ in self.keys if value not in ("0", '""')}
+        kept = (
+            *("separator", "decimal", "thousands", "header_row", "units_row", "first_row"),
+            *("last_row", "time", "time_unit", "rate_hz"),
+        )
+        return ", ".join(f"{key} {said[key]}" for key in kept if key in said)
+
+    def granted(self, places: bool = True) -> tuple[str, ...]:
+        """What was taken for granted, as a recording's history says it."""
+        placed = [c for c in self.columns if places and c.placed and c.point != c.name]
+        return (
+            *(f"taken for granted: {guess}" for guess in self.guesses),
+            *(f"{column.name}: taken for {column.point}, by its name" for column in placed),
+        )
+
+    def mapping(self, places: bool = True) -> Map:
+        """The mapping, as it is read; without `places`, those that only names mean are left open.
+        Raises `ExchangeError` if something has to be asked."""
+        if self.questions:
+            raise ExchangeError(f"{self.path}: {'; '.join(q.words for q in self.questions)}")
+        found = parse_mapping(self.text(), self.path)
+        if places:
+            return found
+        sure = tuple(
+            pick if pick.point == pick.name else replace(pick, point="") for pick in found.picks
+        )
+        return replace(found, picks=sure)
 
 
 def draft_mapping(path: Path) -> str:
     """The text of a mapping file for `path`. Raises `ExchangeError` if no numbers are found."""
-    if path.suffix.lower() not in (".csv", ".txt", ".tsv", ".dat", ".asc"):
-        return _of_tables(path)
+    return understand(path).text()
+
+
+def understand(path: Path, answers: Mapping[str, str] | None = None) -> Understood:
+    """What a file seems to hold; `answers` are to questions of before, by their keys.
+
+    Raises `ExchangeError` for a file without columns of numbers, and for an answer that is none.
+    """
+    answers = answers or {}
+    for key, answer in answers.items():
+        if key not in ASKED:
+            raise ExchangeError(f"{key} = {answer}: only {', '.join(ASKED)} can be answered")
+    if not is_text(path):
+        return _of_tables(path, answers)
+    if not path.exists():
+        raise ExchangeError(f"{path}: there is no such file")
     with guarded(path, "be understood"):
-        layout = _layout(path)
-    clock, unit = _time(layout)
-    keys = _keys(layout.labels)
+        text = cells.read_ends(path)
+        layout = find_layout(text, str(path))
+        found = _of_text(path, text.lines, layout, answers)
+    return replace(found, remarks=(*text.remarks, *found.remarks))
+
+
+def _of_text(
+    path: Path, lines: Sequence[str], layout: Layout, answers: Mapping[str, str]
+) -> Understood:
+    questions: list[Question] = []
+    digits = layout.digits
+    if "decimal" in answers:
+        digits = Digits(answers["decimal"])
+    elif digits.asked:
+        questions.append(Question("decimal", f"the decimal sign: {digits.asked}"))
+    columns = _columns(layout, digits)
+    above = [k for k in range(1, layout.first_row) if k not in layout.header_rows]
+    stated = stated_rates([lines[k - 1] if k in above else "" for k in range(1, layout.first_row)])
+    blank = bool(questions)  # the numbers cannot be read yet, nor the time
+    try:
+        timing = Timing() if blank else _answered(find_timing(columns, stated), answers)
+    except ExchangeError as error:
+        raise ExchangeError(f"{path}: {error}") from None
+    questions += timing.questions
+    names = _keys(layout.labels)
     mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
-    lines = [
-        f"separator = {quoted(mark[layout.separator])}",
-        f"decimal = {quoted(layout.decimal)}",
-        f"header_row = {layout.header_row}  # the line that names the columns, 0: none",
-        f"units_row = {layout.units_row}  # the line with their units, 0: none",
-        f"first_row = {layout.first_row}  # the line of the first numbers",
+    heads = layout.header_rows
+    keys = [
+        ("separator", quoted(mark[layout.separator]), ""),
+        (
+            "decimal",
+            quoted("" if blank else digits.decimal),
+            f"{digits.asked}; draft again with --answer decimal=…" if blank else "",
+        ),
+        ("thousands", quoted(digits.thousands), "") if digits.thousands else None,
+        (
+            "header_row",
+            str(heads[0] if len(heads) == 1 else list(heads) or 0),
+            "the line that names the columns, 0: none",
+        ),
+        ("units_row", str(layout.units_row), "the line with their units, 0: none"),
+        ("first_row", str(layout.first_row), "the line of the first numbers"),
+        (
+            ("last_row", str(layout.last_row), f"below it: {_short(layout.below)}")
+            if layout.last_row
+            else None
+        ),
+        *_timing_keys(timing, names),
     ]
-    if clock is None:
-        lines.append("rate_hz = 100.0  # no column looks like time: say how many rows are a second")
-    else:
-        said = f"time_unit = {quoted(unit)}" if unit else 'time_unit = "s"  # not said: s, ms?'
-        lines += [f"time = {keys[clock]}", said]
-    columns: list[tuple[str, str, str]] = []
-    for k, label in enumerate(layout.labels):
-        if k == clock or not cells.is_number(layout.rows[0][k], layout.decimal):
-            continue
-        name, inside = name_and_unit(label)
-        columns.append((keys[k], name, layout.units[k] if layout.units else inside))
-    return _text(path, lines, columns)
+    return Understood(
+        path,
+        tuple(key for key in keys if key is not None),
+        tuple(_found(layout, columns, timing, names)),
+        tuple(questions),
+        tuple(filter(None, [timing.guess])),
+    )
 
 
-def _layout(path: Path) -> Layout:
-    lines = cells.read_lines(path)[:LOOK]
-    found = _best(lines, narrowest=2) or _best(lines, narrowest=1)
-    if found is None:
-        raise ExchangeError(f"{path}: no columns of numbers are found in its first {LOOK} lines")
+def _short(text: str) -> str:
+    return "".join(char if char.isprintable() else " " for char in text)
+
+
+def _columns(layout: Layout, digits: Digits) -> list[Column]:
+    """The columns as numbers or stamps; cells that are neither are passed over here, and told when
+    the file is read."""
+    inside = [name_and_unit(label) for label in layout.labels]
+    found = []
+    for k, (label, (name, unit)) in enumerate(zip(layout.labels, inside, strict=True)):
+        unit = (layout.units[k] if layout.units else "") or unit
+        column = Column(label, name, unit)
+        if k in layout.numeric:
+            column = replace(column, values=_values(layout.column(k), digits))
+        elif k in layout.stamps:
+            column = replace(column, stamps=_read_stamps(layout.column(k)))
+        found.append(column)
     return found
 
 
-def _best(lines: Sequence[str], narrowest: int) -> Layout | None:
-    """The layout in which most cells are numbers, of at least so many columns."""
-    best: tuple[int, Layout] | None = None
-    for separator, decimal in STYLES:
-        if separator is None and best is not None:
-            continue  # nearly every line has blanks in it
-        rows = [cells.split_head(line, separator) for line in lines]
-        numeric = [sum(_is_value(cell, decimal) for cell in row) for row in rows]
-        begins = (
-            k
-            for k, n in enumerate(numeric)
-            if n == max(numeric[k:]) and n > len(rows[k]) // 2 and len(rows[k]) >= narrowest
-        )
-        first = next(begins, None)
-        if first is None:
-            continue
-        width = len(rows[first])
-        body = [k for k in range(first, len(rows)) if len(rows[k]) == width]
-        score = sum(numeric[k] for k in body)
-        if score < len(lines) - first:
-            continue  # prose with a number in it
-        if best is None or score > best[0]:
-            numbers = tuple(tuple(rows[k]) for k in body)
-            layout = Layout(separator, decimal, 0, 0, first + 1, (), (), numbers)
-            best = score, _labels(rows, first, width, layout)
-    return None if best is None else best[1]
-
-
-def _is_value(cell: str, decimal: str) -> bool:
-    if cells.is_number(cell, decimal):
-        return True
+def _values(texts: Sequence[str], digits: Digits) -> np.ndarray:
     try:
-        cells.instant(cell.strip())
-    except ValueError:
-        return False
-    return True
+        return cells.parse(texts, digits.decimal, str, "", digits.thousands)
+    except ExchangeError:
+        plain = [t.replace(digits.thousands, "") if digits.thousands else t for t in texts]
+        plain = [text.replace(digits.decimal, ".") for text in plain]
+        return np.array([float(t) if cells.is_number(t) else np.nan for t in plain])
 
 
-def _labels(rows: Sequence[Sequence[str]], first: int, width: int, layout: Layout) -> Layout:
-    """Find names and units above the numbers: a row of units, if there is one, stands last."""
-    above = [k for k in range(first) if len(rows[k]) == width and any(rows[k])]
-    stripped = {k: tuple(cell.strip() for cell in rows[k]) for k in above}
-    if above and any(is_unit(cell.strip("[]()")) for cell in stripped[above[-1]]):
-        row = above.pop()
-        units = tuple(cell.strip("[]()") for cell in stripped[row])
-        layout = replace(layout, units_row=row + 1, units=units)
-    labels = stripped[above[-1]] if above else ("",) * width
-    named = tuple(label or f"column {k}" for k, label in enumerate(labels, start=1))
-    return replace(layout, header_row=above[-1] + 1 if above else 0, labels=named)
+def _read_stamps(texts: Sequence[str]) -> Stamps | str:
+    there = [text for text in texts if text.strip().lower() not in cells.EMPTY]
+    try:
+        return of_texts(there, "", lambda row: f"row {row + 1}")
+    except ExchangeError as error:
+        return str(error).partition(": ")[2]
 
 
-def _time(layout: Layout) -> tuple[int | None, str]:
-    """Which column is time, and in what unit the file says, known or not: by its name, or the first
-    that rises evenly and is in no other unit than one of time."""
-    inside = [name_and_unit(label) for label in layout.labels]
-    units = layout.units or tuple(unit for _, unit in inside)
-    for k, (name, _) in enumerate(inside):
-        if name.lower().split("_")[0] in TIMES or name.lower() in TIMES:
-            if not cells.is_number(layout.rows[0][k], layout.decimal):
-                return k, "clock"
-            return k, units[k]
-    for k in (k for k, unit in enumerate(units) if not unit or unit in SECONDS):
-        column = [row[k].replace(layout.decimal, ".") for row in layout.rows]
-        if all(map(cells.is_number, column)) and len(column) > 2:
-            steps = np.diff([float(cell) for cell in column])
-            if steps.max() < 1.01 * steps.min():
-                return k, units[k]
-    return None, ""
+def _answered(timing: Timing, answers: Mapping[str, str]) -> Timing:
+    """Timing with the answers to what it asked; a unit that counts samples asks for the rate."""
+    unit, rate = answers.get("time_unit"), timing.rate_hz
+    if "rate_hz" in answers:
+        try:
+            rate = float(answers["rate_hz"])
+        except ValueError:
+            rate = 0.0
+        if not 0.0 < rate < FASTEST_ANSWER_HZ:
+            raise ExchangeError(f"rate_hz = {answers['rate_hz']} is no number of samples a second")
+    asked = {question.key: question for question in timing.questions}
+    if unit and "time_unit" in asked:
+        timing = replace(timing, unit=unit, why="as you said")
+        del asked["time_unit"]
+        if unit == SAMPLE and rate is None:
+            asked["rate_hz"] = Question("rate_hz", "a counter says no time")
+    if rate is not None:
+        asked.pop("rate_hz", None)
+    return replace(timing, rate_hz=rate, questions=tuple(asked.values()))
 
 
-def _of_tables(path: Path) -> str:
-    lines: list[str] = []
-    columns: list[tuple[str, str, str]] = []
+def _timing_keys(timing: Timing, names: Sequence[str]) -> Iterator[tuple[str, str, str]]:
+    asked = {question.key: question.words for question in timing.questions}
+    if timing.index is not None:
+        yield "time", names[timing.index], ""
+        notes = {SAMPLE: "a counter of samples: its gaps are kept"}
+        note = asked.get("time_unit") or notes.get(timing.unit, "")
+        if timing.guess and timing.unit != SAMPLE:
+            note = "not said: s, ms?" if timing.unit in SECONDS else timing.why
+        if timing.guess and timing.unit == SAMPLE:
+            note = f"{timing.guess}: is it so?"
+        yield "time_unit", quoted(timing.unit), note
+    if timing.rate_hz is not None:
+        yield "rate_hz", repr(timing.rate_hz), timing.why
+    elif "rate_hz" in asked:
+        yield "rate_hz", '""', f"{asked['rate_hz']}: how many samples has a second?"
+
+
+def _found(
+    layout: Layout, columns: Sequence[Column], timing: Timing, keys: Sequence[str]
+) -> Iterator[Found]:
+    taken = [
+        k
+        for k, column in enumerate(columns)
+        if column.values is not None and k != timing.index and k not in timing.aside
+    ]
+    named = apart(
+        [UNNAMED.sub(" ", columns[k].name).strip() or f"column {k + 1}" for k in taken],
+        [columns[k].unit for k in taken],
+        [k + 1 for k in taken],
+    )
+    names = dict(zip(taken, named, strict=True))
+    points = _points([(names[k], columns[k].unit) for k in taken])
+    for k, column in enumerate(columns):
+        if k == timing.index:
+            unit = timing.unit or column.unit
+            yield Found(keys[k], column.label, column.name, unit, TIME, timing.why)
+        elif k in names:
+            point = points[taken.index(k)]
+            name, why = names[k], _why(column.unit)
+            yield Found(keys[k], column.label, name, column.unit, CHANNEL, why, point)
+        else:
+            why = timing.aside.get(k, "a clock, too" if column.stamps else "no numbers")
+            yield Found(keys[k], column.label, column.name, column.unit, LEFT_OUT, why)
+
+
+def _why(unit: str) -> str:
+    if not unit:
+        return "its unit is not said"
+    if not is_measured(unit):
+        return f"its unit is not known{did_you_mean(unit, SPELT)}"
+    si, factor = to_si(unit)
+    return f"× {factor:g} = {si}" if factor != 1.0 else ""
+
+
+def _points(columns: Sequence[tuple[str, str]]) -> list[str]:
+    """The places that names mean, of channels that are accelerations or may be."""
+    felt = [k for k, (_, unit) in enumerate(columns) if to_si(unit)[0] in ("", ACCELERATION)]
+    guessed = dict(zip(felt, likely_points([columns[k][0] for k in felt]), strict=True))
+    return [name if name in POINTS else guessed.get(k, "") for k, (name, _) in enumerate(columns)]
+
+
+def _of_tables(path: Path, answers: Mapping[str, str]) -> Understood:
+    keys: list[tuple[str, str, str]] = []
     tables = load(path)
     if not tables:
         raise ExchangeError(f"{path}: holds no channels of numbers")
     table = tables[0]
     if len(tables) > 1:
         names = ", ".join(quoted(table.group) for table in tables)
-        lines.append(f"group = {quoted(table.group)}  # one of {names}")
+        keys.append(("group", quoted(table.group), f"one of {names}"))
+    timing = Timing()
     if table.time_s is None and table.rate_hz is None:
-        lines.append("rate_hz = 100.0  # the file has no time: say how many samples are a second")
+        words = table.asked or "the file has no time"
+        timing = _answered(Timing(questions=(Question("rate_hz", words),)), answers)
+        keys += _timing_keys(timing, ())
     count = Counter(channel.name for channel in table.channels)
-    for number, channel in zip(table.columns, table.channels, strict=True):
+    units = [channel.unit for channel in table.channels]
+    bare = [name_and_unit(channel.name) for channel in table.channels]
+    short = [
+        name if unit and unit == channel.unit else channel.name
+        for (name, unit), channel in zip(bare, table.channels, strict=True)
+    ]
+    named = apart(short, units, table.columns)
+    points = _points(list(zip(named, units, strict=True)))
+    columns = []
+    for k, (number, channel) in enumerate(zip(table.columns, table.channels, strict=True)):
         key = quoted(channel.name) if count[channel.name] == 1 else str(number)
-        columns.append((key, channel.name, channel.unit))
-    return _text(path, lines, columns)
+        why = _why(channel.unit)
+        found = Found(key, channel.name, named[k], channel.unit, CHANNEL, why, points[k])
+        columns.append(found)
+    return Understood(path, tuple(keys), tuple(columns), timing.questions, (), table.remarks)
 
 
 def _keys(labels: Sequence[str]) -> list[str]:
@@ -185,31 +351,25 @@ def _keys(labels: Sequence[str]) -> list[str]:
     ]
 
 
-def _entries(columns: Sequence[tuple[str, str, str]]) -> Iterator[str]:
-    """The lines of every channel: how a mapping names it, its own name, and its unit."""
-    felt = [k for k, column in enumerate(columns) if to_si(column[2])[0] in ("", ACCELERATION)]
-    guessed = dict(zip(felt, likely_points([columns[k][1] for k in felt]), strict=True))
-    for k, (key, name, unit) in enumerate(columns):
-        si, factor = to_si(unit)
-        scaled = f"  # × {factor:g} = {si}" if factor != 1.0 else ""
-        scaled = scaled if is_unit(unit) else "  # not known here: it stays as it is"
-        point = name if name in POINTS else guessed.get(k, "")
-        yield from (
-            "",
-            "[[channel]]",
-            f"column = {key}",
-            f"name = {quoted(name)}",
-            f"unit = {quoted(unit)}{scaled if unit else '  # not said: g, m/s²?'}",
-            f"point = {quoted(point)}{'' if point in ('', name) else '  # by its name: is it so?'}",
-        )
-
-
-def _text(path: Path, lines: Sequence[str], columns: Sequence[tuple[str, str, str]]) -> str:
-    head = [
-        f"# How to read {path.name}, guessed from its look: correct it, then",
-        f"#     wheelhop import --map THIS.toml {path.name}",
-        "# Delete the channels that are not wanted. point is A1 … A4 (axles), B1 … B4 or body.",
-        "# A channel is column × scale + offset, in unit: add scale = … and offset = … as needed.",
-        "format = 1",
-    ]
-    return "\n".join([*head, *lines, *_entries(columns)]) + "\n"
+def _entry(column: Found) -> Iterator[str]:
+    """The lines of a channel: how a mapping names it, its own name, its unit and its place."""
+    unit = column.unit
+    note = f"  # {column.why}" if column.why else ""
+    if not unit:
+        note = "  # not said: g, m/s²?"
+    elif not is_unit(unit):
+        note = f"  # not known here: it stays as it is{did_you_mean(unit, SPELT)}"
+    point = column.point if column.placed else ""
+    where = ""
+    if column.point and not column.placed:
+        where = f"  # {column.point} by its name, once its unit is said"
+    elif point and point != column.name:
+        where = "  # by its name: is it so?"
+    yield from (
+        "",
+        "[[channel]]",
+        f"column = {column.key}",
+        f"name = {quoted(column.name)}",
+        f"unit = {quoted(unit)}{note}",
+        f"point = {quoted(point)}{where}",
+    )

@@ -19,19 +19,27 @@ FEWEST = 0.1
 """The least share of samples that must be there, beyond `FREE_GAPS`: a clock that was set anew
 must not become a billion missing samples."""
 FREE_GAPS = 100_000
+UNEVEN = 0.1  # share of steps that are no whole number of periods
+SURE = 5e-3
+"""How coarse rounded stamps may be, as a share of the time they cover, to tell the rate."""
+FEWEST_ROUNDED = 10  # stamps that tell by their steps how they were rounded
+MANY = 8
+"""So many longer steps, as evenly spread as rounding makes them, are no missing samples."""
 
 
 @dataclass(frozen=True)
 class Grid:
     """Sample i lies at row `index[i]` of `rows`, and row k at `start_s` + k / `rate_hz`.
 
-    `jitter_s` is how far the stamps were off at most.
+    `jitter_s` is how far the stamps were off at most; `rounded_s` is what they were rounded to, if
+    that is why they are off.
     """
 
     start_s: float
     rate_hz: float
     index: NDArray[np.int64]
     jitter_s: float = 0.0
+    rounded_s: float = 0.0
 
     @property
     def rows(self) -> int:
@@ -49,7 +57,12 @@ class Grid:
     def remarks(self) -> tuple[str, ...]:
         """What is worth a line in the recording's history."""
         found = []
-        if self.jitter_s > SILENT / self.rate_hz:
+        if self.rounded_s:
+            found.append(
+                f"time stamps are rounded to {self.rounded_s * 1e3:.6g} ms: taken as equal steps of"
+                f" {1e3 / self.rate_hz:.6g} ms"
+            )
+        elif self.jitter_s > SILENT / self.rate_hz:
             found.append(
                 f"time stamps are up to {self.jitter_s * 1e3:.3g} ms off equal steps of "
                 f"{1e3 / self.rate_hz:.6g} ms: taken as equal"
@@ -78,7 +91,7 @@ def fit_grid(
     """Find the grid that the stamps (n >= 1) lie on, of a known rate and start if they are given.
 
     `where(i)` tells a user where stamp i is. Raises `ExchangeError` for stamps that are not finite,
-    do not rise, or lie on no grid.
+    do not rise, or lie on no grid. Stamps that are equal, as coarse ones are, need a known rate.
     """
     if len(time_s) < 2 and rate_hz is None:
         raise ExchangeError(f"{where(0)}: a single time stamp has no rate: give rate_hz")
@@ -87,14 +100,21 @@ def fit_grid(
         row = int(np.argmax(bad))
         raise ExchangeError(f"{where(row)}: {time_s[row]} is no time")
     steps = np.diff(time_s)
+    if start_s is None and (rounded := _rounded(time_s, steps, where, rate_hz)) is not None:
+        return rounded
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0)) + 1
         raise ExchangeError(
             f"{where(row)}: time does not rise, from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s"
         )
-    period = 1.0 / rate_hz if rate_hz else _typical(steps)
+    period = 1.0 / rate_hz if rate_hz else typical_step(steps)
     counts = np.round(steps / period)
     off = np.abs(steps / period - counts)
+    if (off > STRAY).mean() > UNEVEN and len(steps) >= FEWEST_ROUNDED:
+        raise ExchangeError(
+            f"{where(0)}: time goes on in uneven steps, {steps.min():.3g} to {steps.max():.3g} s:"
+            " resample it, or if the samples are equally spaced, leave time out and say rate_hz"
+        )
     if (counts < 1).any() or (off > STRAY).any():
         row = int(np.argmax((counts < 1) | (off > STRAY))) + 1
         raise ExchangeError(
@@ -127,7 +147,60 @@ def fit_grid(
     return Grid(start_s, rate_hz, index, float(jitter.max()))
 
 
-def _typical(steps: NDArray[np.float64]) -> float:
+def _rounded(
+    time_s: NDArray[np.float64],
+    steps: NDArray[np.float64],
+    where: Callable[[int], str],
+    rate_hz: float | None,
+) -> Grid | None:
+    """The grid of stamps without gaps that were rounded to a decimal so coarse that their steps
+    are uneven, or some of them 0; None if that is not what they look like.
+
+    Raises `ExchangeError` where the rate, or whether samples are missing, cannot be told.
+    """
+    forward = steps[steps > 0]
+    if len(time_s) < FEWEST_ROUNDED or (steps < 0).any() or not len(forward):
+        return None
+    unit_s, index = float(forward.min()), np.arange(len(time_s))
+    counts = np.round(steps / unit_s)
+    decade = np.log10(unit_s)
+    decimal = abs(decade - round(decade)) < 1e-5 and np.abs(steps / unit_s - counts).max() < 0.1
+    if not decimal or counts.max() == counts.min() or counts.max() - counts.min() > 1:
+        return None
+    equal, longer = bool((steps == 0).any()), int((counts == counts.max()).sum())
+    # Steps of one and two units may be a grid from which samples are missing, too.
+    gaps = not equal and counts.max() == 2 and longer < len(steps) / 4
+    if rate_hz is not None:
+        fits = _spread(time_s, index, rate_hz) < unit_s and not gaps
+        return _on_steps(time_s, index, rate_hz, unit_s) if fits else None
+    rate = (len(time_s) - 1) / float(time_s[-1] - time_s[0])
+    if (gaps and longer < 2) or _least_spread(time_s, index) > 1.02 * unit_s:
+        return None
+    if equal or unit_s > SURE * (time_s[-1] - time_s[0]) or (gaps and longer < MANY):
+        row = int(np.argmax(counts == counts.max())) + 1
+        raise ExchangeError(
+            f"{where(row)}: time stamps are rounded to {unit_s:.6g} s, too coarse to tell the rate,"
+            f" about {rate:.4g} Hz: say rate_hz"
+        )
+    return _on_steps(time_s, index, _rate(time_s, index), unit_s)
+
+
+def _on_steps(
+    time_s: NDArray[np.float64], index: NDArray[np.int64], rate_hz: float, unit_s: float
+) -> Grid:
+    """Stamps that were rounded to `unit_s` as equal steps, which begin where they fit best."""
+    since = time_s - index / rate_hz
+    start_s = float(since.max() + since.min()) / 2
+    return Grid(start_s, rate_hz, index, float(np.abs(since - start_s).max()), unit_s)
+
+
+def _least_spread(time_s: NDArray[np.float64], index: NDArray[np.int64]) -> float:
+    """How far apart the stamps are, s, on the grid that fits them best."""
+    places = index - index.mean()
+    return _spread(time_s, index, float(places @ places / (places @ (time_s - time_s[0]))))
+
+
+def typical_step(steps: NDArray[np.float64]) -> float:
     """The period: the mean of the steps that are no gaps, for rounded stamps alternate."""
     period = float(np.median(steps))
     for least, most in ((0.5, 1.6), (1 - STRAY, 1 + STRAY)):

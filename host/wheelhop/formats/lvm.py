@@ -16,9 +16,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files.units import seconds_in
 from wheelhop.formats import cells
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import STRAY
+from wheelhop.formats.groups import no_time
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, plain_channel
 
@@ -28,6 +30,8 @@ SPECIAL = ("***Start_Special***", "***End_Special***")
 SEPARATOR = re.compile(r"separator(?P<mark>.)[ \t,;]*(?P<name>\w*)", re.IGNORECASE)
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": " "}
 X = "X_Value"
+NO_TIMES = ("frequency", "length", "distance", "displacement", "position", "angle", "order")
+"""Dimensions of X that are no time; of others the unit tells."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +45,13 @@ class _Style:
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read the segments, as one recording if they follow each other in time."""
-    lines = cells.read_lines(path, mapping.encoding if mapping else "")
+    text = cells.read_lines(path, mapping.encoding if mapping else "")
+    lines = text.lines
     style, at = _file_header(lines, path)
     tables = []
     for number, (start, stop) in enumerate(_segments(lines, at, style), start=1):
-        tables.append(_segment(lines, start, stop, style, str(number), path))
+        table = _segment(lines, start, stop, style, str(number), path)
+        tables.append(replace(table, remarks=text.remarks))
     if mapping is not None and mapping.group:
         return tables
     return _joined(tables)
@@ -117,6 +123,7 @@ def _segment(
         values = tags.get(key, [])
         return values[k - 1] if k - 1 < len(values) else ""
 
+    size = _seconds(tags, f"{path}: line {start + 1}")
     x_kind = style.tags.get("X_Columns", ["One"])[0].lower()
     wanted = [k for k in range(1, len(names)) if names[k] != X]
     samples = {k: column(k) for k in wanted}
@@ -145,13 +152,25 @@ def _segment(
         channels=tuple(plain_channel(names[k], tag("Y_Unit_Label", k)) for k in wanted),
         values=np.column_stack([samples[k] for k in wanted]),
         # X is often printed with six decimals; Delta_X is exact.
-        time_s=None if exact else stamps,
-        rate_hz=1.0 / step if exact else None,
-        start_s=x0,
+        time_s=None if exact or stamps is None else size * stamps,
+        rate_hz=1.0 / (size * step) if exact else None,
+        start_s=size * x0,
         notes=_notes(style.tags, tags),
         group=group,
-        line=first + 1,
+        lines=range(first + 1, first + 1 + len(body)),
     )
+
+
+def _seconds(tags: Mapping[str, list[str]], place: str) -> float:
+    """How long the unit of X is; raises `ExchangeError` where X is no time."""
+    for tag in ("X_Unit_Label", "X_Dimension"):
+        for said in filter(None, (value.strip() for value in tags.get(tag, []))):
+            unit = "Hz" if said.lower().startswith("freq") else said
+            wrong = said.lower() in NO_TIMES if tag == "X_Dimension" else seconds_in(said) is None
+            if wrong:
+                raise ExchangeError(f"{place}: its X is {said}, not time: {no_time(unit)}")
+    units = [value.strip() for value in tags.get("X_Unit_Label", []) if value.strip()]
+    return seconds_in(units[0]) or 1.0 if units else 1.0
 
 
 def _number(text: str, style: _Style) -> float:
@@ -185,7 +204,7 @@ def _joined(tables: list[Table]) -> list[Table]:
     if any(two[0] <= one[-1] for one, two in pairwise(stamps)):
         return tables
     values = np.concatenate([table.values for table in tables])
-    return [replace(tables[0], values=values, time_s=np.concatenate(stamps), line=None)]
+    return [replace(tables[0], values=values, time_s=np.concatenate(stamps), lines=())]
 
 
 def _stamps(table: Table) -> NDArray[np.float64]:

@@ -11,15 +11,22 @@ from typing import Any
 from wheelhop.files import read_text_bytes
 from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import ExchangeError
+from wheelhop.formats.stamps import CLOCK, DIGITS, MINUTES, SAMPLE, UNITS
 
 SEPARATORS = {"tab": "\t", "space": None, ",": ",", ";": ";", "|": "|", "\t": "\t", " ": None}
 """None: any run of blanks."""
-CLOCK = "clock"
-"""As `time_unit`: stamps are dates or times of day, 2026-05-01 12:34:56.789 or 12:34:56.789."""
+ASKED = {
+    "decimal": 'the decimal sign, "." or ","',
+    "time_unit": f"the unit of the time stamps: {', '.join(UNITS)}",
+    "rate_hz": "how many samples a second has, a number",
+}
+"""Keys that a draft leaves blank where the file does not say them."""
+THOUSANDS = ("", ".", ",", "'", "’", " ", "\u00a0", "\u202f")
 LARGEST = 1e300
 """What is larger overflows where it is multiplied."""
 KEYS = (
-    *("format", "separator", "decimal", "encoding", "header_row", "units_row", "first_row"),
+    *("format", "separator", "decimal", "thousands", "encoding"),
+    *("header_row", "units_row", "first_row", "last_row"),
     *("time", "time_unit", "rate_hz", "group", "channel"),
 )
 CHANNEL_KEYS = (
@@ -56,26 +63,35 @@ class Map:
     """How to read a file.
 
     `separator` is None for any run of blanks; rows are lines from 1, a `header_row` or `units_row`
-    of 0 means there is none. Time is a column (name or number) in `time_unit`, or `rate_hz`. A
-    `group` is chosen where a file has several. Without `picks` every column is a channel.
+    of 0 means there is none, a `last_row` of 0 that all lines are rows; names may stand in several
+    lines. Time is a column (name or number) in `time_unit`, empty: as the file says; or `rate_hz`.
+    A `group` is chosen where a file has several. Without `picks` every column is a channel.
     """
 
     separator: str | None = ","
     decimal: str = "."
     encoding: str = ""
-    header_row: int = 1
+    header_row: int | tuple[int, ...] = 1
     units_row: int = 0
     first_row: int = 0
     time: str | int = ""
-    time_unit: str = "s"
+    time_unit: str = ""
     rate_hz: float | None = None
     group: str = ""
     picks: tuple[Pick, ...] = ()
+    thousands: str = ""
+    last_row: int = 0
+
+    @property
+    def header_rows(self) -> tuple[int, ...]:
+        """The lines of names, from above to below."""
+        rows = (self.header_row,) if isinstance(self.header_row, int) else self.header_row
+        return tuple(row for row in rows if row)
 
     @property
     def first(self) -> int:
         """The line of the first numbers."""
-        return self.first_row or max(self.header_row, self.units_row) + 1
+        return self.first_row or max((*self.header_rows, self.units_row), default=0) + 1
 
 
 def read_mapping(file: Path) -> Map:
@@ -101,15 +117,22 @@ def parse_mapping(text: str, file: Path) -> Map:
     keys.only(KEYS)
     if table.get("format") != 1 or table["format"] is True:
         raise ExchangeError(f"{file}: format = 1 is missing: it is the version of this file")
+    if blank := [key for key in ASKED if table.get(key) == ""]:
+        said = "; ".join(f"{key} = … ({ASKED[key]})" for key in blank)
+        raise ExchangeError(f"{file}: still to be answered: {said}")
     separator = keys.text("separator", ",")
     if separator not in SEPARATORS:
         raise ExchangeError(f'{file}: separator must be ",", ";", "|", "tab" or "space"')
     decimal = keys.text("decimal", ".")
-    if decimal not in (".", ",") or decimal == SEPARATORS[separator]:
-        raise ExchangeError(f'{file}: decimal must be "." or ",", and another than the separator')
-    unit = keys.text("time_unit", "s")
-    if unit not in SECONDS and unit != CLOCK:
-        raise ExchangeError(f'{file}: time_unit = "{unit}" is not known: s, ms, us, min or clock')
+    if decimal not in (".", ","):
+        raise ExchangeError(f'{file}: decimal must be "." or ","')
+    thousands = keys.text("thousands", "")
+    if thousands not in THOUSANDS or thousands == decimal:
+        raise ExchangeError(f"{file}: thousands must be one of . , ' or a blank, and not decimal")
+    unit = keys.text("time_unit", "")
+    if unit not in ("", *SECONDS, CLOCK, MINUTES, DIGITS, SAMPLE):
+        known = ", ".join(UNITS)
+        raise ExchangeError(f'{file}: time_unit = "{unit}" is not known: {known}')
     rate = keys.number("rate_hz", 0.0)
     if rate < 0.0:
         raise ExchangeError(f"{file}: rate_hz must be above 0")
@@ -120,7 +143,7 @@ def parse_mapping(text: str, file: Path) -> Map:
         separator=SEPARATORS[separator],
         decimal=decimal,
         encoding=keys.text("encoding", ""),
-        header_row=keys.row("header_row", 1),
+        header_row=keys.rows("header_row", 1),
         units_row=keys.row("units_row", 0),
         first_row=keys.row("first_row", 0),
         time=keys.column("time"),
@@ -131,6 +154,8 @@ def parse_mapping(text: str, file: Path) -> Map:
             _pick(_Keys(entry, file, f"[[channel]] {number}: "))
             for number, entry in enumerate(entries, start=1)
         ),
+        thousands=thousands,
+        last_row=keys.row("last_row", 0),
     )
 
 
@@ -180,6 +205,14 @@ class _Keys:
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
             raise ExchangeError(f"{self.place}{key} must be the number of a line, or 0 for none")
         return value
+
+    def rows(self, key: str, default: int) -> int | tuple[int, ...]:
+        values = self.values.get(key, default)
+        if not isinstance(values, list):
+            return self.row(key, default)
+        if not all(isinstance(v, int) and not isinstance(v, bool) and v > 0 for v in values):
+            raise ExchangeError(f"{self.place}{key} must hold the numbers of lines, from 1")
+        return tuple(values)
 
     def number(self, key: str, default: float) -> float:
         value = self.values.get(key, default)

@@ -1,4 +1,5 @@
-"""ASAM MDF 4, through asammdf: one group with a time master, the header as an attached text.
+"""ASAM MDF, through asammdf: MDF 3 and 4 are read, MDF 4 is written, as one group with a time
+master and the header as an attached text.
 
 Missing samples are NaN, and their invalidation bits are set, for tools that look at those.
 """
@@ -20,7 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.files import NUMBERS, check_room
+from wheelhop.files.units import seconds_in
 from wheelhop.formats.error import ExchangeError, need
+from wheelhop.formats.groups import only_recordings
 from wheelhop.formats.header import Header, from_text, to_text
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, plain_channel
@@ -31,6 +34,8 @@ VERSION = "4.10"  # read by every tool of the last ten years
 BEST_COMPRESSION = 1032  # that deflate can reach
 VIRTUAL = (3, 6)  # channel types that are counted, not stored
 INVALIDATION_BIT = 2  # flag of a channel that has one
+MASTERS_3 = (1,)  # of MDF 3, always time
+TIME_MASTER = 1
 MASTERS = (2, 3)  # channel types of a master and a virtual master: time itself, or
 OTHER_MASTERS = {2: "an angle", 3: "a distance", 4: "an index"}  # by its synchronisation type
 
@@ -45,13 +50,17 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
         check_room(path, sum(map(_room, mdf.groups)), ExchangeError)
         header = _header(mdf, path)
         together: list[list[Table]] = []
+        refused: list[str] = []
         for number in range(len(mdf.groups)):
+            if reason := _no_time(mdf.groups[number]):
+                refused.append(f"group {number} {reason}")
+                continue
             table = _group(mdf, number, path)
             if table is not None:
                 _sort_in(together, table)
         tables = list(map(_joined, together))
     if header is None:
-        return tables
+        return only_recordings(tables, refused, path)
     if len(tables) != 1 or [c.name for c in tables[0].channels] != [
         channel.name for channel in header.bare.channels
     ]:
@@ -83,7 +92,8 @@ def _library(path: Path) -> Any:
 
 
 def _header(mdf: Any, path: Path) -> Header | None:
-    for number, attachment in enumerate(getattr(mdf, "attachments", ())):
+    attached = mdf.attachments if mdf.version >= "4" else ()  # MDF 3 has none
+    for number, attachment in enumerate(attached):
         if Path(attachment.file_name).name == HEADER:
             packed = BEST_COMPRESSION * attachment.embedded_size
             check_room(path, max(attachment.original_size, packed), ExchangeError)
@@ -96,14 +106,19 @@ def _check_layout(group: Any, path: Path) -> None:
     """No more samples than the file can hold, and every channel inside its record: asammdf makes
     room for all that is promised, and its compiled parts read wherever they are sent."""
     size = group.channel_group.samples_byte_nr
-    spare = group.channel_group.invalidation_bytes_nr
+    spare = getattr(group.channel_group, "invalidation_bytes_nr", 0)  # MDF 3 has none
     due = group.channel_group.cycles_nr * max(1, size + spare)
     if due > BEST_COMPRESSION * path.stat().st_size:
         raise ExchangeError(f"{path}: is damaged: it is too short for the samples it promises")
     for item in group.channels:
-        ends = 8 * item.byte_offset + item.bit_offset + item.bit_count
-        stored = item.channel_type not in VIRTUAL
-        flagged = item.flags & INVALIDATION_BIT
+        if hasattr(item, "start_offset"):  # MDF 3, in bits
+            begins = 8 * item.additional_byte_offset + item.start_offset
+            stored, flagged = True, 0
+        else:
+            begins = 8 * item.byte_offset + item.bit_offset
+            stored = item.channel_type not in VIRTUAL
+            flagged = item.flags & INVALIDATION_BIT
+        ends = begins + item.bit_count
         if (stored and ends > 8 * size) or (flagged and item.pos_invalidation_bit >= 8 * spare):
             raise ExchangeError(f"{path}: is damaged: channel {item.name} lies outside its records")
 
@@ -111,18 +126,36 @@ def _check_layout(group: Any, path: Path) -> None:
 def _room(group: Any) -> float:
     """Bytes that the records of a group take, and the columns that are made of them."""
     facts = group.channel_group
-    record = facts.samples_byte_nr + facts.invalidation_bytes_nr + NUMBERS * len(group.channels)
+    spare = getattr(facts, "invalidation_bytes_nr", 0)
+    record = facts.samples_byte_nr + spare + NUMBERS * len(group.channels)
     return float(facts.cycles_nr * record)
+
+
+def _is_master(item: Any) -> bool:
+    return item.channel_type in (MASTERS if hasattr(item, "sync_type") else MASTERS_3)
+
+
+def _no_time(group: Any) -> str:
+    """Why a group is sampled over something else than time, "" if it is not."""
+    masters = [item for item in group.channels if _is_master(item)]
+    if not masters:
+        return ""
+    kind = getattr(masters[0], "sync_type", TIME_MASTER)
+    if axis := OTHER_MASTERS.get(kind):
+        return f"is sampled over {axis}, not over time"
+    unit = (masters[0].unit or "").strip()
+    if unit and seconds_in(unit) is None:
+        return f"is sampled over {masters[0].name} in {unit}, not over time"
+    return ""
 
 
 def _group(mdf: Any, number: int, path: Path) -> Table | None:
     channels: list[Channel] = []
     columns: list[NDArray[np.float64]] = []
-    time_s = np.empty(0)
+    time_s, size = np.empty(0), 0.0
     for index, item in enumerate(mdf.groups[number].channels):
-        if item.channel_type in MASTERS:
-            if axis := OTHER_MASTERS.get(item.sync_type):
-                raise ExchangeError(f"{path}: group {number} is sampled over {axis}, not over time")
+        if _is_master(item):
+            size = seconds_in((item.unit or "").strip() or "s") or 1.0
             continue
         signal = mdf.get(group=number, index=index, ignore_invalidation_bits=True)
         samples = signal.samples
@@ -141,7 +174,9 @@ def _group(mdf: Any, number: int, path: Path) -> Table | None:
         kind=f"MDF {mdf.version}",
         channels=tuple(channels),
         values=np.column_stack(columns),
-        time_s=time_s,
+        # Without a master asammdf counts the samples, as if they were seconds.
+        time_s=size * time_s if size else None,
+        asked="" if size else f"the samples of group {number} are only counted",
         start_unix_s=mdf.header.start_time.timestamp(),
         group=str(number),
     )
@@ -150,7 +185,8 @@ def _group(mdf: Any, number: int, path: Path) -> Table | None:
 def _sort_in(together: list[list[Table]], table: Table) -> None:
     """Put a group beside those with the same time stamps."""
     for others in together:
-        if np.array_equal(others[0].time_s, table.time_s):  # type: ignore[arg-type]
+        one, other = others[0].time_s, table.time_s
+        if one is not None and other is not None and np.array_equal(one, other):
             others.append(table)
             return
     together.append([table])
@@ -168,8 +204,7 @@ def _joined(tables: list[Table]) -> Table:
 def save(recording: Recording, path: Path) -> None:
     """Write MDF 4.10, uncompressed."""
     asammdf = _library(path)
-    missing = recording.missing
-    bits = missing if missing.any() else None
+    missing = np.isnan(recording.values)
     time_s = recording.time_s
     signals = [
         asammdf.Signal(
@@ -178,7 +213,7 @@ def save(recording: Recording, path: Path) -> None:
             name=channel.name,
             unit=_plain(channel.unit),
             comment=_comment(channel),
-            invalidation_bits=bits,
+            invalidation_bits=missing[:, k] if missing[:, k].any() else None,
         )
         for k, channel in enumerate(recording.channels)
     ]

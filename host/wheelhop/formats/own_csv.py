@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,12 +25,13 @@ CHUNK = 4096  # rows
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read a CSV of ours; any other is text that needs a mapping."""
-    lines = cells.read_lines(path)
-    names = [name.strip().strip('"').strip() for name in lines[0].split(",")]
+    names = cells.names_in(cells.first_lines(path)[0])
     header = read_sidecar(path)
     ours = TIME in names and (mapping is None or header is not None)
     if not ours:
         return text.load(path, mapping)
+    read = cells.read_lines(path)
+    lines = read.lines
     if len(set(names)) != len(names):
         raise ExchangeError(f"{path}: line 1: a column name appears twice")
     numbers = _parse(lines[1:], names, path)
@@ -44,7 +46,22 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
                 "correct or delete it"
             )
     values = np.delete(numbers, clock, axis=1)
-    return [Table(path, "CSV", channels, values, numbers[:, clock], header=header, line=2)]
+    where = range(2, 2 + len(values))
+    own = Table(path, "CSV", channels, values, numbers[:, clock], header=header, lines=where)
+    return [replace(own, remarks=read.remarks)]
+
+
+def is_ours(path: Path) -> bool:
+    """Whether a CSV is one of ours: it has a header beside it, or else a column of time under our
+    name, names that say no other unit than an SI one, and numbers right below."""
+    names, *below = map(cells.names_in, cells.first_lines(path))
+    if TIME not in names or sidecar(path).exists():
+        return TIME in names
+    units = [name_and_unit(name)[1] for name in names]
+    known = all(not unit or to_si(unit) == (unit, 1.0) for unit in units if unit != "s")
+    return known and all(
+        cell.lower() in cells.EMPTY or cells.is_number(cell) for row in below for cell in row
+    )
 
 
 def _parse(body: list[str], names: list[str], path: Path) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,11 @@ from wheelhop.files import NUMBERS, InputError, check_plain, check_room
 from wheelhop.files.units import SECONDS
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import from_text, to_text
+from wheelhop.formats.labels import name_and_unit
 from wheelhop.formats.mapping import Map
+from wheelhop.formats.stamps import Stamps
 from wheelhop.formats.table import Table, campaign_channel, plain_channel
+from wheelhop.formats.timing import Column, Timing, find_timing, stamps_of
 from wheelhop.logger.recording import Recording
 
 KEY = b"wheelhop"
@@ -23,43 +27,91 @@ TIME = "time_s"
 
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
-    """Read every column of numbers; units are taken from the fields' metadata."""
+    """Read every column of numbers; units are taken from the fields' metadata, or from their names.
+
+    Time is the column that the mapping says, `TIME`, or one that is called so and whose unit is
+    said; see `find_timing`.
+    """
     table = read_table(path)
-    schema = table.schema
-    text = (schema.metadata or {}).get(KEY)
+    text = (table.schema.metadata or {}).get(KEY)
     header = from_text(text.decode("utf-8"), path) if text is not None else None
-    clock = str(mapping.time) if mapping is not None and mapping.time else TIME
-    names, columns, numbers, units, time_s = [], [], [], [], None
-    for number, name in enumerate(schema.names, start=1):
-        kind = schema.field(number - 1).type
-        if not (pyarrow.types.is_floating(kind) or pyarrow.types.is_integer(kind)):
-            continue
-        column = table.column(number - 1).to_numpy().astype(np.float64)
-        if name == clock:
-            time_s = column * _seconds(mapping, path)
-            continue
-        unit = (schema.field(number - 1).metadata or {}).get(UNIT)
-        units.append((unit or b"").decode("utf-8"))
-        names.append(name)
-        columns.append(column)
-        numbers.append(number)
-    channels = tuple(map(campaign_channel if clock == TIME else plain_channel, names, units))
+    columns = [_column(table, k) for k in range(table.num_columns)]
+    labels = [column.label for column in columns]
+    timing = Timing()
+    if mapping is not None and mapping.time != "":
+        index = _index(labels, mapping.time, path)
+        timing = Timing(index, mapping.time_unit)
+    elif TIME in labels:
+        timing = Timing(labels.index(TIME), "s")
+    elif mapping is None or mapping.rate_hz is None:
+        timing = find_timing(columns, {})
+        if timing.questions:
+            asked = timing.questions[0].words if timing.index is not None else ""
+            timing = Timing(aside=timing.aside, why=asked)
+    wanted = [
+        k
+        for k, column in enumerate(columns)
+        if column.values is not None and k != timing.index and k not in timing.aside
+    ]
+    if not wanted:
+        return []
+    names = [labels[k] for k in wanted]
+    ours = timing.index is not None and labels[timing.index] == TIME
+    make = campaign_channel if ours and header is None else plain_channel
+    channels = tuple(make(labels[k], columns[k].unit) for k in wanted)
     if header is not None:
         channels = header.bare.channels
         if [channel.name for channel in channels] != names:
             raise ExchangeError(f"{path}: its metadata does not describe its columns")
-    if not columns:
-        return []
-    values = np.column_stack(columns)
-    return [Table(path, "Parquet", channels, values, time_s, header=header, numbers=tuple(numbers))]
+    found = Table(
+        path,
+        "Parquet",
+        channels,
+        np.column_stack([v for k in wanted if (v := columns[k].values) is not None]),
+        header=header,
+        numbers=tuple(k + 1 for k in wanted),
+        asked=timing.why,
+    )
+    if timing.index is None:
+        return [found]
+    time = columns[timing.index]
+    stamps = stamps_of(time, timing.unit, mapping.rate_hz if mapping else None, path)
+    said = f"time is {time.label}{f', {timing.why}' if timing.why else ''}"
+    remarks = (*(() if ours or (mapping and mapping.time) else (said,)), *stamps.remarks)
+    timed = replace(found, time_s=stamps.time_s, start_unix_s=stamps.start_unix_s)
+    return [replace(timed, remarks=remarks, granted=timing.guess)]
 
 
-def _seconds(mapping: Map | None, path: Path) -> float:
-    """How long the unit of the time stamps is."""
-    unit = mapping.time_unit if mapping is not None and mapping.time else "s"
-    if unit not in SECONDS:
-        raise ExchangeError(f"{path}: its times are numbers, not dates: give their time_unit")
-    return SECONDS[unit]
+def _column(table: Any, k: int) -> Column:
+    """A column of the file: numbers, dates, or words."""
+    field, data = table.schema.field(k), table.column(k)
+    said = (field.metadata or {}).get(UNIT, b"").decode("utf-8")
+    name, unit = name_and_unit(field.name)
+    column = Column(field.name, name, said or unit)
+    kinds = pyarrow.types
+    if kinds.is_floating(field.type) or kinds.is_integer(field.type):
+        return replace(column, values=data.to_numpy().astype(np.float64))
+    if kinds.is_timestamp(field.type) or kinds.is_time(field.type) or kinds.is_duration(field.type):
+        if data.null_count:
+            return replace(column, stamps="some rows have no time")
+        short = kinds.is_time32(field.type)
+        counts = data.cast(pyarrow.int32() if short else pyarrow.int64()).to_numpy().astype(int)
+        seconds = (counts - counts[:1]) * SECONDS[field.type.unit]
+        zero = None
+        if kinds.is_timestamp(field.type) and field.type.tz and len(counts):
+            zero = float(counts[0]) * SECONDS[field.type.unit]
+        return replace(column, stamps=Stamps(np.asarray(seconds, dtype=np.float64), zero))
+    if kinds.is_dictionary(field.type) or kinds.is_string(field.type):
+        return replace(column, texts=tuple(text or "" for text in data.to_pylist()))
+    return column
+
+
+def _index(labels: list[str], time: str | int, path: Path) -> int:
+    if isinstance(time, int) and 1 <= time <= len(labels):
+        return time - 1
+    if time in labels:
+        return labels.index(str(time))
+    raise ExchangeError(f"{path}: there is no column {time!r}; it has {', '.join(labels)}")
 
 
 def read_table(path: Path, kind: type[InputError] = ExchangeError) -> Any:

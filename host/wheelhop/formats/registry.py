@@ -26,12 +26,14 @@ from wheelhop.logger.recording import Recording
 
 @dataclass(frozen=True)
 class Format:
-    """A way of writing recordings; with `beside`, the header goes into NAME.suffix.toml."""
+    """A way of writing recordings; with `beside`, the header goes into NAME.suffix.toml, with
+    `own_time` no column of it can be chosen as time."""
 
     title: str
     module: str
     writes: bool = False
     beside: bool = False
+    own_time: bool = False
 
     def load_module(self) -> ModuleType:
         """The module that knows this format."""
@@ -41,20 +43,47 @@ class Format:
 CSV = Format("CSV", "own_csv", writes=True, beside=True)
 TEXT = Format("text in columns", "text")
 PARQUET = Format("Parquet", "parquet", writes=True)
-MDF = Format("ASAM MDF", "mdf", writes=True)
-UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True)
+MDF = Format("ASAM MDF", "mdf", writes=True, own_time=True)
+MDF_READ = Format("ASAM MDF", "mdf", own_time=True)
+MDF_BEGINS = (b"MDF     ", b"UnFinMF ")
+UFF = Format("universal file, dataset 58", "uff", writes=True, beside=True, own_time=True)
 FORMATS = {
     ".csv": CSV,
     ".parquet": PARQUET,
     ".mf4": MDF,
-    ".mdf": Format("ASAM MDF", "mdf"),
+    ".mdf": MDF_READ,
     ".uff": UFF,
     ".unv": UFF,
     ".tdms": Format("National Instruments TDMS", "tdms"),
-    ".lvm": Format("LabVIEW measurement", "lvm"),
-    ".hop": Format("the logger's own", "hop"),
+    ".lvm": Format("LabVIEW measurement", "lvm", own_time=True),
+    ".hop": Format("the logger's own", "hop", own_time=True),
     **dict.fromkeys((".txt", ".tsv", ".dat", ".asc"), TEXT),
 }
+
+
+def is_text(path: Path) -> bool:
+    """Whether a file is text in columns of which somebody has to say what they are."""
+    return _format_of(path).module in ("text", "own_csv")
+
+
+def is_foreign(path: Path) -> bool:
+    """Whether a file is such a text, and not a CSV as ours are."""
+    if not is_text(path):
+        return False
+    if _format(path) is not CSV or not path.is_file():
+        return True
+    ours: bool = CSV.load_module().is_ours(path)
+    return not ours
+
+
+def _format_of(path: Path) -> Format:
+    """The format of a file that may be there: .dat is MDF's suffix, too, which its first bytes
+    tell."""
+    known = _format(path)
+    if known is TEXT and path.is_file():
+        with path.open("rb") as file:
+            return MDF_READ if file.read(8) in MDF_BEGINS else known
+    return known
 
 
 SHEETS = (".xlsx", ".xls", ".xlsm", ".ods")
@@ -69,20 +98,28 @@ def load(path: Path, mapping: Map | None = None) -> list[Table]:
     if not path.exists():
         raise ExchangeError(f"{path}: there is no such file")
     check_plain(path, ExchangeError)
+    known = _format_of(path)
+    if mapping is not None and mapping.time != "" and known.own_time:
+        raise ExchangeError(
+            f"{path}: {known.title} has its own time: leave time = {mapping.time!r} out of the"
+            " mapping, or give rate_hz"
+        )
     with guarded(path, f"be read as {known.title}"):
         tables: list[Table] = known.load_module().load(path, mapping)
     return tables
 
 
-def read(path: Path, mapping: Map | None = None) -> Recording:
+def read(path: Path, mapping: Map | None = None, guess: bool = True) -> Recording:
     """Read a recording, in SI. Raises `ExchangeError`.
 
     A file that `write` has written comes back as it was. Anything else is imported: units that are
     known become SI, gaps of the time stamps become rows of NaN, and the history says so. `mapping`
-    says what a file does not tell itself; free-form text needs one.
+    says what a file does not tell itself; free-form text needs one. Without it accelerometers sit
+    where their names mean; without `guess` nothing is guessed, and refused what would have to be.
     """
     tables = load(path, mapping)
-    return to_recording(choose(tables, mapping.group if mapping else "", path), mapping)
+    table = choose(tables, mapping.group if mapping else "", path)
+    return to_recording(table, mapping, guess)
 
 
 def write(recording: Recording, path: Path) -> None:
@@ -97,8 +134,11 @@ def write(recording: Recording, path: Path) -> None:
     if not path.parent.is_dir():
         raise ExchangeError(f"{path}: cannot be written, there is no folder {path.parent}")
     with _header_of_before(path), replacing(path, ExchangeError) as draft:
-        with guarded(path, "be written"):
-            known.load_module().save(recording, draft)
+        try:
+            with guarded(path, "be written"):
+                known.load_module().save(recording, draft)
+        except ExchangeError as error:  # the draft is hidden, and gone when this is read
+            raise ExchangeError(str(error).replace(str(draft), str(path))) from None
         if known.beside:
             write_text(sidecar(path), to_text(recording, draft), ExchangeError)
 

@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files.units import to_si
+from wheelhop.files.units import is_measured, to_si
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import Grid, fit_grid
 from wheelhop.formats.header import Header
+from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.mapping import Map, Pick
 from wheelhop.formats.places import likely_points
-from wheelhop.logger.recording import ACCELERATION, Channel, Recording
+from wheelhop.logger.recording import ACCELERATION, CODE, Channel, Recording
 
 POINTS = (*(f"A{k}" for k in range(1, 5)), *(f"B{k}" for k in range(1, 5)), "body")
 """The places of the campaign format that have a name."""
@@ -27,9 +28,10 @@ class Table:
     """Columns (n, c) of one group of channels that were sampled together.
 
     Their instants are `time_s` (n,), or `start_s` + i / `rate_hz`; with both, the stamps are
-    rounded and the rate is exact. `header` is there if wheelhop wrote the file. `line` is the line
-    of row 0 in a text file, else None: rows are counted from 1. `numbers` says which columns of the
-    file the channels are, if not all of them; `remarks` are what else the history has to say.
+    rounded and the rate is exact. `header` is there if wheelhop wrote the file. `lines` are the
+    lines of the rows in a text file, empty: rows are counted from 1. `numbers` says which columns
+    of the file the channels are, if not all of them; `remarks` are what else the history has to
+    say, `asked` is why there is no time, and `granted` what of it is taken for granted.
     """
 
     file: Path
@@ -43,9 +45,11 @@ class Table:
     notes: Mapping[str, str] = field(default_factory=dict)
     group: str = ""
     header: Header | None = None
-    line: int | None = None
+    lines: Sequence[int] = ()
     numbers: tuple[int, ...] = ()
     remarks: tuple[str, ...] = ()
+    asked: str = ""
+    granted: str = ""
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -54,7 +58,7 @@ class Table:
 
     def where(self, row: int) -> str:
         """How a user finds a row."""
-        place = f"row {row + 1}" if self.line is None else f"line {self.line + row}"
+        place = f"line {self.lines[row]}" if self.lines else f"row {row + 1}"
         return f"{self.file}: {place}"
 
 
@@ -73,7 +77,7 @@ def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
     raise ExchangeError(f"{file}: {wrong}: choose with group = … in a mapping from {names}")
 
 
-def to_recording(table: Table, mapping: Map | None) -> Recording:
+def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recording:
     """Choose and name the channels, convert to SI, and lay the samples on a grid.
 
     A file that wheelhop has written comes back as it was.
@@ -84,14 +88,22 @@ def to_recording(table: Table, mapping: Map | None) -> Recording:
         raise ExchangeError(f"{table.file}: holds no channels of numbers")
     if not len(table.values):
         raise ExchangeError(f"{table.file}: holds no samples")
+    if table.granted and not guess:
+        raise ExchangeError(
+            f"{table.file}: would have to be guessed: {table.granted}: say so in a mapping"
+        )
     picks = mapping.picks if mapping is not None else ()
+    grid = _grid(table, mapping)
     channels, values, steps = _converted(
         table, picks or tuple(Pick(number) for number in table.columns)
     )
-    if mapping is None:
+    if table.granted:
+        steps.append(f"taken for granted: {table.granted}")
+    if mapping is None and guess:
         channels, guesses = _placed(channels)
         steps += guesses
-    grid = _grid(table, mapping)
+    if mapping is not None and mapping.rate_hz and table.rate_hz not in (None, mapping.rate_hz):
+        steps.append(f"the file says {table.rate_hz:g} Hz, the mapping {mapping.rate_hz:g} Hz")
     origin = f"imported from {table.file.name} ({table.kind})"
     imported = Recording(
         values=grid.spread(values),
@@ -122,27 +134,53 @@ def _converted(
 ) -> tuple[tuple[Channel, ...], NDArray[np.float64], list[str]]:
     """The channels that were picked, their samples (n, c) in SI, and what was done to them."""
     channels, steps, values = [], [], np.empty((len(table.values), len(picks)))
-    for k, (pick, column) in enumerate(zip(picks, _chosen(table, picks), strict=True)):
-        old = table.channels[column]
+    chosen = _chosen(table, picks)
+    found = [table.channels[column] for column in chosen]
+    numbers = [table.columns[column] for column in chosen]
+    names = apart([_name(old) for old in found], [old.unit for old in found], numbers)
+    for k, (pick, old, column) in enumerate(zip(picks, found, chosen, strict=True)):
         unit, factor = to_si(pick.unit or old.unit)
         values[:, k] = (table.values[:, column] * pick.scale + pick.offset) * factor
         channels.append(
             Channel(
-                name=pick.name or old.name,
+                name=pick.name or names[k],
                 unit=unit,
-                point=pick.point or old.point,
+                point=_point(table, pick, old, unit),
                 sensor=pick.sensor or old.sensor,
                 calibration=pick.calibration or old.calibration,
             )
         )
         steps += _conversion(pick, old, channels[-1], factor)
     _check_names(table.file, channels)
-    incomplete = np.isnan(values).any(axis=1) & ~np.isnan(values).all(axis=1)
-    if incomplete.any():
+    missing = np.isnan(values)
+    whole = missing.all(axis=1, keepdims=True)
+    own = (missing & ~whole).sum(axis=0)
+    if own.any():
         _check_dead(table.file, channels, values)
-        values[incomplete] = np.nan
-        steps.append(f"rows without a value in every channel: {incomplete.sum()}; left empty")
+    for channel, count in zip(channels, own.tolist(), strict=True):
+        if count:
+            steps.append(f"{channel.name}: rows without a value of its own: {count}; left empty")
     return tuple(channels), values, steps
+
+
+def _name(old: Channel) -> str:
+    """A channel's name, without a unit that its values are converted from."""
+    name, unit = name_and_unit(old.name)
+    converted = to_si(old.unit)[1] != 1.0 and to_si(unit) == to_si(old.unit)
+    return name if converted else old.name
+
+
+def _point(table: Table, pick: Pick, old: Channel, unit: str) -> str:
+    """Where a channel sits; one in a unit that is not known sits nowhere."""
+    if is_measured(unit) or unit == CODE or table.header is not None:
+        return pick.point or old.point
+    if pick.point:
+        said = f"is in {unit}, which is not known" if unit else "does not say its unit"
+        raise ExchangeError(
+            f"{table.file}: {pick.name or old.name} {said}, and so cannot be placed at"
+            f" {pick.point}: say its unit in the mapping"
+        )
+    return ""
 
 
 def _placed(channels: tuple[Channel, ...]) -> tuple[tuple[Channel, ...], list[str]]:
@@ -236,5 +274,6 @@ def _grid(table: Table, mapping: Map | None) -> Grid:
     if table.time_s is not None and len(table.time_s):
         return fit_grid(table.time_s, table.where, rate)
     if rate is None:
-        raise ExchangeError(f"{table.file}: has no time: give time or rate_hz in a mapping")
+        asked = f" ({table.asked})" if table.asked else ""
+        raise ExchangeError(f"{table.file}: has no time{asked}: give time or rate_hz in a mapping")
     return Grid(table.start_s, rate, np.arange(len(table.values)))

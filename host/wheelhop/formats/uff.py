@@ -7,8 +7,10 @@ its own start, and a gap is what no function covers. Numbers are written in bina
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from itertools import combinations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -20,6 +22,7 @@ from wheelhop.files import TABLE, check_room
 from wheelhop.files.units import seconds_in
 from wheelhop.formats.error import ExchangeError, need
 from wheelhop.formats.grid import fit_grid, too_few
+from wheelhop.formats.groups import no_time, only_recordings
 from wheelhop.formats.header import Header, read_sidecar, sidecar
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import POINTS, Table
@@ -33,7 +36,16 @@ DIRECTIONS = {
 }
 KINDS = {"m": 8, ACCELERATION: 12, "m/s": 11, "N": 13}
 """Specific data types of record 9."""
+AXES = {8: "displacement", 9: "force", 11: "speed", 12: "acceleration", 13: "force"}
+AXES |= {2: "stress", 3: "strain", 5: "temperature", 15: "pressure", 18: "frequency"}
+AXES |= {19: "rotational speed", 20: "order"}
+"""What an abscissa may be of that is no time, by its specific data type."""
+FUNCTIONS = {2: "auto spectrum", 3: "cross spectrum", 4: "frequency response", 6: "coherence"}
+FUNCTIONS |= {5: "transmissibility", 7: "auto correlation", 8: "cross correlation"}
+FUNCTIONS |= {9: "power spectral density", 10: "energy spectral density", 12: "spectrum"}
 Key = tuple[str | int | None, ...]
+SAME_S = 1.0
+"""Dates of functions that were recorded together may differ by so much."""
 PLACE = re.compile(r"samples from (\d+) of (\d+)")
 
 
@@ -43,6 +55,8 @@ class _Piece:
     samples. Functions with the same `key` are pieces of one channel."""
 
     key: Key
+    label: str
+    written: datetime | None
     channel: Channel
     start_s: float
     rate_hz: float
@@ -65,18 +79,75 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     metric = any(item.get("units_code") == SI_UNITS for item in sets)
     header = read_sidecar(path)
     groups: list[dict[Key, list[_Piece]]] = []
+    pieces: list[_Piece] = []
+    refused: list[str] = []
     for number, item in enumerate(sets, start=1):
-        if item.get("type") == 58 and item["func_type"] in (0, TIME_RESPONSE):
-            _sort_in(groups, _piece(item, number, metric, path))
+        if item.get("type") != 58:
+            continue
+        if reason := _no_recording(item):
+            refused.append(f"dataset {number}: {reason}")
+        else:
+            pieces.append(_piece(item, number, metric, path))
+    for piece in _apart(pieces):
+        _sort_in(groups, piece)
     tables = [_table(group, header, str(k), path) for k, group in enumerate(groups, start=1)]
     if header is None:
-        return tables
+        return only_recordings(tables, refused, path)
     names = [_ascii(channel.name, 80) for channel in header.bare.channels]
     if len(tables) != 1 or [channel.name for channel in tables[0].channels] != names:
         raise ExchangeError(
             f"{sidecar(path)}: does not describe the functions of {path.name}: correct or delete it"
         )
     return [replace(tables[0], channels=header.bare.channels)]
+
+
+def _no_recording(item: Mapping[str, Any]) -> str:
+    """Why a function is none of time; "" if it is one."""
+    if item["func_type"] not in (0, TIME_RESPONSE):
+        kind = FUNCTIONS.get(item["func_type"], f"function of type {item['func_type']}")
+        return f"is a {kind}, no recording"
+    axis = AXES.get(item.get("abscissa_spec_data_type", 0))
+    unit = _said(item.get("abscissa_axis_units_lab", ""))
+    if axis is None and unit and seconds_in(unit) is None:
+        axis = unit
+    if axis is None and "freq" in _said(item.get("abscissa_axis_lab", "")).lower():
+        axis = "frequency"
+    if axis is None:
+        return ""
+    return f"its abscissa is {axis}, not time: {no_time('Hz' if axis == 'frequency' else unit)}"
+
+
+def _said(text: str) -> str:
+    """A text of a record, "" for NONE."""
+    text = text.strip()
+    return "" if text.upper() == "NONE" else text
+
+
+def _apart(pieces: list[_Piece]) -> list[_Piece]:
+    """Sensors that share a node are told apart by their first lines: where functions of one node
+    overlap in time, have different first lines, and are not the node's part of a repetition."""
+    of_node: dict[Key, list[_Piece]] = {}
+    for piece in pieces:
+        of_node.setdefault(piece.key, []).append(piece)
+    fewest = min(map(len, of_node.values()), default=0)
+    shared = set()
+    for key, found in of_node.items():
+        labels = {piece.label for piece in found if piece.label}
+        together = any(_overlap(one, other) for one, other in combinations(found, 2))
+        dates = {piece.written for piece in found}
+        at_once = len(dates) == 1 and None not in dates
+        if len(labels) > 1 and together and (at_once or fewest < len(found)):
+            shared.add(key)
+    return [
+        replace(
+            piece,
+            key=(piece.label, *piece.key[1:]),
+            channel=replace(piece.channel, name=piece.label or piece.channel.name),
+        )
+        if piece.key in shared
+        else piece
+        for piece in pieces
+    ]
 
 
 def _piece(item: dict[str, Any], number: int, metric: bool, path: Path) -> _Piece:
@@ -90,24 +161,24 @@ def _piece(item: dict[str, Any], number: int, metric: bool, path: Path) -> _Piec
     found = PLACE.fullmatch(item["id2"])
     channel = _channel(item, metric, named=found is not None)
     key = (channel.name, item["rsp_node"], item["rsp_dir"], item["func_id"] if found else None)
-    seconds = _seconds(item.get("abscissa_axis_units_lab", ""), place)
+    seconds = seconds_in(_said(item.get("abscissa_axis_units_lab", "")) or "s") or 1.0
+    begun = (key, _said(item["id1"]), _written(item["id3"]), channel)
     if item["abscissa_spacing"] != EVEN:
         grid = fit_grid(seconds * np.asarray(item["x"]), lambda row: f"{place}: sample {row + 1}")
         spread = grid.spread(values[:, np.newaxis])[:, 0]
-        return _Piece(key, channel, grid.start_s, grid.rate_hz, spread)
+        return _Piece(*begun, grid.start_s, grid.rate_hz, spread)
     start, step = seconds * item["abscissa_min"], seconds * item["abscissa_inc"]
     if not (abs(start) < 1e15 and 0.0 < step < 1e15):
         raise ExchangeError(f"{place}: time from {start:g} s in steps of {step:g} s is no time")
-    return _Piece(key, channel, start, _rate(step), values, int(found[1]) if found else None)
+    return _Piece(*begun, start, _rate(step), values, int(found[1]) if found else None)
 
 
-def _seconds(unit: str, place: str) -> float:
-    """How long a unit of the abscissa is; without one it is in seconds, which are SI."""
-    if unit in ("", "NONE"):
-        return 1.0
-    if (seconds := seconds_in(unit)) is None:
-        raise ExchangeError(f"{place}: its abscissa is in {unit}, no unit of time that is known")
-    return seconds
+def _written(date: str) -> datetime | None:
+    """The date of record 3, None if there is none."""
+    try:
+        return datetime.strptime(date.strip(), "%d-%b-%y %H:%M:%S")
+    except ValueError:
+        return None
 
 
 def _rate(step_s: float) -> float:
@@ -136,11 +207,19 @@ def _sort_in(groups: list[dict[Key, list[_Piece]]], piece: _Piece) -> None:
     """Put a piece into the first group of its rate in which its channel is still free then."""
     for group in groups:
         of_channel = group.get(piece.key, [])
-        rate_hz = next(iter(group.values()))[0].rate_hz
-        if rate_hz == piece.rate_hz and not any(_overlap(other, piece) for other in of_channel):
+        first = next(iter(group.values()))[0]
+        at_once = first.rate_hz == piece.rate_hz and not _days_apart(first, piece)
+        if at_once and not any(_overlap(other, piece) for other in of_channel):
             group.setdefault(piece.key, []).append(piece)
             return
     groups.append({piece.key: [piece]})
+
+
+def _days_apart(one: _Piece, other: _Piece) -> bool:
+    """Whether two functions say that they were recorded at different times."""
+    if one.written is None or other.written is None:
+        return False
+    return abs((other.written - one.written).total_seconds()) > SAME_S
 
 
 def _overlap(one: _Piece, other: _Piece) -> bool:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Campaign, Channel
+from wheelhop.campaign import BODY_POINTS, Campaign, Channel
+from wheelhop.campaign.types import ACCELERATION
 from wheelhop.files.units import SPELT
 from wheelhop.gate.drive import Drive, Match, Places, speeds_about
 
@@ -25,9 +26,21 @@ RATES = (0.25, 0.5, 2.0, 4.0)
 DELAYS_S = tuple(sign * 0.02 * k for k in range(2, 11) for sign in (1, -1))
 """Two loggers out of step; what lies between neighbours still shows. Less than a quarter of a
 wheel's period is a phase that laws the nominal vehicle lacks can make."""
-CONSTANT = {name: 1 / SPELT[name][1] for name in ("g", "mg", "cm/s²", "mm/s²", "ft/s²")}
-"""A record's number over the same in m/s²."""
-ALONE = ("g", "mm/s²")  # what a single channel may be in
+OTHER_UNITS = {
+    quantity: {name: 1 / SPELT[name][1] for name in names}
+    for quantity, names in {
+        ACCELERATION: ("g", "mg", "cm/s²", "mm/s²", "ft/s²"),
+        "travel": ("mm", "cm", "inch"),
+        "rate": ("deg/s",),
+        "force": ("kN", "lbf"),
+    }.items()
+}
+"""What a quantity's records may be in, and their number over the same in SI."""
+ALONE = {ACCELERATION: ("g", "mm/s²"), "travel": ("mm",), "rate": ("deg/s",), "force": ("kN",)}
+"""What a single channel may be in."""
+RECORDED_APART = ("channels of travel", "channels of rates", "channels of force")
+"""Quantities that a logger of its own may have recorded."""
+REVERSED = "the wrong way round"
 UNLIKE = 0.3
 """Standard deviation of a run's gain about the campaign's, of its logarithm: what effects that the
 nominal vehicle lacks do to one run more than to another."""
@@ -53,42 +66,53 @@ def stated(channels: Sequence[Channel]) -> Description:
 
 def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
     """Mistakes that all runs share."""
-    n, same = len(channels), Places()
+    n, same, quantities = len(channels), Places(), [c.quantity for c in channels]
     for factor in FACTORS:
         if abs(np.log(factor)) > np.log(1.2):  # within a hand-held speed there is no mistake
             yield Description("speed", "", same, speed=float(factor))
     for rate in RATES:
         yield Description("sample-rate", "", same, rate=rate)
     points = [c.point for c in channels]
+    kinds = {q: [i for i, c in enumerate(channels) if c.quantity == q] for q in ALONE}
     for words, renamed in (
         ("body and axle channels are", {"A": "B", "B": "A"}),
         ("left and right are", {"1": "2", "2": "1", "3": "4", "4": "3"}),
         ("front and rear are", {"1": "3", "3": "1", "2": "4", "4": "2"}),
         ("front and rear, left and right are", {"1": "4", "4": "1", "2": "3", "3": "2"}),
     ):
-        places = _renamed(points, renamed)
+        places = _renamed(channels, renamed)
         if places is not None:
             yield Description("exchanged", words, places, tuple(c.name for c in channels))
-    for letter in "AB":
-        of_kind = [i for i, point in enumerate(points) if point[0] == letter]
+    axles = [i for i, c in enumerate(channels) if c.is_axle]
+    body = [i for i in kinds[ACCELERATION] if points[i] in BODY_POINTS]
+    others = [kinds[quantity] for quantity in ("travel", "rate", "force")]
+    for of_kind in (axles, body, *others):
         if 1 < len(of_kind) < n:
             names = tuple(channels[i].name for i in of_kind)
-            yield Description("polarity", "are", _inverted(of_kind), names)
-    late = [point[0] == "A" for point in points]
-    if any(late) and not all(late):
-        # A left side that is late is no sign of a clock: sides may meet a track at other times.
-        axles = tuple(i for i, is_late in enumerate(late) if is_late)
-        names = tuple(channels[i].name for i in axles)
+            how = "are upside down" if channels[of_kind[0]].is_acceleration else f"count {REVERSED}"
+            yield Description("polarity", how, _inverted(of_kind), names)
+    # A left side that is late is no sign of a clock: sides may meet a track at other times.
+    for what, late in (("the axles", axles), *zip(RECORDED_APART, others, strict=True)):
+        if not 0 < len(late) < n:
+            continue
+        names = tuple(channels[i].name for i in late)
         for delay in DELAYS_S:
-            places = _moved(axles, axles, delay)
-            words = f"the axles are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}"
+            places = _moved(late, late, delay)
+            words = f"{what} are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}"
             yield Description("out-of-step", words, places, names)
-    for i, unit in product(range(n), ALONE if n > 2 else ()):
-        scaled = Places((i,), (i,), (CONSTANT[unit],), (0.0,))
-        yield Description("units", unit, scaled, (channels[i].name,))
+    for quantity, of_kind in kinds.items():
+        if 1 < len(of_kind) < n:
+            names = tuple(channels[i].name for i in of_kind)
+            for unit, factor in OTHER_UNITS[quantity].items():
+                yield Description("units", unit, _scaled(of_kind, factor), names)
+    for k, channel in enumerate(channels if n > 2 else ()):
+        for unit in ALONE[channel.quantity]:
+            factor = OTHER_UNITS[channel.quantity][unit]
+            yield Description("units", unit, _scaled([k], factor), (channel.name,))
     if n > 2:  # of two it cannot be told which one is inverted
         for i in range(n):
-            yield Description("polarity", "is", _inverted([i]), (channels[i].name,))
+            how = "is upside down" if channels[i].is_acceleration else f"counts {REVERSED}"
+            yield Description("polarity", how, _inverted([i]), (channels[i].name,))
     for i, point in enumerate(points):
         other = point.translate(str.maketrans("AB", "BA"))
         if len(point) == 2 and other in points:
@@ -96,7 +120,7 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
             places = _moved((i,), (points.index(other),))
             yield Description("misplaced", where, places, (channels[i].name,))
     for i, j in combinations(range(n), 2):
-        if "body" not in (points[i], points[j]):
+        if "body" not in (points[i], points[j]) and quantities[i] == quantities[j]:
             names = (channels[i].name, channels[j].name)
             yield Description("swapped", "", _moved((i, j), (j, i)), names)
 
@@ -137,19 +161,24 @@ def _moved(columns: Sequence[int], order: Sequence[int], late_s: float = 0.0) ->
 
 
 def _inverted(which: Sequence[int]) -> Places:
+    return _scaled(which, -1.0)
+
+
+def _scaled(which: Sequence[int], factor: float) -> Places:
     m = len(which)
-    return Places(tuple(which), tuple(which), (-1.0,) * m, (0.0,) * m)
+    return Places(tuple(which), tuple(which), (factor,) * m, (0.0,) * m)
 
 
-def _renamed(points: Sequence[str], renamed: dict[str, str]) -> Places | None:
+def _renamed(channels: Sequence[Channel], renamed: dict[str, str]) -> Places | None:
     """The places if every named point sat at the one whose name it becomes; None if one is
     missing, or none changes."""
     sources: dict[int, int] = {}
-    for i, point in enumerate(points):
-        if point[0] in "AB" and len(point) == 2:
-            other = "".join(renamed.get(letter, letter) for letter in point)
-            if other not in points:
+    places = [(c.quantity, c.point) for c in channels]
+    for i, (quantity, point) in enumerate(places):
+        if channels[i].corner is not None:
+            other = quantity, "".join(renamed.get(letter, letter) for letter in point)
+            if other not in places:
                 return None
-            if points.index(other) != i:
-                sources[i] = points.index(other)
+            if places.index(other) != i:
+                sources[i] = places.index(other)
     return _moved(tuple(sources), tuple(sources.values())) if sources else None

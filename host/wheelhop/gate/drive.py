@@ -106,7 +106,7 @@ class Nominal:
             for axis in ("x_m", "y_m")
         }
         system = Model(values={**values, **unknown}).system(campaign.channels, "road")
-        response = frequency_response(system, self.grid_hz)
+        response = frequency_response(system, self.grid_hz) / campaign.noise_scale[:, None]
         self._response = response * campaign.recorded(self.grid_hz)[:, None, None]
         self._paths: dict[tuple[object, ...], ComplexArray] = {}
 

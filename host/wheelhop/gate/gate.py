@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.campaign.thin import thinned
+from wheelhop.compare import weighed
 from wheelhop.gate.drive import Nominal, drive_of
 from wheelhop.gate.finding import Finding
+from wheelhop.gate.identities import identity_findings
 from wheelhop.gate.numbers import number_findings
 from wheelhop.gate.places import likeliest
 from wheelhop.gate.records import (
@@ -52,13 +54,18 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     findings += same_signal_findings(sound)
     numbers = list(number_findings(vehicle))
     findings += numbers
-    spectra = [spectra_of(run, sound.sample_rate_hz, sound.band_hz) for run in sound.runs]
+    counted = weighed(sound)
+    findings += identity_findings(counted, vehicle.values)
+    spectra = [
+        spectra_of(run, sound.sample_rate_hz, sound.band_hz, counted.noise_scale)
+        for run in sound.runs
+    ]
     if not numbers and not _of(findings, "units"):
-        findings += _driven(sound, vehicle, spectra, {run.id for c in copies for run in c.runs})
+        findings += _driven(counted, vehicle, spectra, {run.id for c in copies for run in c.runs})
     if not _of(findings, "units"):
-        findings += noise_findings(sound, spectra)
+        findings += noise_findings(counted, spectra)
     if not _of(findings, "polarity", "swapped", "exchanged", "misplaced"):
-        findings += rigid_findings(sound, spectra)
+        findings += rigid_findings(counted, spectra)
     light = thinned(sound)
     if light is not sound:
         findings.append(_thinned(sound, light))

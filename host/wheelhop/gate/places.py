@@ -7,6 +7,7 @@ from math import log
 
 from wheelhop.campaign import Campaign
 from wheelhop.gate.descriptions import (
+    REVERSED,
     Description,
     all_matches,
     log_likelihood,
@@ -58,6 +59,7 @@ def _finding(best: Description, rivals: Sequence[Description], rise: float, runs
 def _said(description: Description) -> tuple[str, str, str]:
     """What it is about, in words, and what to do."""
     names = " and ".join(description.channels) or "the channels"
+    seem = "alone seems" if len(description.channels) == 1 else "seem"
     if description.kind == "speed":
         unit = _unit_of(description.speed)
         what = (
@@ -85,7 +87,7 @@ def _said(description: Description) -> tuple[str, str, str]:
     if description.kind == "units":
         return (
             f"units of {names}",
-            f"{names} alone seems to be in {description.words}",
+            f"{names} {seem} to be in {description.words}",
             f"Look at the unit and the gain of {names}.",
         )
     if description.kind == "misplaced":
@@ -102,11 +104,10 @@ def _said(description: Description) -> tuple[str, str, str]:
             f"{names} seem to be exchanged",
             f"Exchange the names of {names}; push one of the sensors and watch which moves.",
         )
-    return (
-        f"channels {names}",
-        f"{names} {description.words} upside down",
-        "Turn the sensor over, or change the sign of its gain.",
-    )
+    remedy = "Turn the sensor over, or change the sign of its gain."
+    if description.words.endswith(REVERSED):
+        remedy = "Turn the sensor round, or change the sign of its column, or of per_wheel."
+    return f"channels {names}", f"{names} {description.words}", remedy
 
 
 def _unit_of(factor: float) -> str:

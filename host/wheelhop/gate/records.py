@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run
+from wheelhop.campaign.channels import noise_key
 from wheelhop.campaign.types import BODY_POINTS
+from wheelhop.compare import weighed
 from wheelhop.gate.finding import Finding
 from wheelhop.gate.spectra import Spectra
 
@@ -67,12 +69,13 @@ def copy_findings(copies: Iterable[Copy]) -> Iterator[Finding]:
 
 
 def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
-    """Pairs that share windows of samples (rounded to 0.01 of their unit) one after the other,
-    which noise forbids."""
+    """Pairs that share windows of samples (rounded to 0.01 of their unit, or about as finely) one
+    after the other, which noise forbids."""
+    scale = weighed(campaign).noise_scale
     seen: dict[int, tuple[int, int]] = {}
     shared: Counter[tuple[int, int, int]] = Counter()
     for k, run in enumerate(campaign.runs):
-        rounded = np.clip(np.rint(100.0 * run.record), -(2.0**62), 2.0**62).astype(np.int64)
+        rounded = np.clip(np.rint(100.0 * run.record / scale), -(2.0**62), 2.0**62).astype(np.int64)
         moved = np.append(0, np.cumsum(np.any(np.diff(rounded, axis=0) != 0, axis=1)))
         restless = np.flatnonzero(moved[WINDOW:] - moved[:-WINDOW] > WINDOW / 2)
         marks = _marks(rounded)[restless]
@@ -100,7 +103,8 @@ def _marks(rows: NDArray[np.int64]) -> NDArray[np.uint64]:
 
 def _same_phases(campaign: Campaign) -> Iterator[Copy]:
     """Neighbours in size whose phases agree at all frequencies but for one shift in time."""
-    size = np.array([run.record.std(axis=0) for run in campaign.runs])
+    scale = weighed(campaign).noise_scale
+    size = np.array([run.record.std(axis=0) / scale for run in campaign.runs])
     for i, j in pairwise(np.argsort(size.sum(axis=1))):
         if np.all(np.abs(size[i] - size[j]) <= ALIKE * size[j]):
             a, b = campaign.runs[i], campaign.runs[j]
@@ -121,6 +125,8 @@ def same_signal_findings(campaign: Campaign) -> Iterator[Finding]:
     nothing moves, by all they hold."""
     lines = [np.fft.rfft(_windowed(run.record), axis=0) for run in campaign.runs]
     for i, j in combinations(range(len(campaign.channels)), 2):
+        if campaign.channels[i].quantity != campaign.channels[j].quantity:
+            continue
         apart = np.concatenate([np.abs(x[:, i] - x[:, j]) ** 2 for x in lines])
         power = np.concatenate([np.abs(x[:, i]) ** 2 + np.abs(x[:, j]) ** 2 for x in lines])
         quiet = power <= np.quantile(power, QUIET_SHARE)
@@ -144,26 +150,30 @@ def _windowed(record: Array) -> Array:
 
 
 def noise_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[Finding]:
-    """The stated noise against the quietest quarter of band and runs."""
-    if campaign.noise_rms is None or not spectra:
-        return
-    quietest = min(spectra, key=lambda s: s.quietest())
-    rms = float(np.sqrt(quietest.quietest()))
-    ratio = campaign.noise_rms / max(rms, 1e-300)
-    if 1 / UNIT < ratio < NOISE:
-        return
-    key = campaign.noise_key
-    what = "more" if ratio > 1 else "less"
-    yield Finding(
-        "before",
-        "noise",
-        key,
-        f"{key} = {campaign.noise_rms:.3g} is {what} than the recordings hold where they are"
-        f" quietest: {rms:.2g} {campaign.unit} in run {quietest.run.id}.",
-        f"State the noise in band in {campaign.unit}, as a recording at rest shows it, or leave"
-        " the key out.",
-        "certain" if ratio > 1 else "likely",
-    )
+    """The stated noise of every quantity against the quietest quarter of band and runs."""
+    for quantity in campaign.quantities if spectra else ():
+        of_it = [i for i, c in enumerate(campaign.channels) if c.quantity == quantity]
+        first = campaign.channels[of_it[0]]
+        stated = campaign.noise_rms if quantity == campaign.leading.quantity else first.noise_rms
+        if stated is None:
+            continue
+        quietest = min(spectra, key=lambda s: s.quietest(of_it))
+        rms = float(np.sqrt(quietest.quietest(of_it))) * first.noise_scale
+        ratio = stated / max(rms, 1e-300)
+        if 1 / UNIT < ratio < NOISE:
+            continue
+        key = noise_key(first.unit)
+        what = "more" if ratio > 1 else "less"
+        yield Finding(
+            "before",
+            "noise",
+            key,
+            f"{key} = {stated:.3g} is {what} than the recordings hold where they are"
+            f" quietest: {rms:.2g} {first.unit} in run {quietest.run.id}.",
+            f"State the noise in band in {first.unit}, as a recording at rest shows it, or leave"
+            " the key out.",
+            "certain" if ratio > 1 else "likely",
+        )
 
 
 def rigid_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[Finding]:

@@ -24,9 +24,9 @@ class Spectra:
     """Of one run.
 
     ``frequency_hz`` (f,), equidistant from ``frequency_hz[0]``; ``lines`` (f, c, c) is, at a line,
-    the product of the amplitudes (m/s²) of any two channels, one conjugate, averaged over segments;
-    ``power`` (c,) the mean square in band, m²/s⁴; white noise seems as large as a line that holds
-    ``bandwidth_hz`` of it.
+    the product of the amplitudes of any two channels, one conjugate, averaged over segments, each
+    per its channel's noise scale: in m/s² of accelerations; ``power`` (c,) the mean square in band,
+    m²/s⁴; white noise seems as large as a line that holds ``bandwidth_hz`` of it.
     """
 
     run: Run
@@ -57,10 +57,11 @@ class Spectra:
         filled = power.sum(axis=0) ** 2 / np.maximum((power**2).sum(axis=0), 1e-300)
         return float(np.min(filled)) / len(power)
 
-    def quietest(self) -> float:
+    def quietest(self, columns: Sequence[int] | None = None) -> float:
         """Mean square in band, m²/s⁴, that white noise has if the quietest quarter of the band,
-        taken over all channels, is nothing else; what lines hold is left aside."""
+        taken over all channels, or some, is nothing else; what lines hold is left aside."""
         power = np.einsum("fcc->fc", self.lines).real
+        power = power if columns is None else power[:, list(columns)]
         quarters = np.array_split(power, QUARTERS)
         # The median of an exponentially distributed periodogram is ln 2 times its mean.
         level = min(float(np.mean(np.median(q, axis=0))) for q in quarters) / np.log(2.0)
@@ -68,13 +69,16 @@ class Spectra:
         return float(level * band_hz / (2.0 * self.bandwidth_hz))
 
 
-def spectra_of(run: Run, rate_hz: float, band_hz: tuple[float, float]) -> Spectra:
-    """The spectral matrix of a run in band, by Welch's method with a Hann window."""
+def spectra_of(
+    run: Run, rate_hz: float, band_hz: tuple[float, float], noise_scale: Array
+) -> Spectra:
+    """The spectral matrix of a run in band, by Welch's method with a Hann window, every channel
+    per its noise scale (c,)."""
     n = len(run.record)
     length = min(n, round(SEGMENT_S * rate_hz))
     starts = np.linspace(0, n - length, 1 + 2 * (n - length) // max(length, 1)).astype(int)
     window = np.hanning(length + 1)[:length]
-    centred = run.record - run.record.mean(axis=0)
+    centred = (run.record - run.record.mean(axis=0)) / noise_scale
     padded = PADDING * length
     frequency = np.arange(padded // 2 + 1) * rate_hz / padded
     band = (frequency >= band_hz[0]) & (frequency <= band_hz[1])

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign
+from wheelhop.campaign.types import ACCELERATION
 from wheelhop.files.units import STANDARD_GRAVITY_M_S2
-from wheelhop.gate.descriptions import CONSTANT
+from wheelhop.gate.descriptions import OTHER_UNITS
 from wheelhop.gate.drive import OnWaves
 from wheelhop.gate.finding import FALSE_ALARM, Finding, needed
 from wheelhop.gate.runs import HEIGHT, Runs
@@ -28,9 +29,12 @@ all runs move together; what is believed of its numbers comes on top."""
 
 
 def gravity_findings(campaign: Campaign) -> Iterator[Finding]:
-    """By the channels' means over all runs: of g, of codes."""
-    mean = np.mean([run.record.mean(axis=0) for run in campaign.runs], axis=0)
-    names = ", ".join(c.name for c in campaign.channels)
+    """By the means of accelerations over all runs: of g, of codes."""
+    felt = [i for i, c in enumerate(campaign.channels) if c.is_acceleration]
+    if not felt:
+        return
+    mean = np.mean([run.record[:, felt].mean(axis=0) for run in campaign.runs], axis=0)
+    names = ", ".join(campaign.channels[i].name for i in felt)
     if np.all(np.abs(mean) > SUSTAINED_M_S2):
         low, high = np.abs(mean).min(), np.abs(mean).max()
         yield Finding(
@@ -69,14 +73,19 @@ def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[
     gains = np.log([m.gain for _, m in told])
     hertz = np.array([m.speed_m_s / d.pitch_m for d, m in told])
     spread = float(np.hypot(OTHER, _believed(vehicle)))
-    candidates = {unit: np.full(len(gains), log(value)) for unit, value in CONSTANT.items()}
-    candidates["m/s"] = -np.log(2 * pi * hertz)
+    # Of several quantities each may be in another unit: `descriptions` has them one by one.
+    quantity, several = campaign.leading.quantity, len(campaign.quantities) > 1
+    other = {} if several else OTHER_UNITS[quantity]
+    candidates = {unit: np.full(len(gains), log(value)) for unit, value in other.items()}
+    if quantity == ACCELERATION and not several:
+        candidates["m/s"] = -np.log(2 * pi * hertz)
     as_stated = float(np.mean(gains**2))
     left = {unit: float(np.mean((gains - log_gain) ** 2)) for unit, log_gain in candidates.items()}
-    unit = min(left, key=lambda name: left[name])
+    unit = min(left, key=lambda name: left[name], default="")
     common = float(np.median(gains))
-    if (as_stated - left[unit]) / (2 * spread**2) > needed(len(left)):
-        what = "velocities, m/s" if unit == "m/s" else f"recordings in {unit}, not m/s²"
+    if left and (as_stated - left[unit]) / (2 * spread**2) > needed(len(left)):
+        si = campaign.unit
+        what = "velocities, m/s" if unit == "m/s" else f"recordings in {unit}, not {si}"
         also = [
             f" (or track heights {'in ' + name if common > 0 else 'too large by as much'})"
             for name, factor in HEIGHT.items()
@@ -88,7 +97,7 @@ def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[
             f"units of {', '.join(c.name for c in campaign.channels)}",
             f"All runs together hold {_times(common)} the motion that the nominal vehicle has on"
             f" their tracks: {what}{''.join(also[:1])}.",
-            "Convert the recordings to m/s² (wheelhop convert), and look at the tracks' heights.",
+            f"Convert the recordings to {si} (wheelhop convert), and look at the tracks' heights.",
         )
         return
     height = min(

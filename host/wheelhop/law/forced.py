@@ -74,6 +74,7 @@ class ForcedRun:
         self._short = fft.next_fast_len(-(-(len(moves.height) + memory) // moves.stride), real=True)
         self._long = self._short * moves.stride
         omega = 2 * np.pi * fft.rfftfreq(self._long, self.step_s)
+        self._omega = omega
         self._accelerated = -(omega**2) * campaign.recorded(omega / (2 * np.pi))
         jw = 1j * omega[:, None, None]
         dynamic = system.stiffness + jw * (system.damping + jw * system.mass)
@@ -107,16 +108,26 @@ class ForcedRun:
         moved = np.zeros((max(columns) + 1, to.shape[1], half), np.complex64)
         for j, (port, column) in enumerate(zip(ports, columns, strict=True)):
             moved[column] += to[port] * spectrum[j]
-        changes = self._sampled(moved.T)
         bench = self._bench
+        changes = self._sampled(moved.T) / bench.noise_scale.astype(np.float32)[:, None]
         found = bench.band.coefficients(changes[:, bench.predicted])
         return np.asarray(found.reshape(-1, len(moved)))
 
     @cached_property
     def _to_record(self) -> NDArray[np.complex64]:
-        """Outputs (p, c, f) per force at each port, at the frequencies that samples show."""
-        inverse = self._inverse[: self._short // 2 + 1]
-        found = -np.einsum("cn,fnm,pm->pcf", self._output, inverse, self._system.port)
+        """What outputs show (p, c, f) per force at each port and per −ω², at the frequencies that
+        samples show."""
+        system, inverse = self._system, self._inverse[: self._short // 2 + 1]
+        found = -np.einsum("cn,fnm,pm->pcf", self._output, inverse, system.port)
+        if system.reads:
+            omega = self._omega[: len(inverse)]
+            per = np.divide(-1.0, omega**2, out=np.zeros_like(omega), where=omega > 0.0)
+            n, m = system.input_stiffness.shape
+            x, v, _, law = np.split(system.reading, [n, 2 * n, 2 * n + 2 * m], axis=1)
+            moved = -inverse @ system.port.T
+            read = (x + 1j * omega[:, None, None] * v) @ moved + law
+            read = read * per[:, None, None]
+            found[:, list(system.reads)] = read.transpose(2, 1, 0)
         return np.asarray(found, np.complex64)
 
     def _spectrum(self, given: Array) -> ComplexArray:
@@ -138,7 +149,7 @@ class ForcedRun:
         of the others as they follow these; nothing if the sensors cannot tell those apart."""
         bench, added = self._bench, np.zeros_like(motion)
         modelled = self._sampled(motion @ self._output.T)
-        told = bench.predicted & ~np.isnan(self._system.output).any(axis=1)
+        told = bench.predicted & self._output.any(axis=1)
         seen = self._output[told].any(axis=0)
         sensors = self._output[told][:, seen]
         if np.linalg.matrix_rank(sensors) < seen.sum():

@@ -38,9 +38,10 @@ class Channel:
 class Recording:
     """What one recorder recorded in one go.
 
-    `values` is (n, n_channels), float64, in the channels' units; a sample that is missing is NaN in
-    its whole row and never invented. Row i is the mean over `averaging_s` seconds, centred on
-    `start_s` + i / `rate_hz` of the recorder's own clock. `start_unix_s` is the true time of that
+    `values` is (n, n_channels), float64, in the channels' units; a sample that is missing is NaN,
+    in its whole row or in a channel that was recorded at times, and never invented. Row i is the
+    mean over `averaging_s` seconds, centred on `start_s` + i / `rate_hz` of the recorder's own
+    clock. `start_unix_s` is the true time of that
     clock's zero, None if unknown. `history` says what was done to the samples, oldest first;
     `notes` holds what else the recorder said (header keys and their values).
     """
@@ -72,7 +73,7 @@ class Recording:
 
     @property
     def missing(self) -> NDArray[np.bool_]:
-        """(n,) True where a sample is missing."""
+        """(n,) True where a sample of any channel is missing."""
         return np.asarray(np.isnan(self.values).any(axis=1))
 
     @staticmethod

@@ -64,8 +64,12 @@ def _record(run: RunFit) -> Record:
     bench = run.bench
     residual = np.zeros_like(bench.measured)
     residual[:, bench.predicted] = bench.undoubted(run.residual).reshape(bench.band.count, -1)
-    measured = np.where(bench.predicted, bench.measured * bench.doubt, 0.0)
-    return Record(bench.run, bench.band, bench.predicted, measured, residual, None)
+    measured = np.zeros_like(bench.measured)
+    measured[:, bench.predicted] = bench.recorded(bench.measured[:, bench.predicted])
+    scale = bench.noise_scale
+    return Record(
+        bench.run, bench.band, bench.predicted, measured, residual, None, noise_scale=scale
+    )
 
 
 def _by_ratio(comparison: Comparison) -> list[tuple[str, int]]:
@@ -90,7 +94,7 @@ def _case(
     band, time = first.band, first.run.time_s
 
     def signal(coefficients: Array) -> Array:
-        return band.from_coefficients(coefficients[:, column])
+        return first.signal(coefficients)[:, column]
 
     measured, before, after = (signal(c) for c in (first.measured, first.model, last.model))
     window_s = min(WINDOW_S, seconds_of(measured, band.rate_hz, WAVES))
@@ -105,7 +109,7 @@ def _case(
         measured,
         before,
         after,
-        float(comparison.floor.noise_rms[column]),
+        float(comparison.floor.of_channels[column]),
         _loudest(measured - before, round(window_s * band.rate_hz)),
     )
 

@@ -11,7 +11,7 @@ from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import describe
 from wheelhop.diagnose import Diagnosis, Step, caveats
 from wheelhop.effects import Effect, form_of
-from wheelhop.files.words import listed, percent
+from wheelhop.files.words import listed, percent, significant
 from wheelhop.gate import Finding
 from wheelhop.report import figures, tables
 from wheelhop.report.cases import Case, cases
@@ -53,6 +53,7 @@ def ladder(steps: Sequence[Step]) -> str:
             " and charged for.",
         ),
         tables.ladder_table(steps),
+        tables.quantity_table(steps[-1].comparison),
         *(paragraph(text) for text in caveats(steps[-1])),
     )
 
@@ -229,7 +230,10 @@ def limits(diagnosis: Diagnosis) -> str:
 def method(campaign: Campaign, steps: Sequence[Step]) -> str:
     """What was computed from what."""
     low, high = campaign.band_hz
-    floor = steps[-1].comparison.floor
+    comparison = steps[-1].comparison
+    floor = comparison.floor
+    noise = [f"{significant(q.noise_rms)} {q.unit}" for q in comparison.by_quantity]
+    said = ", ".join(noise) or f"{floor.pooled_rms:.3g} {floor.unit}"
     estimated = "estimated from the quietest parts of records and residuals"
     source = "stated in campaign.toml" if floor.is_stated else estimated
     pairs = [
@@ -238,7 +242,7 @@ def method(campaign: Campaign, steps: Sequence[Step]) -> str:
         ("Channels", ", ".join(channel.name for channel in campaign.channels)),
         ("Samples", campaign.sampling),
         ("Band", f"{low:g} to {high:g} Hz"),
-        ("Noise floor", f"{floor.pooled_rms:.3g} {floor.unit} rms per channel in band, {source}"),
+        ("Noise floor", f"{said} rms per channel in band, {source}"),
         ("Floor as E", f"{percent(floor.error)} over all runs"),
         ("Computed by", f"wheelhop {version('wheelhop')}"),
     ]

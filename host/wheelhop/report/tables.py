@@ -8,6 +8,7 @@ from html import escape
 import numpy as np
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
+from wheelhop.compare import Comparison
 from wheelhop.diagnose import Limit, Ranked, Step
 from wheelhop.effects import Effect
 from wheelhop.files.words import (
@@ -270,6 +271,23 @@ def level_table(levels: Sequence[tuple[str, float, float]]) -> str:
         for run, level, error in sorted(levels, key=lambda row: row[1])
     ]
     return table(["run", "body, rms m/s²", "left by the best linear model"], rows, "lrr")
+
+
+def quantity_table(comparison: Comparison) -> str:
+    """What each quantity leaves by itself, in units of its own; nothing where there is but one."""
+    rows = [
+        [
+            escape(each.quantity),
+            f"{significant(each.noise_rms)} {escape(each.unit)}",
+            percent(each.error_fit),
+            percent(each.floor_fit),
+            percent(each.error_validate),
+            percent(each.floor_validate),
+        ]
+        for each in comparison.by_quantity
+    ]
+    headings = ["quantity", "noise in band", "E, runs fitted", "its floor", "E, runs held out"]
+    return table([*headings, "its floor"], rows, "lrrrrr") if rows else ""
 
 
 def ladder_table(steps: Sequence[Step]) -> str:

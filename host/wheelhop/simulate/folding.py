@@ -35,17 +35,18 @@ def folded_power(
     record: Array,
     rate_hz: float,
     recorded: Callable[[Array], NDArray[np.number]],
-    noise_rms: float,
+    noise_rms: float | Array,
     frequency_hz: Array,
 ) -> Array:
     """How much of a record's power is motion from above half the sample rate (f, c), (m/s²)², as
     white noise of that variance would have it at `frequency_hz` (f,).
 
-    ``record`` (n, c) is sampled at ``rate_hz``, with sensor noise of ``noise_rms`` in m/s²;
-    ``recorded`` is what the recorder made of sines before (`Campaign.recorded`). The spectrum of
-    the upper octave, freed of the noise and of what the recorder took, is continued as a power of
-    the frequency up to one and a half times the rate. It holds what is folded near half the rate,
-    too: where spectra fall the answer is too high, by less than two.
+    ``record`` (n, c) is sampled at ``rate_hz``, with sensor noise of ``noise_rms``, of all or of
+    each (c,), in its unit; ``recorded`` is what the recorder made of sines before
+    (`Campaign.recorded`). The spectrum of the upper octave, freed of the noise and of what the
+    recorder took, is continued as a power of the frequency up to one and a half times the rate. It
+    holds what is folded near half the rate, too: where spectra fall the answer is too high, by less
+    than two.
     """
     window = np.hanning(len(record))[:, None]
     spectrum = np.fft.rfft((record - record.mean(axis=0)) * window, axis=0)

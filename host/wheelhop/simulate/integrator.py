@@ -211,7 +211,7 @@ class Task:
     def make(self) -> tuple[object, ...]:
         """What mechanisms that are integrated side by side have in common."""
         s = self.system
-        sizes = (*s.output.shape, *self.height.shape, *self.force.shape, len(s.upright))
+        sizes = (*s.output.shape, s.reads, *self.height.shape, *self.force.shape, len(s.upright))
         return (*sizes, s.port_law, s.laws)
 
 
@@ -224,7 +224,7 @@ def integrate(
     averaging: Averaging,
     n_samples: int,
 ) -> list[Array]:
-    """Accelerations of the outputs of mechanisms of one make.
+    """What the outputs of mechanisms of one make show, accelerations and readings.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ def integrate(
 
     Returns
     -------
-    (n_samples, c) m/s² of each; NaN columns for outputs that are not predicted.
+    (n_samples, c) of each, SI; NaN columns for outputs that are not predicted.
     """
     if any(task.system.port_by and any(task.system.port_by) for task in tasks):
         raise ValueError("a law that depends on an input acts on a component on a rig alone")
@@ -292,7 +292,7 @@ def _arguments(tasks: Sequence[Task]) -> list[object]:
     return [
         *_mechanisms(tuple(task.system for task in tasks)),
         *(_alike([getattr(task, name) for task in tasks]) for name in ("height", "rate", "force")),
-        side_by_side([task.initial for task in tasks]),
+        side_by_side([task.system.widened(task.initial) for task in tasks]),
     ]
 
 
@@ -316,6 +316,7 @@ def _room(task: Task) -> tuple[Array, ...]:
     accelerations at its beginning, their mean over the window and what the outputs show of it, and
     what stands upright."""
     c, n = task.system.output.shape
+    n += len(task.system.reads)
     ports, k, m = len(task.system.port_law), task.force.shape[1], task.height.shape[1]
     upright = len(task.system.upright)
     lean = 4 * upright + n if upright else 0

@@ -15,6 +15,9 @@ from wheelhop.vehicle import System
 
 Array = NDArray[np.float64]
 
+OFFSET = "offset_"
+"""How the numbers begin that say at what extension struts rest in a run."""
+
 PATH_KEYS = (
     *("geometry.wheelbase_m", "geometry.track_width_m"),
     *(f"wheel.{axle}.{size}_m" for axle in ("front", "rear") for size in ("radius", "width")),
@@ -45,7 +48,7 @@ class Job:
     def make(self) -> tuple[object, ...]:
         """What models that are integrated side by side have in common."""
         s = self.system
-        shapes = *s.output.shape, s.force.shape[1], len(s.upright)
+        shapes = *s.output.shape, s.reads, s.force.shape[1], len(s.upright)
         return self.stride, self.per_sample, *shapes, s.port_law, s.laws
 
     @property
@@ -65,12 +68,14 @@ def without_sensors(model: Model, run_id: str, channels: Iterable[Channel]) -> o
 
 
 def moved_by(model: Model, run_id: str, measured: Sequence[Channel]) -> list[object]:
-    """What of a model the prescribed motion of a run follows from. Axles that are `measured` move
-    as they were, whatever the vehicle."""
+    """What of a model the prescribed motion of a run follows from. Axles, or struts, that are
+    `measured` move as they did, whatever the vehicle."""
     upstream = [e for e in model.effects if e.place in MOVING_PLACES]
     theta = [(e, *model.theta(e, run_id).items()) for e in upstream]
     if measured:
-        return [*calibrations(model, measured).items(), *theta]
+        own = model.runs.get(run_id, {}).items()
+        rest = [item for item in own if item[0].startswith(OFFSET)]
+        return [*calibrations(model, measured).items(), *rest, *theta]
     path = [model.values.get(key, 0.0) for key in PATH_KEYS]
     placed = [item for item in model.runs.get(run_id, {}).items() if "." not in item[0]]
     return [*path, *placed, heights_of(model, run_id), *theta]

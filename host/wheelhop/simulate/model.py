@@ -112,7 +112,7 @@ class Model:
         on_rig = drive == "rig"
         parts = component(self.values) if on_rig else baseline(self.values, channels, drive)
         for effect in self.effects:
-            if drive != "axles" or not effect.needs_road:
+            if drive in ("road", "rig") or not effect.needs_road:
                 effect.modify(self.theta(effect), self.values, parts)
         return parts.system(() if on_rig else body_inertia(self.values))
 

@@ -44,13 +44,9 @@ class MotionSimulator(RunSimulator):
         stride = self._stride(model, system)
         height, rate = self._motion(model, stride)
         n = len(system.mass)
-        task = Task(
-            _with_followers(system),
-            height,
-            rate,
-            self._forces(model, system, self._times(2 * stride)),
-            np.concatenate([self._initial(model, system)[:n], np.zeros(5 * n)]),
-        )
+        forces = self._forces(model, system, self._times(2 * stride))
+        initial = self._initial(model, system)
+        task = Task(_showing_all(system), height, rate, forces, initial)
         step_s = 1.0 / (self.campaign.sample_rate_hz * stride)
         steps = slice(1, len(height) - 1)  # the integrator samples neither the first nor the last
         count = steps.stop - steps.start
@@ -71,29 +67,14 @@ class MotionSimulator(RunSimulator):
         )
 
 
-def _with_followers(system: System) -> System:
-    """The mechanism with two more coordinates for each of its own, which follow it and do not act
-    on it: their accelerations ÿ = q and ÿ = q̇ are the displacement and the velocity wanted.
-
-    So the integrator, which puts out accelerations, needs to know nothing of displacements.
-    """
-    n = len(system.mass)
-    one, none = np.eye(n), np.zeros((n, n))
-
-    def longer(matrix: Array) -> Array:
-        return np.vstack([matrix, np.zeros((2 * n, matrix.shape[1]))])
-
+def _showing_all(system: System) -> System:
+    """The mechanism with outputs that show all that moves: accelerations, displacements, rates."""
+    n, others = len(system.mass), 2 * system.input_stiffness.shape[1] + len(system.port)
     return replace(
         system,
-        mass=np.block([[system.mass, none, none], [none, one, none], [none, none, one]]),
-        stiffness=np.block([[system.stiffness, none, none], [-one, none, none], [none] * 3]),
-        damping=np.block([[system.damping, none, none], [none] * 3, [-one, none, none]]),
-        input_stiffness=longer(system.input_stiffness),
-        input_damping=longer(system.input_damping),
-        force=longer(system.force),
-        port=np.ascontiguousarray(longer(system.port.T).T),
-        upright=np.pad(system.upright, ((0, 0), (0, 0), (0, 2 * n))),
-        output=np.eye(3 * n),
+        output=np.vstack([np.eye(n), np.zeros((2 * n, n))]),
+        reads=tuple(range(n, 3 * n)),
+        reading=np.eye(2 * n, 2 * n + others),
     )
 
 

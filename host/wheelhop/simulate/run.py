@@ -17,6 +17,7 @@ from wheelhop.simulate.frequency import ForceResponse
 from wheelhop.simulate.integrator import Task
 from wheelhop.simulate.job import Job, moved_by, without_sensors
 from wheelhop.simulate.lanes import LANES
+from wheelhop.simulate.measured import driven_by, driving, measured_motion
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.prescribed import (
     Prescribed,
@@ -25,16 +26,14 @@ from wheelhop.simulate.prescribed import (
     rise,
     span,
     track_of,
-    twice_integrated,
-    unaveraged,
     ways,
     wheel_path,
 )
 from wheelhop.simulate.runge_kutta import STABLE
-from wheelhop.simulate.sensors import as_read, as_recorded, sensed
+from wheelhop.simulate.sensors import as_recorded, sensed
 from wheelhop.simulate.unevenness import HeightSeries, slowness
 from wheelhop.track import CannotClimb, Wheel, make_track
-from wheelhop.vehicle import Drive, System, axle_name, corner_position, motions, wheels
+from wheelhop.vehicle import System, axle_name, corner_position, motions, wheels
 from wheelhop.vehicle.frame_modes import longest_step_s
 
 Array = NDArray[np.float64]
@@ -72,10 +71,10 @@ class Response:
 
     ``record`` is (n, n_channels) at the run's samples, in the channels' order and units; NaN
     columns are not predicted. ``position_m`` (n,) is the x of the front axle at each sample, None
-    when the track is unknown. Where measured axles drive the model, ``noise_ratio`` (count,
-    n_channels) is the noise that all sensors together make of every in-band datum about the model,
-    per that of the datum's own sensor, and ``doubt`` the same with motion folded into the axles'
-    records; None where nothing of the kind drives it.
+    when the track is unknown. Where measured axles, or travel, drive the model, ``noise_ratio``
+    (count, n_channels) is the noise that all sensors together make of every in-band datum about the
+    model, per that of the datum's own sensor, and ``doubt`` the same with motion folded into the
+    records that drive it; None where nothing of the kind does.
     """
 
     run_id: str
@@ -98,7 +97,7 @@ class RunSimulator:
 
     def __init__(self, campaign: Campaign, run: Run, run_up_s: float) -> None:
         self.campaign, self.run, self.steps = campaign, run, 0
-        self.drive: Drive = "axles" if run.track.kind == "unknown" else "road"
+        self.drive = driven_by(campaign, run)
         period = 1.0 / campaign.sample_rate_hz
         self._margin = math.ceil(2 * campaign.averaging.reach_s / period) + 1
         self._lead, self._before, self._after = self._margin, 0, 0
@@ -115,6 +114,7 @@ class RunSimulator:
             float(run.time_s[0]),
             float(run.time_s[-1] + self._margin * period),
             self.drive == "road",
+            by_travel=self.drive == "travel",
             course=run.course,
         )
         self._track = make_track(run.track) if self.drive == "road" else None
@@ -184,7 +184,7 @@ class RunSimulator:
         return Response(self.run.id, self.record(model, system), self._position(model))
 
     def record(self, model: Model, system: System) -> Array:
-        """Accelerations (n, n_channels), m/s², as the instrument gives them."""
+        """What the instrument gives (n, n_channels), in the channels' units."""
         return self.records([(model, system)])[0]
 
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
@@ -215,7 +215,7 @@ class RunSimulator:
             job = self._job(model, system, stride, [*jobs[:2], *jobs[-1:], *self._done])
             if job.acceleration is None and job not in waiting:
                 base = bases.setdefault(job.base, job)
-                if base is job or not system.is_linear or self.drive == "axles":
+                if base is job or not system.is_linear or self.drive != "road":
                     waiting.append(job)
                     alike = sum(other.make == job.make for other in waiting)
                     if alike == LANES:
@@ -258,7 +258,7 @@ class RunSimulator:
     def due(self, model: Model, system: System) -> Job | None:
         """What has to be integrated for the record of a model, if anything has: then it may be done
         beside that of other runs, and kept."""
-        if self.drive == "axles":
+        if self.drive != "road":
             return None
         job = self._job(model, system, self._stride(model, system), self._done)
         superposed = system.is_linear and job.base in [other.base for other in self._done]
@@ -325,7 +325,7 @@ class RunSimulator:
         mover = self._mover(model, stride)
         motion = self._motions.pop(mover, None)
         if motion is None:
-            make = self._road if self.drive == "road" else self._axles
+            make = self._road if self.drive == "road" else self._measured
             motion = make(model, self._times(stride))
             while len(self._motions) >= KEPT_MOTIONS:
                 del self._motions[next(iter(self._motions))]
@@ -334,7 +334,8 @@ class RunSimulator:
 
     def _mover(self, model: Model, stride: int) -> tuple[object, ...]:
         """What the motion follows from, at so many steps per sample."""
-        measured = [c for c in self.campaign.channels if c.is_axle and self.drive == "axles"]
+        columns = driving(self.campaign, self.drive).values()
+        measured = [self.campaign.channels[i] for i in columns]
         return (stride, *moved_by(model, self.run.id, measured))
 
     def way(self, model: Model) -> Array:
@@ -372,19 +373,9 @@ class RunSimulator:
         rise(time_s, height, rate)
         return height, rate
 
-    def _axles(self, model: Model, time_s: Array) -> tuple[Array, Array]:
-        """Measured axle accelerations as they were before the recorder, twice integrated and free
-        of drift."""
-        channels, rate_hz = self.campaign.channels, self.campaign.sample_rate_hz
-        measured = as_read(self.run.record, rate_hz, self.campaign, model.values)
-        for e in model.effects:
-            measured = e.restore(model.theta(e, self.run.id), measured, channels, rate_hz)
-        corner = {c.corner: i for i, c in enumerate(channels) if c.is_axle}
-        columns = [corner[i] for i in wheels(model.values)]
-        acceleration = unaveraged(
-            self.run.time_s, measured[:, columns], self.campaign.averaging, self._margin
-        )
-        return twice_integrated(acceleration, time_s, self.campaign.band_hz[0])
+    def _measured(self, model: Model, time_s: Array) -> tuple[Array, Array]:
+        asked = self.campaign, self.run, self.drive, model, self._margin
+        return measured_motion(*asked, time_s)
 
     def _initial(self, model: Model, system: System) -> Array:
         """State (2 n,) at the first step: rest, or what a run on measured axles leaves free."""

@@ -30,8 +30,8 @@ def sensed(
     faults: Iterable[tuple[Effect, Values]],
     channels: Sequence[Channel],
 ) -> Array:
-    """Readings (n, c), m/s², of accelerations (n, c), so many of them before the record, through
-    effects with their numbers, in their order."""
+    """Readings (n, c), in the channels' units, of what truly is (n, c), so many of them before the
+    record, through effects with their numbers, in their order."""
     since_s = (np.arange(len(acceleration)) - before) / rate_hz
     for effect, theta in faults:
         acceleration = effect.sense(theta, acceleration, channels, rate_hz)

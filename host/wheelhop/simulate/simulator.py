@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
 from wheelhop.effects import Effect, RunSetting
+from wheelhop.simulate.measured import driven_by
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.rig import RigSimulator
 from wheelhop.simulate.run import Response, RunSimulator
@@ -65,11 +66,12 @@ class Simulator(Protocol):
         """By how much the records of several models differ from that of `base`, at less cost."""
 
 
-def drive_of(run: Run) -> Drive:
-    """What moves the model in a run."""
+def drive_of(campaign: Campaign, run: Run) -> Drive:
+    """What moves the model in a run: on ground that is not known measured axles, or, where they are
+    not measured, travel."""
     if isinstance(run, RigRun):
         return "rig"
-    return "axles" if run.track.kind == "unknown" else "road"
+    return driven_by(campaign, run)
 
 
 def make_simulator(campaign: Campaign, run: Run, run_up_s: float) -> Simulator:

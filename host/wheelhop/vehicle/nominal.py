@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, RigRun
-from wheelhop.vehicle.layout import wheels
+from wheelhop.campaign import Campaign, CampaignError, Channel, ComponentCampaign, RigRun
+from wheelhop.vehicle.layout import motions, wheels
 from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mount_values
 from wheelhop.vehicle.vehicle import Vehicle, read_vehicle
@@ -40,15 +40,27 @@ def read_nominal(campaign: Campaign) -> Vehicle:
     if isinstance(campaign, ComponentCampaign):
         return _component(campaign)
     vehicle = read_vehicle(campaign.vehicle_file)
-    there = [f"{place}{i + 1}" for place in "AB" for i in wheels(vehicle.values)]
     for channel in campaign.channels:
-        if channel.corner is not None and channel.point not in there:
+        if missing := _missing(channel, vehicle):
             raise CampaignError(
-                f"{campaign.folder / 'campaign.toml'}: channel {channel.name} sits at "
-                f"{channel.point}, and the vehicle of {campaign.vehicle_file.name} has only "
-                f"{', '.join(there)}: list the channels that are there under [channels]"
+                f"{campaign.folder / 'campaign.toml'}: channel {channel.name} {missing}: list the"
+                " channels that are there under [channels]"
             )
     return vehicle
+
+
+def _missing(channel: Channel, vehicle: Vehicle) -> str:
+    """What the vehicle lacks for a channel, in words; empty if nothing."""
+    rolling = wheels(vehicle.values)
+    if channel.quantity == "rate" and channel.point not in motions(vehicle.values):
+        return f"is a rate of {channel.point}, and the vehicle does not {channel.point}"
+    if channel.corner is None or channel.corner in rolling:
+        return ""
+    if channel.is_acceleration:
+        there = ", ".join(f"{place}{i + 1}" for place in "AB" for i in rolling)
+        return f"sits at {channel.point}, and the vehicle has only {there}"
+    corners = ", ".join(str(i + 1) for i in rolling)
+    return f"is of corner {channel.corner + 1}, and the vehicle has only {corners}"
 
 
 def _component(campaign: ComponentCampaign) -> Vehicle:

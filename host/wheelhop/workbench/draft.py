@@ -19,7 +19,7 @@ from wheelhop.campaign.tracks import KINDS, is_steady
 from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
 from wheelhop.files import InputError, remove
 from wheelhop.files.units import to_si
-from wheelhop.formats import Map, Pick, draft_mapping, parse_mapping, read
+from wheelhop.formats import Map, Pick, read, understand
 from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
@@ -29,7 +29,6 @@ UNITS = ("m/s²", "g", "mg", "mm/s²", "cm/s²")
 NOT_USED = "not used"
 POINTS = tuple(f"{place}{i}" for place in "AB" for i in (1, 2, 3, 4))
 PLACES = (*POINTS, "body", NOT_USED)
-FREE_FORM = (".csv", ".txt", ".tsv", ".dat", ".asc")
 TRACKS = tuple(kind for kind in KINDS if kind not in ("profile", "iso8608", "cobblestone"))
 """Kinds of track that need no file and no drawing of lots."""
 SHORT = {"twist": "chassis-twist", "sweep": "sine-sweep"}
@@ -114,14 +113,16 @@ class Draft:
             self.files = sorted({*self.files, file})
 
     def _look_at(self, file: Path) -> None:
-        found = parse_mapping(draft_mapping(file), file)
-        if found.rate_hz is not None:  # a draft's rate is made up
+        found = understand(file)
+        if found.questions:
+            asked = "; ".join(f"{question.key}: {question.words}" for question in found.questions)
             raise CampaignError(
-                f"{file}: no column is time: add one, in seconds, or import the file with a mapping"
-                " that says its rate_hz (wheelhop import --draft proposes one)"
+                f"{file}: {asked}: import it first, with the answer (wheelhop import asks), and"
+                " take what that writes"
             )
-        self._map = found
-        self.columns = [_column(pick) for pick in found.picks]
+        self._map = found.mapping()
+        points = {column.name: column.point for column in found.columns}
+        self.columns = [_column(pick, points.get(pick.name, "")) for pick in self._map.picks]
 
     def units(self, column: Column) -> list[str]:
         """What may be chosen as the unit of a column: what its file says, and accelerations."""
@@ -178,7 +179,6 @@ class Draft:
                 name=column.place if column.place in POINTS else column.name,
                 # Unless the user has chosen another one, every file is in the unit it says.
                 unit="" if column.unit == self._said(column) else column.unit,
-                point=column.place,
             )
             for column in used
         )
@@ -188,7 +188,11 @@ class Draft:
             if channel.unit != ACCELERATION:
                 unit = column.unit if to_si(column.unit)[0] == channel.unit else channel.unit
                 raise CampaignError(f"{file.name}: column {column.name} {_no_unit(unit)}")
-        return recording
+        placed = (
+            replace(channel, point=column.place)
+            for column, channel in zip(used, recording.channels, strict=True)
+        )
+        return replace(recording, channels=tuple(placed))
 
     def new_piece(self, file: Path) -> Piece:
         """One more stretch of a recording: its middle fifth."""
@@ -307,9 +311,9 @@ def _name(file: Path) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem).strip("-_") or "run"
 
 
-def _column(pick: Pick) -> Column:
+def _column(pick: Pick, point: str) -> Column:
     name = pick.name or str(pick.column)
-    return Column(pick.column, name, pick.unit, pick.point or NOT_USED)
+    return Column(pick.column, name, pick.unit, point or NOT_USED)
 
 
 def _no_unit(unit: str) -> str:

@@ -55,14 +55,15 @@ def _signals(result: ComparisonResult) -> DataFrame:
     """Measured and modelled signals in band, a row for each sample of each run."""
     from pandas import DataFrame, concat
 
-    unit = ending_of(result.comparison.floor.unit)
+    endings = [ending_of(unit) for unit in result.comparison.units]
     parts = []
     for record in result.comparison.records:
         columns = {"run": [record.run.id] * record.band.n, "time_s": record.run.time_s}
         for kind, coefficients in (("measured", record.measured), ("model", record.model)):
-            signals = record.band.from_coefficients(coefficients)
+            signals = record.signal(coefficients)
             signals[:, ~record.predicted] = np.nan
-            names = [f"{name}_{kind}{unit}" for name in result.comparison.channels]
+            labels = zip(result.comparison.channels, endings, strict=True)
+            names = [f"{name}_{kind}{ending}" for name, ending in labels]
             columns |= dict(zip(names, signals.T, strict=True))
         parts.append(DataFrame(columns))
     return concat(parts)

@@ -85,7 +85,7 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
             for free in step.rung.fit.shared
         },
         ratio=grid.ratio,
-        noise_rms=comparison.floor.noise_rms,
+        noise_rms=comparison.floor.of_channels,
         signals=_all_signals(step),
         sentences=tuple(describe(comparison.breakdown)),
         html=html,
@@ -115,7 +115,7 @@ def _signals(record: Record, position_m: Array | None) -> shown.Signals:
     band = record.band
 
     def samples(coefficients: Array) -> shown.Samples:
-        return band.from_coefficients(coefficients).astype(np.float32)
+        return record.signal(coefficients).astype(np.float32)
 
     return shown.Signals(
         band.rate_hz,
@@ -177,14 +177,15 @@ def _trace(workshop: Workshop, fit: Fit, screened: Screened) -> shown.Trace:
         places.append((float(gain[column]), run, residual[:, column], signature[:, column], column))
     _, run, residual, signature, column = max(places, key=lambda place: place[0])
     band, bench = run.bench.band, run.bench
-    channel = workshop.campaign.channels[int(np.flatnonzero(bench.predicted)[column])]
+    column = int(np.flatnonzero(bench.predicted)[column])
+    channel, scale = workshop.campaign.channels[column], bench.noise_scale[column]
     return shown.Trace(
         bench.run.id,
         channel.name,
         channel.unit,
         np.asarray(bench.run.time_s),
-        band.from_coefficients(residual),
-        band.from_coefficients(signature),
+        band.from_coefficients(residual) * scale,
+        band.from_coefficients(signature) * scale,
     )
 
 

@@ -1,6 +1,7 @@
 """What one channel tells by itself, or beside the others' size: clipped, stuck, dead, drifting."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,9 @@ SLOW_HZ = 1.0
 DRIFT = {ACCELERATION: 1.0, CODE: 2.0}
 LEVEL_CODES = (250.0, 774.0)  # 0.8 and 2.5 V of 3.3: no ADXL326 at rest is outside
 GRAVITY_TOLERANCE = 2.5
+BEYOND = "drive slower, mount the sensor softer, or take one of a larger range"
+END = {"m": "the sensor is at its end: give it more stroke, or leave the channel out"}
+"""What to do about a range that was exceeded, by the channel's unit."""
 
 Array = NDArray[np.float64]
 
@@ -37,11 +41,13 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     present = recording.values[~recording.missing]
     if len(present) < FEWEST_ROWS:
         return
-    rms, levels = present.std(axis=0), np.median(present, axis=0)
+    alike = replace(recording, values=recording.values / _usual(recording, present))
+    even = alike.values[~recording.missing]
+    rms, levels = even.std(axis=0), np.median(present, axis=0)
     for c, channel in enumerate(recording.channels):
         column = present[:, c]
         others = float(np.median(np.delete(rms, c))) if len(rms) > 1 else 0.0
-        still = _stuck(recording, c, others) or _dead(recording, c, present, others)
+        still = _stuck(alike, c, others, recording) or _dead(alike, c, even, others)
         if still:
             yield still
             continue
@@ -49,6 +55,16 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
         yield from _level(recording, c, levels)
         if channel.unit in DRIFT:
             yield from _drift(recording, c)
+
+
+def _usual(recording: Recording, present: Array) -> Array:
+    """What channels are divided by (c,) to be held against each other: nothing where all are in
+    one unit, else the median rms of those in the same."""
+    units = np.array([channel.unit for channel in recording.channels])
+    if len(set(units)) == 1:
+        return np.ones(len(units))
+    usual = {unit: float(np.median(present[:, units == unit].std(axis=0))) for unit in set(units)}
+    return np.array([usual[unit] or 1.0 for unit in units])
 
 
 def quantum(column: Array) -> float:
@@ -62,13 +78,13 @@ def _when(recording: Recording, start: int, stop: int) -> tuple[float, float]:
     return recording.start_s + start / rate, recording.start_s + stop / rate
 
 
-def _stuck(recording: Recording, c: int, others: float) -> Finding | None:
-    values = recording.values
+def _stuck(alike: Recording, c: int, others: float, recording: Recording) -> Finding | None:
+    values = alike.values
     same = np.append(np.diff(values[:, c]) == 0.0, False)
     runs = [(a, b + 1) for a, b in stretches(same) if (b + 1 - a) / recording.rate_hz >= STUCK_S]
     if not runs:
         return None
-    step = quantum(values[~recording.missing, c])
+    step = quantum(values[~alike.missing, c])
     # At rest, less than one step of the converter, standing still is what a good channel does.
     moving = [
         (a, b)
@@ -80,9 +96,10 @@ def _stuck(recording: Recording, c: int, others: float) -> Finding | None:
         return None
     first, last = moving[0][0], moving[-1][1]
     seconds = sum(b - a for a, b in moving) / recording.rate_hz
+    level = recording.values[first, c]
     return Finding(
         "stuck", (recording.channels[c].name,),
-        f"reads {values[first, c]:.6g} without change for {seconds:.3g} s while others move",
+        f"reads {level:.6g} without change for {seconds:.3g} s while others move",
         CERTAIN, seconds / STUCK_S, *_when(recording, first, last),
         "check plug, wire and solder of this sensor",
     )  # fmt: skip
@@ -130,7 +147,7 @@ def _clipping(recording: Recording, c: int, column: Array) -> Iterator[Finding]:
             "clipping", (channel.name,),
             f"{at_end} samples at the {side}, {level}: the range was exceeded", CERTAIN if at_rail
             else LIKELY, at_end / FEWEST_CLIPPED, *_when(recording, rows[0], rows[-1] + 1),
-            "drive slower, mount the sensor softer, or take one of a larger range",
+            END.get(channel.unit, BEYOND),
         )  # fmt: skip
 
 
@@ -156,8 +173,9 @@ def _level(recording: Recording, c: int, levels: Array) -> Iterator[Finding]:
             "the input floats or a wire is broken: check plug, supply and ground",
         )  # fmt: skip
     if channel.unit == ACCELERATION:
-        up = np.abs(levels - STANDARD_GRAVITY_M_S2) < GRAVITY_TOLERANCE
-        down = np.abs(levels + STANDARD_GRAVITY_M_S2) < GRAVITY_TOLERANCE
+        felt = np.array([other.unit == ACCELERATION for other in recording.channels])
+        up = felt & (np.abs(levels - STANDARD_GRAVITY_M_S2) < GRAVITY_TOLERANCE)
+        down = felt & (np.abs(levels + STANDARD_GRAVITY_M_S2) < GRAVITY_TOLERANCE)
         # Only a recording that holds gravity tells; the few are wrong, not the many.
         if down[c] and up.sum() >= 2 * down.sum():
             yield Finding(

@@ -131,7 +131,7 @@ def _of_axles(workshop: Workshop, judging: Fit) -> float:
         if wrong is None:
             return 0.0
         change = wrong.modelled(model, systems) - bench.modelled(model, systems)
-        foreseen = (1.0 - 1.0 / bench.doubt[:, bench.predicted] ** 2).sum() * workshop.noise**2
+        foreseen = bench.foreseen * workshop.noise**2
         return max(float(change @ change - foreseen), 0.0)
 
     return sum(workshop.each(added, [run.bench for run in judging.runs]))

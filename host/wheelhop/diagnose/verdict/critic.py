@@ -9,6 +9,7 @@ from math import erfc, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.channels import noise_key
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.diagnose.score import at_noise, nearly_all
@@ -63,7 +64,7 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
         *_bounds(numbers, effects),
         *_moved([*numbers, *measured_of(step)], effects),
         *_no_vehicle(step, numbers),
-        *_untold(numbers, covariance),
+        *_untold(numbers, covariance, step.comparison.units),
         *_fair_band(diagnosis.ladder),
         *_floor(step),
     ]
@@ -238,12 +239,15 @@ def _no_vehicle(step: Step, numbers: Sequence[Number]) -> Iterator[Finding]:
             yield replace(finding, when="after", remedy=remedy, severity="likely")
 
 
-def _untold(numbers: Sequence[Number], covariance: Array) -> Iterator[Finding]:
+def _untold(
+    numbers: Sequence[Number], covariance: Array, units: Sequence[str] = ("m/s²",)
+) -> Iterator[Finding]:
     """Directions of which the data say nothing: eigenvectors of the covariance in units of the
     prior, their eigenvalue, at most 1, being what is left of the prior's variance."""
     believed = [i for i, n in enumerate(numbers) if isfinite(n.sigma)]
     if not believed:
         return
+    motions = "Accelerations" if set(units) == {"m/s²"} else "Motions"
     sigma = np.array([numbers[i].sigma for i in believed])
     left, directions = np.linalg.eigh(
         covariance[np.ix_(believed, believed)] / np.outer(sigma, sigma)
@@ -266,8 +270,8 @@ def _untold(numbers: Sequence[Number], covariance: Array) -> Iterator[Finding]:
                 "after",
                 "unobservable",
                 "common scale of masses, stiffnesses, dampings and forces",
-                "Accelerations fix ratios: the common scale of all masses, stiffnesses, dampings"
-                " and forces is what vehicle.toml says.",
+                f"{motions} fix ratios: the common scale of all masses, stiffnesses, dampings and"
+                " forces is what vehicle.toml says.",
                 "Weigh the vehicle; every fitted force is as good as that number.",
                 "certain",
             )
@@ -342,18 +346,20 @@ def _floor(step: Step) -> Iterator[Finding]:
     if floor.is_stated or not floor.pooled_rms > 0.0:
         return
     second = estimate_noise_between_samples(
-        [run.bench.run.record[:, run.bench.predicted] for run in runs],
+        [(run.bench.run.record / run.bench.noise_scale)[:, run.bench.predicted] for run in runs],
         runs[0].bench.band.count / runs[0].bench.band.n,
     )
     if floor.pooled_rms > MISFIT * second:
+        unstated = runs[0].bench.simulator.campaign.unstated
+        keys = ", ".join(dict.fromkeys(noise_key(channel.unit) for channel in unstated))
         yield Finding(
             "after",
             "floor",
-            floor.noise_key,
+            keys,
             f"The estimated floor, {significant(floor.pooled_rms, 2)} {floor.unit}, is misfit"
             " rather than noise: from one sample to the next, where it is quietest, there is"
             f" {significant(second, 2)}.",
-            f"Record a run at rest and state {floor.noise_key}; the error over the floor is larger"
+            f"Record a run at rest and state {keys}; the error over the floor is larger"
             " than it looks.",
         )
 

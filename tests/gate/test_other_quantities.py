@@ -1,0 +1,179 @@
+"""What users do wrong with potentiometers, gyros and strain gauges is named, and what is right is
+left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests import truth
+from tests.truth import Sensor
+from wheelhop.campaign import TrackSpec, read_campaign
+from wheelhop.cli.main import main
+from wheelhop.gate import gate
+from wheelhop.vehicle import read_nominal
+
+AXLES = tuple(Sensor(f"A{i}", "acceleration", f"A{i}", 0.1) for i in (1, 2, 3, 4))
+RODS = tuple(Sensor(f"rod{i}", "force", str(i), 8.0, -1.4, -700.0) for i in (1, 2, 3, 4))
+INCHES = 1 / 0.0254
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    folder = truth.make_campaign(
+        tmp_path_factory.mktemp("driven"),
+        seed=101,
+        effects={"dry-friction": {"coulomb_front_N": 75.0, "coulomb_rear_N": 55.0}},
+        short=True,
+        seconds=6.0,
+        draft=True,
+        sensors=(*truth.SENSORS, *AXLES, *RODS),
+    )
+    campaign = read_campaign(folder)
+    return campaign, read_nominal(campaign)
+
+
+def without(campaign, *quantities, axles=True):
+    """The campaign without channels of these quantities, or those of the axles."""
+    kept = [
+        i
+        for i, c in enumerate(campaign.channels)
+        if c.quantity not in quantities and (axles or not c.is_axle)
+    ]
+    runs = tuple(replace(run, record=run.record[:, kept]) for run in campaign.runs)
+    return replace(campaign, channels=tuple(campaign.channels[i] for i in kept), runs=runs)
+
+
+def changed(campaign, how):
+    """Records changed by `how`, which gets the record and the column of every name."""
+    place = {channel.name: i for i, channel in enumerate(campaign.channels)}
+    runs = []
+    for run in campaign.runs:
+        record = run.record.copy()
+        how(record, place)
+        runs.append(replace(run, record=record))
+    return replace(campaign, runs=tuple(runs))
+
+
+def times(factor, *names):
+    def how(record, place):
+        record[:, [place[name] for name in names]] *= factor
+
+    return how
+
+
+def swap(a, b):
+    def how(record, place):
+        record[:, [place[a], place[b]]] = record[:, [place[b], place[a]]]
+
+    return how
+
+
+def late(samples, *names):
+    def how(record, place):
+        columns = [place[name] for name in names]
+        record[samples:, columns] = record[:-samples, columns]
+
+    return how
+
+
+def stuck(name):
+    def how(record, place):
+        record[100:400, place[name]] = record[100, place[name]]
+
+    return how
+
+
+def at_its_end(name):
+    def how(record, place):
+        middle, spread = record[:, place[name]].mean(), record[:, place[name]].std()
+        record[:, place[name]] = np.minimum(record[:, place[name]], middle + 0.8 * spread)
+
+    return how
+
+
+POTS = ("pot1", "pot2", "pot3", "pot4")
+GYROS = ("pitch_rate", "roll_rate")
+MISTAKES = {
+    "a pot reversed": (times(-1.0, "pot3"), "polarity", "pot3"),
+    "all pots in millimetres": (times(1e3, *POTS), "units", "in mm"),
+    "a pot in inches": (times(INCHES, "pot2"), "units", "pot2"),
+    "two pots exchanged": (swap("pot1", "pot4"), "swapped misplaced", "pot1"),
+    "gyros in degrees": (times(180 / np.pi, *GYROS), "units", "deg/s"),
+    "a gyro reversed": (times(-1.0, "pitch_rate"), "polarity", "pitch_rate"),
+    "forces in kilonewtons": (times(1e-3, "rod1", "rod2", "rod3", "rod4"), "units", "kN"),
+    "a rod reversed": (times(-1.0, "rod2"), "polarity", "rod2"),
+    "pots late": (late(8, *POTS), "out-of-step", "travel are 80 ms late"),
+    "a pot stuck": (stuck("pot1"), "stuck", "pot1"),
+    "a pot at its end": (at_its_end("pot4"), "clipping", "at its end"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+@pytest.mark.parametrize("axles", [True, False], ids=["axles measured", "no axles"])
+def test_a_mistake_is_named(mistake, axles, driven):
+    campaign, vehicle = driven
+    how, kinds, words = MISTAKES[mistake]
+    found = gate(changed(without(campaign, axles=axles), how), vehicle).findings
+    named = [f for f in found if f.kind in kinds.split()]
+    assert any(words in f"{f.text} {f.about} {f.remedy}" for f in named), found
+
+
+@pytest.mark.parametrize(
+    "lacks",
+    [(), ("acceleration",), ("travel",), ("rate",), ("force", "rate"), ("acceleration", "rate")],
+)
+def test_good_campaigns_pass_in_silence(lacks, driven):
+    """Pots rest at centimetres, rods at 700 N: no gravity is missing, and nothing is in codes."""
+    campaign, vehicle = driven
+    campaign = without(campaign, *lacks)
+    if lacks:  # the noise is stated of what is left
+        first = campaign.channels[0]
+        noise = campaign.noise_rms if campaign.leading.is_acceleration else first.noise_rms
+        campaign = replace(campaign, noise_rms=noise)
+    assert gate(campaign, vehicle).findings == ()
+
+
+UNSURVEYED = {
+    "a pot reversed": (times(-1.0, "pot3"), "polarity", "pot3"),
+    "a pot in inches": (times(INCHES, "pot2"), "units", "in inch"),
+    "two pots exchanged": (swap("pot1", "pot4"), "misplaced", "corner 4"),
+    "gyros in degrees": (times(180 / np.pi, *GYROS), "units", "deg/s"),
+    "a gyro reversed": (times(-1.0, "roll_rate"), "polarity", "roll_rate"),
+}
+
+
+@pytest.mark.parametrize("mistake", UNSURVEYED)
+def test_accelerometers_tell_on_any_road(mistake, driven):
+    campaign, vehicle = driven
+    unknown = TrackSpec("unknown", {})
+    runs = tuple(replace(run, track=unknown) for run in campaign.runs)
+    campaign = replace(campaign, runs=runs)
+    assert gate(campaign, vehicle).findings == ()
+    how, kind, words = UNSURVEYED[mistake]
+    found = gate(changed(campaign, how), vehicle).findings
+    assert any(f.kind == kind and words in f"{f.text} {f.about}" for f in found), found
+
+
+def test_check_says_what_every_channel_is_and_what_is_kept(tmp_path, capsys):
+    sensors = (*truth.SENSORS[:5], *truth.SENSORS[8:], RODS[0])
+    folder = truth.make_campaign(
+        tmp_path, seed=3, effects={}, short=True, seconds=3.0, draft=True, sensors=sensors
+    )
+    toml = folder / "campaign.toml"
+    text = toml.read_text().replace("noise_rms_N = 8\n", "")
+    toml.write_text(text.replace("[channels]\n", '[channels]\ngps = { quantity = "speed" }\n'))
+    for file in (folder / "runs").glob("*.csv"):
+        head, *rows = file.read_text().splitlines()
+        file.write_text("\n".join([f"{head},gps", *(f"{row},2.5" for row in rows)]) + "\n")
+    assert main(["check", str(folder)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    for words in (
+        "pot1 (travel of strut 1, 0.65 per wheel)",
+        "pitch_rate (rate of pitch)",
+        "rod1 (force of strut 1, -1.4 per wheel)",
+        "kept gps (speed, m/s): read and checked, not used yet",
+        "0.1 m/s², 0.0002 m, 0.004 rad/s rms in band; of force not stated, will be estimated",
+        "axle, body: m/s²; travel: m; rate: rad/s; force: N rms without the mean",
+    ):
+        assert words in said, (words, said)
