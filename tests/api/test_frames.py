@@ -73,13 +73,19 @@ def test_a_gap_becomes_rows_of_nan_and_is_told():
         (table_of()[["time_s"]], "no column beside the time"),
         (table_of()[["A1_m_s2"]], "no time"),
         (table_of().iloc[::-1], "does not rise"),
-        (table_of().assign(A1_g=1.0), "2 channels are called"),
     ],
 )
 def test_what_cannot_be_a_recording_is_told_in_a_line(table, said):
     with pytest.raises(wh.InputError, match=said) as caught:
         wh.Recording.from_dataframe(table)
     assert "\n" not in str(caught.value)
+
+
+def test_columns_of_one_name_are_kept_apart_by_their_units():
+    recording = wh.Recording.from_dataframe(table_of().assign(A1_g=1.0))
+    assert {"A1 (m/s²)", "A1 (g)"} <= {channel.name for channel in recording.channels}
+    column = [channel.name for channel in recording.channels].index("A1 (g)")
+    assert recording.values[:, column] == pytest.approx(9.80665)
 
 
 def test_a_rate_and_a_unit_may_be_given_instead():
