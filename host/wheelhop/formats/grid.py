@@ -110,7 +110,7 @@ def fit_grid(
     period = 1.0 / rate_hz if rate_hz else typical_step(steps)
     counts = np.round(steps / period)
     off = np.abs(steps / period - counts)
-    if (off > STRAY).mean() > UNEVEN and len(steps) >= FEWEST_ROUNDED:
+    if len(steps) >= FEWEST_ROUNDED and (off > STRAY).mean() > UNEVEN:
         raise ExchangeError(
             f"{where(0)}: time goes on in uneven steps, {steps.min():.3g} to {steps.max():.3g} s:"
             " resample it, or if the samples are equally spaced, leave time out and say rate_hz"

@@ -139,8 +139,10 @@ class ForcedRun:
         motion (f, …)."""
         half = self._short // 2 + 1
         weight = self._accelerated[:half].reshape(-1, *[1] * (motion.ndim - 1))
-        weight = weight.astype(motion.real.dtype)
-        found = fft.irfft(motion[:half] * weight, self._short, axis=0) / self._stride
+        found = (
+            fft.irfft(motion[:half] * weight.astype(motion.dtype), self._short, axis=0)
+            / self._stride
+        )
         first = self.samples.start // self._stride
         return np.asarray(found[first : first + len(self._bench.run.time_s)])
 
