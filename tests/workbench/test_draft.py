@@ -378,7 +378,7 @@ def test_files_that_arrive_together_are_all_added(tmp_path):
     sys.setswitchinterval(1e-6)
     try:
         with ThreadPoolExecutor(len(files)) as pool:
-            for i in range(200):
+            for i in range(40):
                 draft = Draft(tmp_path / f"draft-{i}")
                 list(pool.map(draft.add, files))
                 assert draft.files == files

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.metadata import version
+from math import isnan
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
@@ -277,7 +278,6 @@ class Desk:
         title = next((title for title, wish in wishes.items() if wish), "fitting")
         long = order.diagnose or order.law
         self.job = Job(title, "starting", time.monotonic(), order.diagnose, long, self._made)
-        self.errors = ()
         self._loop = asyncio.get_running_loop()
         self._orders.send(order)
         self._changed()
@@ -328,9 +328,9 @@ class Desk:
             case Said(text):
                 self.job.line = text
             case Converging(_, error):
+                if not self.job.long:  # the last fits stay until the next one tells
+                    self.errors = (*(() if isnan(self.job.error) else self.errors), error)
                 self.job.error = error
-                if not self.job.long:
-                    self.errors = (*self.errors, error)
             case Findings(found):
                 self.findings = found
             case Library(cards):

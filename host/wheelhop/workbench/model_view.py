@@ -52,7 +52,7 @@ class ModelView:
         if (desk.errors, floor) == self._drawn:
             return
         self._drawn = desk.errors, floor
-        self._fit.set_visibility(len(desk.errors) > 1)
+        self._fit.set_visibility(bool(desk.errors))
         count = np.arange(1, len(desk.errors) + 1)
         lines = [Line("error E, runs fitted", count, 100 * np.array(desk.errors), AFTER, 2.0)]
         if floor > 0:
