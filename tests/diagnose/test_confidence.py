@@ -90,7 +90,7 @@ def test_what_leaves_a_part_is_right_as_often_as_is_said(monkeypatch, odds):
 
     assert sum(1 for _ in published()) > 50
     found = likelihood()
-    monkeypatch.setattr(posterior, "RIGHT", odds * posterior.RIGHT)
+    monkeypatch.setattr(posterior, "ODDS_RIGHT", odds * posterior.ODDS_RIGHT)
     assert found > likelihood()
 
 

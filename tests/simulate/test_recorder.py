@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import signal
+from scipy import optimize, signal
 
 from tests import truth
 from tests.simulate.setup import ATV, CHANNELS, TIME, campaign_of, model_of, relative, simulated
 from wheelhop.campaign.low_pass import LowPass
 from wheelhop.effects import beliefs, load_effects
-from wheelhop.effects.beliefs import RecorderFilter
+from wheelhop.effects.beliefs import FILTER_ORDERS, RecorderFilter
 from wheelhop.simulate import RunSimulator
 from wheelhop.simulate.sensors import as_read, as_recorded
 from wheelhop.vehicle import Vehicle
@@ -50,6 +50,35 @@ def test_what_the_recorder_did_is_undone():
     inside = slice(100, -100)
     assert np.abs(there - readings)[inside].max() > 0.5 * readings.std()
     np.testing.assert_allclose(back[inside], readings[inside], atol=5e-3 * readings.std())
+
+
+@pytest.mark.parametrize(("gain", "restored"), [(0.15, 1.0), (0.07, 0.49)])
+def test_what_the_filter_has_taken_is_not_made_up(gain, restored):
+    """A tenth of a sine is enough to undo the filter; of what it left less of, noise would grow."""
+    frequency, rate_hz = CORNER_HZ * (gain**-2 - 1.0) ** (0.5 / ORDER), 1000.0
+    sine = np.sin(2 * np.pi * frequency * np.arange(4000) / rate_hz)
+    readings = np.repeat(sine[:, None], len(CHANNELS), axis=1)
+    back = as_read(as_recorded(readings, rate_hz, FILTERED, ATV), rate_hz, FILTERED, ATV)
+    assert back[1000:3000].std() / sine.std() == pytest.approx(restored, abs=0.02)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 5, 6, 8, 10])
+def test_a_filter_of_any_order_is_followed_by_one_that_is_tried(order):
+    highest_hz = 30.0
+    frequency = np.linspace(0.5, highest_hz, 100)
+    true = LowPass("butterworth", order, 1.5 * highest_hz).response(frequency)
+
+    def left(numbers, tried):
+        corner, delay = abs(numbers[0]), 1e-3 * numbers[1]
+        found = LowPass("butterworth", tried, corner, delay_s=delay).response(frequency)
+        return np.mean(np.abs(found - true) ** 2)
+
+    begun = [(tried, factor) for tried in FILTER_ORDERS for factor in (0.7, 1.0, 1.4)]
+    ends = [
+        optimize.minimize(left, [1.5 * highest_hz * factor, 0.0], (tried,), "Nelder-Mead").fun
+        for tried, factor in begun
+    ]
+    assert np.sqrt(min(ends)) < 0.004
 
 
 def test_measured_axles_drive_the_body_as_they_moved():

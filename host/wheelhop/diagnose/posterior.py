@@ -32,7 +32,7 @@ AS_LIKELY = 0.5
 """The chance that an effect is right whose number sits on its bound, if it is as likely that
 another law is what it stands in for; or beside which another as good was not tried."""
 
-RIGHT = 2.0
+ODDS_RIGHT = 2.0
 """Odds, beforehand, that what leaves a part unexplained is the right effect and no stand-in: those
 that make the answers of the published blind tables likeliest."""
 
@@ -158,13 +158,13 @@ def _no_stand_in(grounds: Grounds) -> float:
 
     A stand-in leaves any share s of the power above the floor alike, density 1. What is right may
     leave something small beside it, no size likelier than another down to what models are exact
-    to, density 1 / (s ln(1/EXACT²)). Beforehand the odds for it are `RIGHT`.
+    to, density 1 / (s ln(1/EXACT²)). Beforehand the odds for it are `ODDS_RIGHT`.
     """
     excess = grounds.baseline_over_expected**2 - 1.0
     left = max(grounds.over_expected**2 - 1.0, 0.0)
     if left >= excess:
         return 0.0
-    return RIGHT / (RIGHT + left / excess * log(1.0 / EXACT**2))
+    return ODDS_RIGHT / (ODDS_RIGHT + left / excess * log(1.0 / EXACT**2))
 
 
 def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:

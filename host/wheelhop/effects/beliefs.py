@@ -224,7 +224,8 @@ class RecorderFilter(Effect):
 
 
 FILTER_ORDERS = (1, 2, 4, 8)
-"""Between these a fit of the corner leaves next to nothing."""
+"""One of these, its corner and a delay fitted, follows a filter of any order to 0.4 % of the
+signal, of the third to 0.8 %, where the true corner is 1.5 times the highest frequency."""
 
 
 def beliefs(campaign: Campaign, vehicle: Vehicle) -> Mapping[str, Effect]:
