@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tests import truth
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import Baseline, Diagnosis, diagnose, fit_baseline
 from wheelhop.effects import Effect, load_effects
@@ -111,6 +112,12 @@ CASES = {
     ),
     "sensor-mount": Case({"sensor-mount": {"channel": "B3", **MOUNT}}, {"form": "B3", **MOUNT}),
 }
+
+
+def short_campaign(case: Case, folder: Path, **more: object) -> Path:
+    """Eight short runs of a case, quickly made."""
+    settings = {"short": True, "draft": True, "seconds": case.seconds, **more}
+    return truth.make_campaign(folder, seed=case.seed, effects=case.hidden, **settings)
 
 
 def diagnosed(folder: Path, effects: Mapping[str, Effect] = LIBRARY) -> Diagnosis:

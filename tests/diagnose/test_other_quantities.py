@@ -1,4 +1,4 @@
-"""Campaigns of potentiometers, gyros and strain gauges, made by another simulator."""
+"""Campaigns of potentiometers, gyros and strain gauges, short_campaign by another simulator."""
 
 import re
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests import truth
-from tests.diagnose.cases import CASES, FRICTION, baseline_of, diagnosed, found_in
+from tests.diagnose.cases import CASES, FRICTION, baseline_of, diagnosed, found_in, short_campaign
 from tests.truth import Sensor
 from wheelhop.diagnose import to_json
 from wheelhop.report.tables import quantity_table
@@ -110,15 +110,7 @@ def test_without_forces_that_scale_is_what_is_believed(tmp_path):
 )
 def test_other_physics_is_named_too(name, tmp_path):
     case = CASES[name]
-    folder = truth.make_campaign(
-        tmp_path,
-        seed=case.seed,
-        effects=case.hidden,
-        short=True,
-        seconds=case.seconds,
-        draft=True,
-        sensors=truth.SENSORS,
-    )
+    folder = short_campaign(case, tmp_path, sensors=truth.SENSORS)
     diagnosis = diagnosed(folder)
     assert diagnosis.verdict == case.verdict
     assert_at_the_floor(diagnosis)

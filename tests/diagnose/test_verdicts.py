@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests import truth
-from tests.diagnose.cases import CASES, LIBRARY, diagnosed, found_in, oracle_of
+from tests.diagnose.cases import CASES, LIBRARY, diagnosed, found_in, oracle_of, short_campaign
 from wheelhop.diagnose import to_json
 
 ROOT = Path(__file__).parents[2]
@@ -44,14 +44,7 @@ def test_one_hidden_effect_is_named(name, tmp_path):
     """Eight short runs, every effect of the library at clear strength, and a campaign without
     any."""
     case = CASES[name]
-    folder = truth.make_campaign(
-        tmp_path,
-        seed=case.seed,
-        effects=case.hidden,
-        short=True,
-        seconds=case.seconds,
-        draft=True,
-    )
+    folder = short_campaign(case, tmp_path)
     diagnosis = diagnosed(folder)
     assert diagnosis.verdict == case.verdict
     assert diagnosis.confidence > 0.7
