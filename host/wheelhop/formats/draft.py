@@ -14,22 +14,24 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.files import did_you_mean, quoted
-from wheelhop.files.units import SECONDS, SPELT, is_measured, to_si
+from wheelhop.files.units import SPELT, is_measured, to_si
 from wheelhop.formats import cells
+from wheelhop.formats.asked import answered, resample_keys, timing_keys, uneven, uneven_stamps
 from wheelhop.formats.digits import Digits
 from wheelhop.formats.error import ExchangeError, guarded
+from wheelhop.formats.grid import RESAMPLE
 from wheelhop.formats.labels import apart, is_unit, name_and_unit
 from wheelhop.formats.layout import Layout, find_layout
 from wheelhop.formats.mapping import ASKED, SEPARATORS, Map, parse_mapping
 from wheelhop.formats.places import likely_points
 from wheelhop.formats.registry import is_text, load
-from wheelhop.formats.stamps import SAMPLE, Stamps, of_texts
+from wheelhop.formats.resample import clocks_are_known, side_by_side
+from wheelhop.formats.stamps import Stamps, of_texts
 from wheelhop.formats.stated import stated_rates
 from wheelhop.formats.table import POINTS
 from wheelhop.formats.timing import Column, Question, Timing, find_timing
 from wheelhop.logger.recording import ACCELERATION
 
-FASTEST_ANSWER_HZ = 1e12
 CHANNEL, TIME, LEFT_OUT = "a channel", "time", "left out"
 UNNAMED = re.compile(r"[\s,\"]*[,\"][\s,\"]*")
 """What a name cannot hold in every format that is written."""
@@ -88,7 +90,7 @@ class Understood:
         said = {key: value for key, value, _ in self.keys if value not in ("0", '""')}
         kept = (
             *("separator", "decimal", "thousands", "header_row", "units_row", "first_row"),
-            *("last_row", "time", "time_unit", "rate_hz"),
+            *("last_row", "time", "time_unit", "rate_hz", "resample_hz"),
         )
         return ", ".join(f"{key} {said[key]}" for key in kept if key in said)
 
@@ -135,12 +137,12 @@ def understand(path: Path, answers: Mapping[str, str] | None = None) -> Understo
     with guarded(path, "be understood"):
         text = cells.read_ends(path)
         layout = find_layout(text, str(path))
-        found = _of_text(path, text.lines, layout, answers)
+        found = _of_text(path, text, layout, answers)
     return replace(found, remarks=(*text.remarks, *found.remarks))
 
 
 def _of_text(
-    path: Path, lines: Sequence[str], layout: Layout, answers: Mapping[str, str]
+    path: Path, text: cells.Text, layout: Layout, answers: Mapping[str, str]
 ) -> Understood:
     questions: list[Question] = []
     digits = layout.digits
@@ -150,13 +152,20 @@ def _of_text(
         questions.append(Question("decimal", f"the decimal sign: {digits.asked}"))
     columns = _columns(layout, digits)
     above = [k for k in range(1, layout.first_row) if k not in layout.header_rows]
-    stated = stated_rates([lines[k - 1] if k in above else "" for k in range(1, layout.first_row)])
+    head = range(1, layout.first_row)
+    stated = stated_rates([text.lines[k - 1] if k in above else "" for k in head])
     blank = bool(questions)  # the numbers cannot be read yet, nor the time
     try:
-        timing = Timing() if blank else _answered(find_timing(columns, stated), answers)
+        timing = Timing() if blank else answered(find_timing(columns, stated), answers)
     except ExchangeError as error:
         raise ExchangeError(f"{path}: {error}") from None
     questions += timing.questions
+    words = ""
+    if timing.index is not None and not questions:
+        column = _first_rows(columns[timing.index], text.begun)
+        words = uneven_stamps(column, timing, path, layout.first_row)
+    resampling, asked = resample_keys(words, answers)
+    questions += asked
     names = _keys(layout.labels)
     mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
     heads = layout.header_rows
@@ -180,7 +189,8 @@ def _of_text(
             if layout.last_row
             else None
         ),
-        *_timing_keys(timing, names),
+        *timing_keys(timing, names),
+        *resampling,
     ]
     return Understood(
         path,
@@ -189,6 +199,13 @@ def _of_text(
         tuple(questions),
         tuple(filter(None, [timing.guess])),
     )
+
+
+def _first_rows(column: Column, begun: int) -> Column:
+    """The rows of a large text's beginning, of which lines in the middle were passed over."""
+    if not begun or column.values is None:
+        return column
+    return replace(column, values=column.values[:begun])
 
 
 def _short(text: str) -> str:
@@ -226,44 +243,6 @@ def _read_stamps(texts: Sequence[str]) -> Stamps | str:
         return of_texts(there, "", lambda row: f"row {row + 1}")
     except ExchangeError as error:
         return str(error).partition(": ")[2]
-
-
-def _answered(timing: Timing, answers: Mapping[str, str]) -> Timing:
-    """Timing with the answers to what it asked; a unit that counts samples asks for the rate."""
-    unit, rate = answers.get("time_unit"), timing.rate_hz
-    if "rate_hz" in answers:
-        try:
-            rate = float(answers["rate_hz"])
-        except ValueError:
-            rate = 0.0
-        if not 0.0 < rate < FASTEST_ANSWER_HZ:
-            raise ExchangeError(f"rate_hz = {answers['rate_hz']} is no number of samples a second")
-    asked = {question.key: question for question in timing.questions}
-    if unit and "time_unit" in asked:
-        timing = replace(timing, unit=unit, why="as you said")
-        del asked["time_unit"]
-        if unit == SAMPLE and rate is None:
-            asked["rate_hz"] = Question("rate_hz", "a counter says no time")
-    if rate is not None:
-        asked.pop("rate_hz", None)
-    return replace(timing, rate_hz=rate, questions=tuple(asked.values()))
-
-
-def _timing_keys(timing: Timing, names: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    asked = {question.key: question.words for question in timing.questions}
-    if timing.index is not None:
-        yield "time", names[timing.index], ""
-        notes = {SAMPLE: "a counter of samples: its gaps are kept"}
-        note = asked.get("time_unit") or notes.get(timing.unit, "")
-        if timing.guess and timing.unit != SAMPLE:
-            note = "not said: s, ms?" if timing.unit in SECONDS else timing.why
-        if timing.guess and timing.unit == SAMPLE:
-            note = f"{timing.guess}: is it so?"
-        yield "time_unit", quoted(timing.unit), note
-    if timing.rate_hz is not None:
-        yield "rate_hz", repr(timing.rate_hz), timing.why
-    elif "rate_hz" in asked:
-        yield "rate_hz", '""', f"{asked['rate_hz']}: how many samples has a second?"
 
 
 def _found(
@@ -316,14 +295,22 @@ def _of_tables(path: Path, answers: Mapping[str, str]) -> Understood:
     if not tables:
         raise ExchangeError(f"{path}: holds no channels of numbers")
     table = tables[0]
-    if len(tables) > 1:
+    several: tuple[str, ...] = ()
+    if len(tables) > 1 and "resample_hz" in answers:
+        table = side_by_side(tables)
+    elif len(tables) > 1:
         names = ", ".join(quoted(table.group) for table in tables)
-        keys.append(("group", quoted(table.group), f"one of {names}"))
+        together = f"; or leave group out, and {RESAMPLE}" if clocks_are_known(tables) else ""
+        said = f"one of {names}{together}"
+        keys.append(("group", quoted(table.group), said))
+        several = (f"of groups with clocks of their own, {names}, the first is shown",)
     timing = Timing()
     if table.time_s is None and table.rate_hz is None:
         words = table.asked or "the file has no time"
-        timing = _answered(Timing(questions=(Question("rate_hz", words),)), answers)
-        keys += _timing_keys(timing, ())
+        timing = answered(Timing(questions=(Question("rate_hz", words),)), answers)
+        keys += timing_keys(timing, ())
+    resampling, asked = resample_keys(uneven(table), answers)
+    keys += resampling
     count = Counter(channel.name for channel in table.channels)
     units = [channel.unit for channel in table.channels]
     bare = [name_and_unit(channel.name) for channel in table.channels]
@@ -339,7 +326,8 @@ def _of_tables(path: Path, answers: Mapping[str, str]) -> Understood:
         why = _why(channel.unit)
         found = Found(key, channel.name, named[k], channel.unit, CHANNEL, why, points[k])
         columns.append(found)
-    return Understood(path, tuple(keys), tuple(columns), timing.questions, (), table.remarks)
+    questions = (*timing.questions, *asked)
+    return Understood(path, tuple(keys), tuple(columns), questions, (), (*several, *table.remarks))
 
 
 def _keys(labels: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -20,6 +20,7 @@ from wheelhop.files import check_plain, replacing, write_text
 from wheelhop.formats.error import ExchangeError, guarded
 from wheelhop.formats.header import read_sidecar, sidecar, to_text
 from wheelhop.formats.mapping import Map
+from wheelhop.formats.resample import onto_rate
 from wheelhop.formats.table import Table, choose, to_recording
 from wheelhop.logger.recording import Recording
 
@@ -118,7 +119,13 @@ def read(path: Path, mapping: Map | None = None, guess: bool = True) -> Recordin
     where their names mean; without `guess` nothing is guessed, and refused what would have to be.
     """
     tables = load(path, mapping)
-    table = choose(tables, mapping.group if mapping else "", path)
+    group = mapping.group if mapping else ""
+    if mapping is not None and mapping.resample_hz is not None:
+        wanted = [choose(tables, group, path)] if group or not tables else tables
+        table = onto_rate(wanted, mapping)
+        mapping = replace(mapping, rate_hz=None)
+    else:
+        table = choose(tables, group, path)
     return to_recording(table, mapping, guess)
 
 

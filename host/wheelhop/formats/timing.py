@@ -300,7 +300,8 @@ def _agreeing(
             question = Question("rate_hz", f"{words}: which is right?")
             return Timing(best.index, best.unit, None, best.why, best.guess, (question,))
     if best.jitter >= 1.0:
-        words = f"several rows share a stamp: it is about {best.rate_hz:.4g} Hz"
+        words = f"several rows share a stamp: it is about {best.rate_hz:.4g} Hz, if the rows are"
+        words += " equally spaced (if not, say resample_hz)"
         question = Question("rate_hz", words)
         return Timing(best.index, best.unit, None, best.why, best.guess, (question,))
     wrong = {r: line for r, line in stated.items() if abs(r / best.rate_hz - 1) > AGREE}
