@@ -329,7 +329,6 @@ def _channel_lines(like: Recording, places: Mapping[str, Place]) -> list[str]:
     said = {c.name: places.get(c.name, c.point or c.name) for c in like.channels}
     if not places and set(names) == set(AXLE_POINTS + BODY_POINTS):
         return []
-    uncertain = uncertain_between(like)
     placed = {n: place_of(place) if isinstance(place, str) else place for n, place in said.items()}
     for channel in like.channels:  # one that was resampled states its noise
         if rms := uncertain_between(like).get(channel.name):

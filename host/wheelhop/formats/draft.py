@@ -25,10 +25,10 @@ from wheelhop.formats.layout import Layout, find_layout
 from wheelhop.formats.mapping import ASKED, SEPARATORS, Map, parse_mapping
 from wheelhop.formats.places import likely_points
 from wheelhop.formats.registry import is_text, load
-from wheelhop.formats.resample import clocks_are_known, side_by_side
+from wheelhop.formats.resample import side_by_side
 from wheelhop.formats.stamps import Stamps, of_texts
 from wheelhop.formats.stated import stated_rates
-from wheelhop.formats.table import POINTS
+from wheelhop.formats.table import POINTS, clocks_are_known
 from wheelhop.formats.timing import Column, Question, Timing, find_timing
 from wheelhop.logger.recording import ACCELERATION
 
@@ -197,8 +197,18 @@ def _of_text(
         tuple(key for key in keys if key is not None),
         tuple(_found(layout, columns, timing, names)),
         tuple(questions),
-        tuple(filter(None, [timing.guess])),
+        (*filter(None, [timing.guess]), *_by_endings(layout, columns, timing)),
     )
+
+
+def _by_endings(layout: Layout, columns: Sequence[Column], timing: Timing) -> Iterator[str]:
+    """Units that only the one letter behind a name's last _ says: the g of z_g may be the
+    ground."""
+    for k, column in enumerate(columns):
+        said = layout.units[k] if layout.units else ""
+        by_name = column.unit and not said and not name_and_unit(column.label, endings=False)[1]
+        if by_name and k != timing.index and re.search(r"_[A-Za-z]$", column.label):
+            yield f"{column.label} is in {column.unit}, by the end of its name"
 
 
 def _first_rows(column: Column, begun: int) -> Column:

@@ -110,8 +110,10 @@ def fit_grid(
         return rounded
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0)) + 1
-        raise ExchangeError(
+        falls = bool((steps < 0).any())
+        raise (ExchangeError if falls else UnevenError)(
             f"{where(row)}: time does not rise, from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s"
+            f"{'' if falls else f': {RESAMPLE}'}"
         )
     period = 1.0 / rate_hz if rate_hz else typical_step(steps)
     counts = np.round(steps / period)

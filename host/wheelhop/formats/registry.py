@@ -57,8 +57,14 @@ FORMATS = {
     ".unv": UFF,
     ".tdms": Format("National Instruments TDMS", "tdms"),
     ".lvm": Format("LabVIEW measurement", "lvm", own_time=True),
+    ".mat": Format("MATLAB", "matlab"),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf"), Format("HDF5", "hdf5")),
+    ".ide": Format("enDAQ", "ide", own_time=True),
+    **dict.fromkeys((".mcap", ".bag", ".db3"), Format("ROS bag or MCAP", "bags", own_time=True)),
+    **dict.fromkeys((".xrk", ".xrz"), Format("AiM", "aim", own_time=True)),
+    ".vbo": Format("VBOX", "vbo", own_time=True),
     ".hop": Format("the logger's own", "hop", own_time=True),
-    **dict.fromkeys((".txt", ".tsv", ".dat", ".asc"), TEXT),
+    **dict.fromkeys((".txt", ".tsv", ".dat", ".asc", ".log"), TEXT),
 }
 
 
@@ -88,6 +94,13 @@ def _format_of(path: Path) -> Format:
 
 
 SHEETS = (".xlsx", ".xls", ".xlsm", ".ods")
+EXPORTS = {
+    ".ld": "MoTeC's own log: in i2 choose File, Export Data, CSV file, all channels at their rate",
+    ".drk": "AiM's old log: in RaceStudio choose Export, CSV file",
+    ".vbb": "VBOX's binary log: in VBOX Test Suite choose Export, VBO file",
+    ".dxd": "DEWESoft's own log: in DewesoftX choose Export, MDF4 or MATLAB",
+}
+"""What is not read, and how its program writes something that is."""
 
 
 def load(path: Path, mapping: Map | None = None) -> list[Table]:
@@ -190,6 +203,8 @@ def _format(path: Path) -> Format:
             f"{path}: is a spreadsheet: save the sheet as CSV (UTF-8) in the program it comes from,"
             " and import that; wheelhop import FILE.csv --draft begins a mapping"
         )
+    if suffix in EXPORTS:
+        raise ExchangeError(f"{path}: is {EXPORTS[suffix]}, and import what that writes")
     raise ExchangeError(f"{path}: '{suffix}' is no format known here: {', '.join(FORMATS)}")
 
 

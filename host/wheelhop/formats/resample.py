@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import SILENT, STRAY
 from wheelhop.formats.mapping import Map, Pick
-from wheelhop.formats.table import Between, Table, columns_of
+from wheelhop.formats.table import Between, Table, clocks_are_known, columns_of
 
 USUAL = 0.9
 """Share of a channel's steps that do not exceed its usual one: phones and buses take short and long
@@ -167,13 +167,6 @@ def _clocks(tables: Sequence[Table], mapping: Map) -> list[NDArray[np.float64]]:
             raise ExchangeError(f"{table.where(row)}: {time_s[row]} is no time")
         found.append(time_s + offset_s)
     return found
-
-
-def clocks_are_known(tables: Sequence[Table]) -> bool:
-    """Whether it is known how far apart the tables' clocks began."""
-    return all(table.same_clock for table in tables) or all(
-        table.start_unix_s is not None for table in tables
-    )
 
 
 def _apart(tables: Sequence[Table]) -> list[float]:

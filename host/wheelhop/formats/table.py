@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wheelhop.files.units import is_measured, to_si
 from wheelhop.formats.cells import is_number
 from wheelhop.formats.error import ExchangeError
-from wheelhop.formats.grid import Grid, fit_grid
+from wheelhop.formats.grid import RESAMPLE, Grid, fit_grid
 from wheelhop.formats.header import Header
 from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.mapping import Map, Pick
@@ -80,6 +80,13 @@ class Table:
         return f"{self.file}: {place}"
 
 
+def clocks_are_known(tables: Sequence[Table]) -> bool:
+    """Whether it is known how far apart the tables' clocks began."""
+    return all(table.same_clock for table in tables) or all(
+        table.start_unix_s is not None for table in tables
+    )
+
+
 def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
     """The table of this group, or the only one there is."""
     if group:
@@ -92,7 +99,10 @@ def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
         raise ExchangeError(f"{file}: holds no channels of numbers")
     names = ", ".join(f'"{table.group}" ({len(table.channels)} channels)' for table in tables)
     wrong = f'has no group "{group}"' if group else "holds groups that were not sampled together"
-    raise ExchangeError(f"{file}: {wrong}: choose with group = … in a mapping from {names}")
+    together = f", or {RESAMPLE}" if not group and clocks_are_known(tables) else ""
+    raise ExchangeError(
+        f"{file}: {wrong}: choose with group = … in a mapping from {names}{together}"
+    )
 
 
 def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recording:

@@ -83,7 +83,8 @@ class Timing:
 
 @dataclass(frozen=True)
 class _Clock:
-    """A column that may be time: in which unit, at what rate, why, and what is asked."""
+    """A column that may be time: in which unit, at what rate, why, and what is asked. It is `whole`
+    if it stands in every row and never begins again, as the time of a lap does."""
 
     index: int
     unit: str
@@ -93,11 +94,12 @@ class _Clock:
     asked: str = ""
     absolute: bool = False
     jitter: float = 0.0
+    whole: bool = True
 
     @property
-    def rank(self) -> tuple[bool, bool, bool]:
-        """The best one comes first: sure, even, and one that says the date."""
-        return bool(self.guess), self.jitter > 0.1, not self.absolute
+    def rank(self) -> tuple[bool, bool, bool, bool]:
+        """The best one comes first: sure, whole, even, and one that says the date."""
+        return bool(self.guess), not self.whole, self.jitter > 0.1, not self.absolute
 
 
 def find_timing(columns: Sequence[Column], stated: Mapping[float, int]) -> Timing:
@@ -171,7 +173,8 @@ def _clock(index: int, column: Column) -> _Clock | None:
     there = column.values[~np.isnan(column.values)]
     if not len(there) or (len(there) > 1 and not _rises(there)):
         return None
-    return _numbers(index, replace(column, values=there), named)
+    whole = len(there) == len(column.values) and bool((np.diff(there) >= 0).all())
+    return replace(_numbers(index, replace(column, values=there), named), whole=whole)
 
 
 def _dated(index: int, stamps: Stamps | str) -> _Clock:
@@ -292,7 +295,8 @@ def _agreeing(
                 f"columns {best.index + 1} and {other.index + 1} are both called {one.label} and"
                 " differ: channels with times of their own cannot be one table: save it on one time"
             )
-        if abs(other.rate_hz / best.rate_hz - 1) > AGREE and not other.guess:
+        belies = other.whole and not other.guess
+        if abs(other.rate_hz / best.rate_hz - 1) > AGREE and belies:
             words = " and ".join(
                 f"{columns[clock.index].label} goes at {clock.rate_hz:.6g} Hz"
                 for clock in (best, other)
@@ -326,7 +330,8 @@ def _lines(stated: Mapping[float, int]) -> str:
 def _counts(column: Column) -> bool:
     """Whether a column counts by ones, but for gaps and places where it begins again."""
     values = column.values
-    if values is None or column.unit or is_time_name(column.label) or len(values) < 3:
+    named = is_time_name(column.label) or words_in(column.name) & FREQUENCIES
+    if values is None or column.unit or named or len(values) < 3:
         return False
     steps = np.diff(values)
     return bool((values == np.round(values)).all() and (steps == 1).mean() > 0.8)
