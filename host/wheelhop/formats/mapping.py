@@ -28,7 +28,7 @@ LARGEST = 1e300
 KEYS = (
     *("format", "separator", "decimal", "thousands", "encoding"),
     *("header_row", "units_row", "first_row", "last_row"),
-    *("time", "time_unit", "rate_hz", "resample_hz", "group", "channel"),
+    *("time", "time_unit", "rate_hz", "resample_hz", "by", "group", "channel"),
 )
 CHANNEL_KEYS = (
     "column",
@@ -66,7 +66,8 @@ class Map:
     `separator` is None for any run of blanks; rows are lines from 1, a `header_row` or `units_row`
     of 0 means there is none, a `last_row` of 0 that all lines are rows; names may stand in several
     lines. Time is a column (name or number) in `time_unit`, empty: as the file says; or `rate_hz`.
-    With `resample_hz` all channels are taken to that rate.
+    With `resample_hz` all channels are taken to that rate. Words in the column `by` say which
+    channel a row is of.
     A `group` is chosen where a file has several. Without `picks` every column is a channel.
     """
 
@@ -84,6 +85,7 @@ class Map:
     thousands: str = ""
     last_row: int = 0
     resample_hz: float | None = None
+    by: str | int = ""
 
     @property
     def header_rows(self) -> tuple[int, ...]:
@@ -161,6 +163,7 @@ def parse_mapping(text: str, file: Path) -> Map:
         thousands=thousands,
         last_row=keys.row("last_row", 0),
         resample_hz=resample or None,
+        by=keys.column("by"),
     )
 
 

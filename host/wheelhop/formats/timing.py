@@ -168,13 +168,16 @@ def _clock(index: int, column: Column) -> _Clock | None:
     if column.values is None:
         return None
     named, timed = is_time_name(column.label), seconds_in(column.unit) is not None
-    if not (named or timed) or (column.unit and not timed and not named):
-        return None
     there = column.values[~np.isnan(column.values)]
+    nameless = not column.unit and NAMELESS.fullmatch(column.label) is not None
+    since_1970 = nameless and any(is_epoch(there, SECONDS[unit]) for unit in PLAIN)
+    if not (named or timed or since_1970) or (column.unit and not timed and not named):
+        return None
     if not len(there) or (len(there) > 1 and not _rises(there)):
         return None
     whole = len(there) == len(column.values) and bool((np.diff(there) >= 0).all())
-    return replace(_numbers(index, replace(column, values=there), named), whole=whole)
+    found = replace(_numbers(index, replace(column, values=there), named), whole=whole)
+    return replace(found, guess=f"{column.label} is {found.why}") if since_1970 else found
 
 
 def _dated(index: int, stamps: Stamps | str) -> _Clock:
