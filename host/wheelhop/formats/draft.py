@@ -38,6 +38,7 @@ from wheelhop.formats.understood import (
 )
 from wheelhop.formats.understood_tables import of_tables
 
+ROW_EACH = "a row holds a value of one channel"
 UNNAMED = re.compile(r"[\s,\"]*[,\"][\s,\"]*")
 """What a name cannot hold in every format that is written."""
 
@@ -123,14 +124,15 @@ def _of_text(
         ("by", names[key], "says which channel a row is of") if key is not None else None,
     ]
     said = tuple(item for item in keys if item is not None)
+    granted = tuple(filter(None, [timing.guess]))
     if key is not None and not questions:
-        return _in_long_form(path, said, answers)
+        return replace(_in_long_form(path, said, answers), guesses=(*granted, ROW_EACH))
     return Understood(
         path,
         said,
         tuple(_found(layout, columns, timing, names)),
         tuple(questions),
-        (*filter(None, [timing.guess]), *_by_endings(layout, columns, timing)),
+        (*granted, *_by_endings(layout, columns, timing)),
     )
 
 
@@ -153,8 +155,7 @@ def _in_long_form(
     """What is understood of a table with a row for each value, once its time is known."""
     without = tuple(item for item in keys if item[0] != "resample_hz")
     tables = load(path, Understood(path, without, ()).mapping())
-    found = of_tables(path, tables, answers, without)
-    return replace(found, guesses=("a row holds a value of one channel",))
+    return of_tables(path, tables, answers, without)
 
 
 def _by_endings(layout: Layout, columns: Sequence[Column], timing: Timing) -> Iterator[str]:

@@ -47,7 +47,8 @@ class Table:
     of the file the channels are, if not all of them; `remarks` are what else the history has to
     say, `asked` is why there is no time, and `granted` what of it is taken for granted. Tables of
     a file are on the `same_clock` if their `time_s` count from one instant. `between` is of
-    channels that were resampled.
+    channels that were resampled. What is `spare` nobody else holds: its values may be converted
+    where they are.
     """
 
     file: Path
@@ -68,6 +69,7 @@ class Table:
     granted: str = ""
     same_clock: bool = False
     between: tuple[Between, ...] = ()
+    spare: bool = False
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -162,14 +164,16 @@ def _converted(
     table: Table, picks: Sequence[Pick]
 ) -> tuple[tuple[Channel, ...], NDArray[np.float64], list[str]]:
     """The channels that were picked, their samples (n, c) in SI, and what was done to them."""
-    channels, steps, values = [], [], np.empty((len(table.values), len(picks)))
+    channels, steps = [], []
     chosen = columns_of(table, picks)
+    in_place = table.spare and chosen == list(range(table.values.shape[1]))
+    values = table.values if in_place else np.empty((len(table.values), len(picks)), order="F")
     found = [table.channels[column] for column in chosen]
     numbers = [table.columns[column] for column in chosen]
     names = apart([_name(old) for old in found], [old.unit for old in found], numbers)
     for k, (pick, old, column) in enumerate(zip(picks, found, chosen, strict=True)):
         unit, factor = to_si(pick.unit or old.unit)
-        values[:, k] = (table.values[:, column] * pick.scale + pick.offset) * factor
+        _convert(table.values[:, column], values[:, k], pick, factor)
         channels.append(
             Channel(
                 name=pick.name or names[k],
@@ -181,15 +185,27 @@ def _converted(
         )
         steps += _conversion(pick, old, channels[-1], factor)
     _check_names(table.file, channels)
-    missing = np.isnan(values)
-    whole = missing.all(axis=1, keepdims=True)
-    own = (missing & ~whole).sum(axis=0)
-    if own.any():
-        _check_dead(table.file, channels, values)
-    for channel, count in zip(channels, own.tolist(), strict=True):
+    missing = [int(np.isnan(column).sum()) for column in values.T]
+    if any(missing):
+        whole = np.logical_and.reduce([np.isnan(column) for column in values.T])
+        own = [count - int(whole.sum()) for count in missing]
+        if any(own):
+            _check_dead(table.file, channels, values)
+    else:
+        own = missing
+    for channel, count in zip(channels, own, strict=True):
         if count:
             steps.append(f"{channel.name}: rows without a value of its own: {count}; left empty")
     return tuple(channels), values, steps
+
+
+def _convert(old: NDArray[np.float64], new: NDArray[np.float64], pick: Pick, factor: float) -> None:
+    """Write (old × scale + offset) × factor to `new`, which may be where `old` is."""
+    np.multiply(old, pick.scale, out=new)
+    if pick.offset:
+        new += pick.offset
+    if factor != 1.0:
+        new *= factor
 
 
 def _uncertain(

@@ -128,6 +128,7 @@ def _in_bulk(path: Path, mapping: Map) -> Table | None:
         remarks=(f"lines from {mapping.last_row + 1} on, below the table: left out",)
         if body.cut
         else (),
+        spare=True,
     )
     if clock is None:
         return table
