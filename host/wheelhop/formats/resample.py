@@ -26,8 +26,6 @@ steps in turn."""
 LONGEST_GAP = 4.0
 """In usual steps: over more than that a straight line says nothing, for the error of a smooth
 signal is 16 times as large by then. It is left empty."""
-SMOOTH = 2.0
-"""The largest power with which a straight line's error grows with the step (Taylor)."""
 FEWEST = 10
 """Samples that tell how uncertain a channel is between them."""
 LATEST_S = 1e15  # beyond it a number is no time
@@ -111,7 +109,7 @@ class _Series:
         if min(len(near), len(far)) < FEWEST:
             return float(np.std(self.values))
         one, two = (float(np.sqrt(np.mean(np.square(off)))) for off in (near, far))
-        return 0.0 if one == 0.0 else one / float(np.clip(two / one, 1.0, 2.0**SMOOTH))
+        return 0.0 if one == 0.0 else one / max(1.0, two / one)
 
     def _left_out(self, reach: int) -> NDArray[np.float64]:
         """How far samples are off the line between those `reach` before and after, without gaps."""
