@@ -131,7 +131,7 @@ class Heights:
 
     @property
     def _gain(self) -> Array:
-        """Variance (f,) of a coefficient of the height over that of the noise, 1/m² by 1/(1/s²)²."""
+        """Variance (f,) of a coefficient of the heights, over that of the noise."""
         ground, count = self.ground, self.ground.series.count
         variance = np.interp(self._wave, ground.wave_number_rad_m, self.variance[:count])
         density = variance / ground.step_rad_m
