@@ -34,7 +34,7 @@ POINTERS = {
 NEVER = (
     ("follow_path", "create_chain"),
     ("Session::meet", "f_open", "create_chain"),
-    ("close", "f_lseek", "put_fat"),
+    ("close", "f_lseek", "create_chain"),
 )
 
 

@@ -5,8 +5,6 @@
 // into a block (ring), brings full blocks to a file on the card without ever waiting for it
 // (session, sdcard), sends scans to the host (stream) and does what the host asks for (console).
 // What is written and sent: SPEC.md; why so: DESIGN.md.
-#include <Arduino.h>
-
 #include "avr.h"
 #include "console.h"
 #include "panel.h"
@@ -57,14 +55,6 @@ void show_light() {
     board::set_led(led_lit(light, trouble, board::milliseconds()));
 }
 
-}  // namespace
-
-void setup() {
-    board::begin();
-    session.begin();
-    console.say('M', FLASH("ready"));
-}
-
 void loop() {
     board::feed_watchdog();
     if (session.wants_to_begin()) {
@@ -78,11 +68,20 @@ void loop() {
     }
     pump();
     console.poll();
-    if (session.full() && !console.stop(End::Full) && session.settings.resume) console.start(true);
+    if (session.over() && !console.stop(End::Full) && session.settings.resume) console.start(true);
     if (button.pressed(board::button_down(), board::milliseconds())) {
         session.running() ? console.stop(End::Button) : console.start();
     }
     tell_trouble();
     show_light();
     board::sleep();
+}
+
+}  // namespace
+
+int main() {
+    board::begin();
+    session.begin();
+    console.say('M', FLASH("ready"));
+    for (;;) loop();
 }

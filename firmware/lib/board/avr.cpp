@@ -1,12 +1,13 @@
 #ifdef __AVR__
 #include "avr.h"
 
-#include <Arduino.h>
 #include <avr/eeprom.h>
 #include <avr/interrupt.h>
+#include <avr/io.h>
 #include <avr/pgmspace.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
+#include <util/atomic.h>
 
 #include "crc16.h"
 
@@ -57,6 +58,7 @@ const uint8_t kBandgap = 0x0E;
 uint8_t reset_flags __attribute__((section(".noinit")));
 uint16_t awake __attribute__((section(".noinit")));
 const uint16_t kAwake = 0x5AC3;
+uint32_t now_ms;
 
 uint16_t convert() {
     ADCSRA |= _BV(ADSC);
@@ -100,6 +102,10 @@ Sampler sampler;
 Link serial;
 
 void begin() {
+    TCCR0A = _BV(WGM01);  // Timer0 counts 250 times 64 clocks: a millisecond
+    TCCR0B = _BV(CS01) | _BV(CS00);
+    OCR0A = 249;
+    TIMSK0 = _BV(OCIE0A);
     BUTTON_PORT |= kButton;  // pull-up
     LED_DDR |= kLed;
     PORTB |= kSelect | kMiso;  // pull-up: an empty socket reads as 0xFF
@@ -115,13 +121,15 @@ void begin() {
     sample(0);
     set_sleep_mode(SLEEP_MODE_IDLE);
     wdt_enable(WDTO_2S);
+    sei();
 }
 
-uint32_t milliseconds() { return ::millis(); }
-
-uint16_t dice() {
-    return static_cast<uint16_t>(::micros() / 4) ^ static_cast<uint16_t>(::micros() << 5);
+uint32_t milliseconds() {
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { return now_ms; }
+    return 0;  // which is not reached
 }
+
+uint16_t dice() { return static_cast<uint16_t>(milliseconds() << 8 | TCNT0); }
 
 void feed_watchdog() { wdt_reset(); }
 
@@ -173,12 +181,12 @@ uint16_t spi_receive(uint8_t* data, uint16_t size) {
     while (--size) {
         SPDR = 0xFF;
         crc = crc16_update(crc, byte);
-        *data++ = byte;
+        if (data) *data++ = byte;
         while (!(SPSR & _BV(SPIF))) {
         }
         byte = SPDR;
     }
-    *data = byte;
+    if (data) *data = byte;
     return crc16_update(crc, byte);
 }
 
@@ -247,6 +255,8 @@ ISR(ADC_vect) {
     if (clocks < kEarliestEnd && !(ADCSRA & _BV(ADSC))) board::sampler.note_late_trigger();
     board::sampler.collect(ended == kBandgap ? Sampler::kSupply : ended, ADC);
 }
+
+ISR(TIMER0_COMPA_vect) { ++now_ms; }
 
 ISR(USART_UDRE_vect) {
     uint8_t byte;

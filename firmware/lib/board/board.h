@@ -19,7 +19,7 @@ void card_select(bool selected);
 void spi_fast(bool fast);  // 4 MHz instead of the 250 kHz that a card needs to wake up
 uint8_t spi_exchange(uint8_t sent);
 uint16_t spi_send(const uint8_t* data, uint16_t size);  // both return the data's CRC
-uint16_t spi_receive(uint8_t* data, uint16_t size);
+uint16_t spi_receive(uint8_t* data, uint16_t size);  // nullptr: data are not kept
 
 // EEPROM
 void eeprom_read(uint8_t address, void* data, uint8_t size);

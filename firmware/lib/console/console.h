@@ -7,7 +7,7 @@ class Console {
   public:
     // `meanwhile` is called again and again while a frame waits for the one before to leave:
     // sampling and card go on.
-    Console(Link& link, Session& session, void (*meanwhile)())
+    constexpr Console(Link& link, Session& session, void (*meanwhile)())
         : link_(link), session_(session), meanwhile_(meanwhile) {}
 
     void poll();  // carry out a command, if there is one

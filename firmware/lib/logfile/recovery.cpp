@@ -1,4 +1,8 @@
 // A session that a reset has ended: where does it end, and how is it closed?
+#include <ff.h>
+
+#include <diskio.h>
+
 #include "files.h"
 #include "logfile.h"
 
@@ -52,9 +56,9 @@ __attribute__((noinline)) bool summarise(FIL& file, Block& block, uint32_t end,
     block.late = late;
     describe(block, due - lost);
     block.seal(session, end);
-    UINT count;
-    return f_lseek(&file, end << 9) == FR_OK &&
-           f_write(&file, &block, sizeof block, &count) == FR_OK;
+    // A byte further: then FatFs tells the block's sector.
+    return f_lseek(&file, (end << 9) + 1) == FR_OK &&
+           disk_write(0, reinterpret_cast<const BYTE*>(&block), file.sect, 1) == RES_OK;
 }
 
 // Blocks of the file once it is closed; 0 if there is nothing to close.

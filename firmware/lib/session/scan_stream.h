@@ -8,7 +8,7 @@
 // be sent before the next one comes is dropped: the file has it.
 class ScanStream {
   public:
-    explicit ScanStream(Link& link) : link_(link) {}
+    explicit constexpr ScanStream(Link& link) : link_(link) {}
 
     // Send this scan; false if the one before was dropped for it.
     bool offer(uint32_t session, const Scan& scan) {

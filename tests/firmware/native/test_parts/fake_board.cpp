@@ -261,8 +261,13 @@ uint16_t spi_send(const uint8_t* data, uint16_t size) {
 }
 
 uint16_t spi_receive(uint8_t* data, uint16_t size) {
-    for (uint16_t k = 0; k < size; ++k) data[k] = spi_exchange(0xFF);
-    return crc16(data, size);
+    uint16_t crc = 0;
+    for (uint16_t k = 0; k < size; ++k) {
+        const uint8_t byte = spi_exchange(0xFF);
+        crc = crc16_update(crc, byte);
+        if (data) data[k] = byte;
+    }
+    return crc;
 }
 
 void eeprom_read(uint8_t address, void* data, uint8_t size) {
