@@ -17,9 +17,9 @@ namespace {
 void pump() __attribute__((noinline));  // its memory is not on the stack below FatFs
 void tell_config_problem(uint16_t line_number, const FlashChar* problem);
 
-Session session(board::sampler, tell_config_problem);
-ScanStream stream(board::serial);
-Console console(board::serial, session, pump);
+Session session(tell_config_problem);
+ScanStream stream;
+Console console(session, pump);
 Button button;
 Trouble shown = kNoTrouble;  // what the light shows
 
@@ -37,6 +37,9 @@ void pump() {
 void tell_config_problem(uint16_t line_number, const FlashChar* problem) {
     console.say_config_problem(line_number, problem);
 }
+
+void say_ready() __attribute__((noinline));  // nor does main() hold what this does
+void say_ready() { console.say('M', FLASH("ready")); }
 
 void tell_trouble() {
     const Trouble trouble = session.trouble();
@@ -79,9 +82,10 @@ void loop() {
 
 }  // namespace
 
+int main() __attribute__((OS_main));  // nobody wants registers back
 int main() {
     board::begin();
     session.begin();
-    console.say('M', FLASH("ready"));
+    say_ready();
     for (;;) loop();
 }

@@ -71,14 +71,17 @@ uint16_t convert() {
 //
 // Boot loaders clear the flags. Optiboot hands them on in r2 from its version 5 on, which the last
 // byte of the flash tells; those that Arduino ships do not. Then the RAM tells at least whether the
-// power was off.
+// power was off. Optiboot starts the program by its watchdog after an external reset: before
+// version 7 that cannot be told from ours, from then on both flags are up.
 extern "C" void save_reset_flags() __attribute__((naked, used, section(".init3")));
 void save_reset_flags() {
     uint8_t handed_on;
     asm volatile("mov %0, r2" : "=r"(handed_on));
     const uint8_t version = read_flash_byte(FLASHEND);
     uint8_t flags = MCUSR;
-    if (!flags && version >= 5 && version != 0xFF) flags = handed_on;
+    if (!flags && version >= 5 && version != 0xFF) {
+        flags = version < 7 ? handed_on & static_cast<uint8_t>(~_BV(WDRF)) : handed_on;
+    }
     if (!flags && awake != kAwake) flags = _BV(PORF);
     if (flags & _BV(PORF) || awake != kAwake) board::unfinished = 0;
     reset_flags = flags;
@@ -135,10 +138,10 @@ void feed_watchdog() { wdt_reset(); }
 
 const FlashChar* reset_cause() {
     const uint8_t flags = reset_flags;
-    if (flags & _BV(WDRF)) return FLASH("watchdog");
     if (flags & _BV(PORF)) return FLASH("power");
     if (flags & _BV(BORF)) return FLASH("brown-out");
     if (flags & _BV(EXTRF)) return FLASH("external");
+    if (flags & _BV(WDRF)) return FLASH("watchdog");
     return FLASH("unknown");
 }
 

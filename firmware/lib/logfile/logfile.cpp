@@ -14,8 +14,8 @@ namespace {
 const BYTE kModified = 0x40;  // FatFs's mark for a changed directory entry
 
 // Of a large card not every small piece is looked for: reading its whole table takes too long. A
-// piece of a 1024th is met in some 1024 readings of 2 to 4 ms.
-const uint8_t kPieces = 10;  // as a power of two
+// piece of a 512th is met in some 512 readings of 2 to 4 ms.
+const uint8_t kPieces = 9;  // as a power of two
 
 // Not inlined, so that its memory is not on the stack below FatFs's deepest calls, which are those
 // of f_open() when the directory has to grow.
@@ -57,10 +57,15 @@ Trouble trouble(FRESULT result) {
     }
 }
 
-FRESULT open_session(FIL& file, char name[13], uint16_t number, uint8_t mode) {
+// Not inlined, so that its memory is not on the stack below FatFs.
+__attribute__((noinline)) static void write_name(char name[13], uint16_t number) {
     Text text(name, 12);
     put_name(number, text);
     name[12] = 0;
+}
+
+FRESULT open_session(FIL& file, char name[13], uint16_t number, uint8_t mode) {
+    write_name(name, number);
     return f_open(&file, name, mode);
 }
 

@@ -32,14 +32,14 @@ void put_name(uint16_t number, Text& text);  // of the file of session `number`
 
 Trouble mount(FATFS& volume);
 
-// The largest number that a log on the card has, or `number` if that is further on; 65535 is followed
-// by 1.
+// The largest number that a log on the card has, or `number` if that is further on; 65535 is
+// followed by 1.
 uint16_t newest(Work& work, uint16_t number);
 
 // Create the file of the first session after `number` that has none, and choose a place for it: one
-// piece of `size_mb`, or of as much as there is, at least 1 MiB and a 1024th of the card. It stays
-// open in `work`, and empty in the directory: an empty file is no session's yet, and is taken by the
-// next attempt.
+// piece of `size_mb`, or of as much as there is, at least 1 MiB and a 512th of the card. It stays
+// open in `work`, and empty in the directory: an empty file is no session's yet, and is taken by
+// the next attempt.
 Trouble create(FATFS& volume, Work& work, uint16_t& number, uint16_t size_mb, Place& place)
     __attribute__((noinline));  // its caller's registers need not be saved on FatFs's deepest calls
 

@@ -1,5 +1,6 @@
-// Where is room for a file in one piece, and how is it taken? FatFs's f_expand() answers for one size
-// only, and reads the whole allocation table to say no. A large card's table takes half a minute.
+// Where is room for a file in one piece, and how is it taken? FatFs's f_expand() answers for one
+// size only, and reads the whole allocation table to say no. A large card's table takes half a
+// minute.
 #include <ff.h>
 #include <string.h>
 
@@ -36,8 +37,8 @@ bool is_free(FATFS& volume, uint32_t cluster, FRESULT& result) {
 
 namespace logfile {
 
-// As Boyer and Moore look for a word: a run of `least` clusters that begins at `at` is looked at from
-// its far end, so that a taken cluster there rules out all before it, unread.
+// As Boyer and Moore look for a word: a run of `least` clusters that begins at `at` is looked at
+// from its far end, so that a taken cluster there rules out all before it, unread.
 FRESULT find_room(FATFS& volume, uint32_t least, uint32_t wanted, Run& longest) {
     longest = {0, 0};
     if (volume.fs_type == FS_FAT12) return FR_NO_FILESYSTEM;
@@ -45,7 +46,7 @@ FRESULT find_room(FATFS& volume, uint32_t least, uint32_t wanted, Run& longest) 
     const uint32_t clusters = volume.n_fatent;
     // Where the last file ended there is probably room.
     const uint32_t first = volume.last_clst - 2 < clusters - 2 ? volume.last_clst : 2;
-    bool round = false;  // it goes on at the beginning
+    bool round = false;                           // it goes on at the beginning
     for (uint32_t at = first, known = first;;) {  // `at` to `known` are free
         uint32_t end = at + least;
         if (end > clusters && !round) {

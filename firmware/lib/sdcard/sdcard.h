@@ -40,7 +40,7 @@ class SdCard {
     // Two sectors, none of them 0, by which the card is known again: begin() forgets that it was
     // changed() and compares their contents before the card is Ready. False: it cannot be read.
     bool watch(uint8_t which, uint32_t sector);
-    void forget() { watched_[0].sector = 0; }
+    void forget() { watched_[0].sector = changed_ = 0; }
     bool changed() const { return changed_; }
 
     uint16_t longest_busy_ms = 0;
@@ -80,7 +80,7 @@ class SdCard {
     uint16_t since_ms_ = 0;  // when Starting or Busy began, or a sheet was asked for
     uint16_t id_ = 0;
     State state_ = Down;
-    uint8_t step_ = Reset;  // the second sector's is behind Watched
+    uint8_t step_ = Reset;      // the second sector's is behind Watched
     uint8_t traits_ = 0;        // of the card in the socket
     uint8_t known_traits_ = 0;  // of the card with this id; 0: none was identified yet
     bool accepted_ = false;

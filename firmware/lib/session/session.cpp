@@ -51,6 +51,7 @@ void Session::begin() {
 bool Session::wants_to_begin() {
     if (!asked_) return asked_ = true;
     if (running_ || stopped_ || !trouble_) return false;
+    if (trouble_ != kNoCard && !interrupted() && !settings.start_at_power) return false;
     card.poll();
     if (card.state() == SdCard::Down) trouble_ = kNoCard;
     // A card that is full, or not to be written to, stays so until it is taken out.
@@ -71,7 +72,7 @@ Trouble Session::meet() {
         // The last session's file, and the card's last one, if that was made before the card was
         // changed for another.
         const uint16_t number = identity::session_number();
-        const uint16_t newest = logfile::newest(first.work, number);
+        const uint16_t newest = logfile::newest(first.work, 0);
         recover(number);
         if (newest != number) recover(newest);
         config_errors = 0;
@@ -110,6 +111,7 @@ Trouble Session::begin_file(uint16_t number) {
     if (!write_header()) return trouble_ = card_trouble();
     trouble_ = logfile::publish(second.volume, first.work, place_);
     if (trouble_) return trouble_;
+    board::unfinished = id_;
     // By its entry in the directory and its header the file is known again.
     if (!card.watch(0, first.work.file.dir_sect) || !card.watch(1, place_.first_sector)) {
         return trouble_ = card_trouble();
@@ -121,7 +123,6 @@ Trouble Session::begin_file(uint16_t number) {
     in_flight_ = sealed_ = gone_ = false;
     tries_ = 0;
     running_ = true;
-    board::unfinished = id_;
     board::sample(settings.conversions);
     return kNoTrouble;
 }
@@ -136,14 +137,21 @@ Trouble Session::stop(End end) {
     end_ = gone_ ? End::Gone : end;
     supply_mv = supply_from(board::reference_code());
     read_clock();
-    trouble_ = flushed ? close_file() : gone_ ? kNoFile : card_trouble();
-    if (trouble_) known_card_ = false;  // when the card is met again, its file is closed
+    known_card_ = false;  // when the card is met again, its file is closed
+    if (flushed) {
+        trouble_ = close_file();
+        known_card_ = !trouble_;
+    } else if (!gone_) {
+        trouble_ = card_trouble();
+    } else {
+        trouble_ = stopped_ ? kNoFile : kNoTrouble;
+    }
     return trouble_;
 }
 
 bool Session::take(Scan& scan) {
     uint16_t sums[Sampler::kInputs];
-    if (!sampler_.take(sums, scan.number, scan.late)) return false;
+    if (!board::sampler.take(sums, scan.number, scan.late)) return false;
     scan.size = pack_scan(sums, settings.mask(), scan.packed);
     if (running_) {
         ring_.add(scan.number, scan.packed, scan.late);
@@ -185,7 +193,7 @@ bool Session::poll() {
 }
 
 void Session::read_supply(uint32_t scan) {
-    const uint16_t mv = supply_from(sampler_.supply_code());
+    const uint16_t mv = supply_from(board::sampler.supply_code());
     if (!mv) return;
     supply_mv = mv;
     if (!tally.lowest_mv || mv < tally.lowest_mv) tally.lowest_mv = mv;
@@ -291,12 +299,12 @@ bool Session::flush() {
     const uint32_t start_ms = board::milliseconds();
     while (!gone_ && board::milliseconds() - start_ms < kFlushLimitMs) {
         board::feed_watchdog();
-        ring_.finish(sampler_.due());
+        ring_.finish(board::sampler.due());
         poll();
         if (!ring_.waiting() && !ring_.depth() && !in_flight_ && !untold_mv_)
             return card.state() == SdCard::Ready;
     }
-    ring_.finish(sampler_.due());
+    ring_.finish(board::sampler.due());
     if (in_flight_) ring_.lose(scans_in_flight_);
     ring_.abandon();
     return false;

@@ -58,9 +58,8 @@ class Session {
 
     // `config_problem` is told every line of HOP.CFG that was not understood.
     using ConfigProblem = void (*)(uint16_t line_number, const FlashChar* problem);
-    constexpr Session(Sampler& sampler, ConfigProblem config_problem)
-        : sampler_(sampler),
-          config_problem_(config_problem),
+    explicit constexpr Session(ConfigProblem config_problem)
+        : config_problem_(config_problem),
           ring_(memory::first.block, memory::second.block, memory::more),
           running_(false),
           asked_(false),
@@ -74,8 +73,9 @@ class Session {
 
     void begin();
 
-    // Whether to meet the card, and to begin if that is due: once after a start, and again while
-    // there is trouble with the card, until somebody has ended a session. Never waits for the card.
+    // Whether to meet the card, and to begin if that is due: once after a start, again when a
+    // card comes that was not there, and after any other trouble with it while there is a session
+    // to begin, until somebody has ended one. Never waits.
     bool wants_to_begin();
 
     // Mount the card. A card not met before: close what a reset left open, read HOP.CFG; again
@@ -138,7 +138,6 @@ class Session {
     void tell_supply();
     static void take_config_line(void* session, uint16_t number, Line::State state, char* text);
 
-    Sampler& sampler_;
     ConfigProblem config_problem_;
     Ring ring_;
     logfile::Place place_ = {};

@@ -14,7 +14,7 @@ uint32_t now_us = 0;
 std::vector<uint8_t> eeprom;
 uint8_t sampling = 0;
 uint16_t reference_code = 341;  // 3300 mV
-Sampler sampler;
+Sampler& sampler = board::sampler;
 Card card;
 uint32_t longest_unfed_us = 0, fed_us = 0;
 static bool transmitting = false;
@@ -240,6 +240,9 @@ void Card::store() {
 }  // namespace fake
 
 namespace board {
+
+Sampler sampler;
+Link serial;
 
 uint32_t milliseconds() { return fake::now_us / 1000; }
 uint16_t dice() { return 0x1234; }
