@@ -50,10 +50,11 @@ Trouble publish(FATFS& volume, Work& work, const Place& place);
 // Cut the file of session `number` behind its first `blocks` blocks.
 Trouble cut(Work& work, uint16_t number, uint32_t blocks);
 
-// Close the file of a session that a reset has ended. `work` and `block` may lie in the same
-// memory; `describe` writes the summary's text.
+// Close the file of a session that a reset has ended; true if there was something to close, and a
+// block of it is in `block`. `work` and `block` may lie in the same memory; `describe` writes the
+// summary's text.
 using Describe = void (*)(Block& summary, uint32_t written);
-void recover(Work& work, Block& block, uint16_t number, Describe describe);
+bool recover(Work& work, Block& block, uint16_t number, Describe describe);
 
 // Hand every line of HOP.CFG to `take`, and `context` with it; nothing happens if there is no such
 // file.

@@ -77,21 +77,21 @@ __attribute__((noinline)) uint32_t closed_size(FIL& file, Block& block, uint16_t
 }
 
 // Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
-__attribute__((noinline)) void close(const FIL& opened, Block& block, uint16_t number,
+__attribute__((noinline)) bool close(const FIL& opened, Block& block, uint16_t number,
                                      logfile::Describe describe) {
     FIL file = opened;  // `block` may lie in its memory
     const uint32_t blocks = closed_size(file, block, number, describe);
     if (blocks) logfile::cut_file(file, blocks << 9);
+    return blocks;
 }
 
 }  // namespace
 
 namespace logfile {
 
-void recover(Work& work, Block& block, uint16_t number, Describe describe) {
-    if (open_session(work.file, work.name, number, FA_READ | FA_WRITE) == FR_OK) {
-        close(work.file, block, number, describe);
-    }
+bool recover(Work& work, Block& block, uint16_t number, Describe describe) {
+    return open_session(work.file, work.name, number, FA_READ | FA_WRITE) == FR_OK &&
+           close(work.file, block, number, describe);
 }
 
 }  // namespace logfile

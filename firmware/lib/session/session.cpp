@@ -71,10 +71,8 @@ Trouble Session::meet() {
         card_id_ = card.id();
         // The last session's file, and the card's last one, if that was made before the card was
         // changed for another.
-        const uint16_t number = identity::session_number();
-        const uint16_t newest = logfile::newest(first.work, 0);
-        recover(number);
-        if (newest != number) recover(newest);
+        recover(identity::session_number());
+        recover(logfile::newest(first.work, 0));
         config_errors = 0;
         trouble_ = logfile::read_config(first.work, take_config_line, this);
         if (!card.present()) trouble_ = kNoCard;  // then nothing of this is sure
@@ -84,7 +82,10 @@ Trouble Session::meet() {
 }
 
 void Session::recover(uint16_t number) {
-    logfile::recover(first.work, first.block, number, report::put_recovered);
+    if (!logfile::recover(first.work, first.block, number, report::put_recovered)) return;
+    // A reset may have come before it was noted that this session is the one to go on with.
+    const uint16_t unfinished = static_cast<uint16_t>(board::unfinished >> 16);
+    if (unfinished && number == unfinished + 1) board::unfinished = first.block.session;
 }
 
 logfile::Work& Session::work() { return first.work; }
