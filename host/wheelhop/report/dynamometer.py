@@ -145,8 +145,8 @@ def dynamometer(campaign: Campaign, steps: Sequence[Step]) -> str:
         ),
         paragraph(
             "Measured / modelled. Gas force is what the forces of both ways lie about in the middle"
-            " of the stroke, with whatever the sensor shows at rest. There the forces of the slowest"
-            f" run, at {significant(slowest.fastest_m_s)} m/s, lie"
+            " of the stroke, with whatever the sensor shows at rest. There the forces of the"
+            f" slowest run, at {significant(slowest.fastest_m_s)} m/s, lie"
             f" {significant(slowest.friction_N)} N either side of it: friction, with what damping"
             " is left at that speed. Hysteresis is how far the forces of rising and falling speed"
             " lie apart, on average."
