@@ -10,8 +10,8 @@
 
 docs/python.md lists what is public: `__all__`. Everything loads when it is first used. The rooms
 are packages of their own, `wheelhop.campaign`, `wheelhop.simulate` and so on, in three folders of
-the repository; `wheelhop.compare`, `wheelhop.diagnose` and `wheelhop.simulate` are rooms that can
-be called as well.
+the repository; `wheelhop.compare`, `wheelhop.diagnose`, `wheelhop.simulate` and `wheelhop.tune` are
+rooms that can be called as well.
 """
 
 from __future__ import annotations
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         read_recording,
         read_vehicle,
         simulate,
+        tune,
     )
     from wheelhop.api.fleet import diagnose_fleet
     from wheelhop.campaign import Campaign, CampaignError, Run
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from wheelhop.logger import Channel, Log, Recording
     from wheelhop.predict.plan import Plan
     from wheelhop.simulate import Model
+    from wheelhop.tune.tuning import Tuning
     from wheelhop.vehicle import Vehicle
     from wheelhop.vehicle.rates import WheelRates, wheel_rates
 
@@ -67,6 +69,7 @@ __all__ = [
     "Plan",
     "Recording",
     "Run",
+    "Tuning",
     "Vehicle",
     "WheelRates",
     "__version__",
@@ -84,6 +87,7 @@ __all__ = [
     "read_recording",
     "read_vehicle",
     "simulate",
+    "tune",
     "wheel_rates",
 ]
 
@@ -98,11 +102,12 @@ _ROOM_OF = {
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
     "Model": "simulate",
     "Plan": "predict.plan",
+    "Tuning": "tune.tuning",
     "Vehicle": "vehicle",
     **dict.fromkeys(("WheelRates", "wheel_rates"), "vehicle.rates"),
 }
 
-_CALLED = ("compare", "diagnose", "simulate")
+_CALLED = ("compare", "diagnose", "simulate", "tune")
 """Rooms whose name is also the verb a guest looks for."""
 
 _RENAMED: Mapping[str, str] = {}

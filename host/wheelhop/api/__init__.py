@@ -1,12 +1,12 @@
 """What a guest calls from Python, and the commands call too: read, compare, diagnose, add,
-plan, plot, simulate."""
+plan, plot, simulate, tune."""
 
 from wheelhop.api.planning import plan
 from wheelhop.api.plot import plot
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.api.simulating import simulate
+from wheelhop.api.tuning import tune
 from wheelhop.api.verbs import (
-    MODEL_FILE,
     add,
     compare,
     diagnose,
@@ -15,6 +15,7 @@ from wheelhop.api.verbs import (
     read_recording,
     read_vehicle,
 )
+from wheelhop.predict.known_car import MODEL_FILE
 
 __all__ = [
     "MODEL_FILE",
@@ -30,4 +31,5 @@ __all__ = [
     "read_recording",
     "read_vehicle",
     "simulate",
+    "tune",
 ]

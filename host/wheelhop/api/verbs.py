@@ -18,10 +18,9 @@ from wheelhop.files import Source
 from wheelhop.gate import gate
 from wheelhop.logger import Log, Recording
 from wheelhop.logger import read_log as read_log_file
+from wheelhop.predict.known_car import MODEL_FILE
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.vehicle import read_vehicle as read_vehicle_file
-
-MODEL_FILE = "model.toml"
 
 ONE_EACH = 1
 """Threads of linear algebra: every run is worked on by a thread of ours, more are in the way."""

@@ -110,9 +110,10 @@ class Case:
             raise self.runs_away(number)
         return motion
 
-    def prepared(self, number: int) -> tuple[MotionSimulator, Model]:
-        """The simulator of a run and its model, for who asks the same run many times."""
-        simulator = self._simulator(number, SAMPLE_RATE_HZ, 0.0, 0.0)
+    def prepared(self, number: int, run_up_s: float = 0.0) -> tuple[MotionSimulator, Model]:
+        """The simulator of a run and its model, for who asks the same run many times; it runs up
+        for `run_up_s` at least."""
+        simulator = self._simulator(number, SAMPLE_RATE_HZ, 0.0, 0.0, run_up_s)
         return simulator, self._model(number, simulator)
 
     def campaign(self, noise_rms: float) -> tuple[Campaign, Model]:
@@ -131,7 +132,12 @@ class Case:
         return replace(whole, noise_rms=noise_rms), model
 
     def _simulator(
-        self, number: int, rate_hz: float, averaging_s: float, lead_s: float
+        self,
+        number: int,
+        rate_hz: float,
+        averaging_s: float,
+        lead_s: float,
+        run_up_s: float = 0.0,
     ) -> MotionSimulator:
         drive = self.drives[number]
         time_s = np.arange(round((self.seconds + 2 * lead_s) * rate_hz)) / rate_hz - lead_s
@@ -146,7 +152,7 @@ class Case:
             course=drive.course,
         )
         campaign = self._campaign((run,), rate_hz, averaging_s)
-        return MotionSimulator(campaign, run, run_up({"road": self.system}))
+        return MotionSimulator(campaign, run, max(run_up({"road": self.system}), run_up_s))
 
     def _campaign(self, runs: tuple[Run, ...], rate_hz: float, averaging_s: float) -> Campaign:
         return Campaign(

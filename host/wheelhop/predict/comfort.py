@@ -63,7 +63,8 @@ def _gain(n: int, rate_hz: float, below_hz: float) -> NDArray[np.complex128]:
 
 def comfort(felt: Array, rate_hz: float) -> Comfort:
     """Figures of a weighted acceleration (n,): equations 1 and 5 of the standard."""
-    return Comfort(float(np.sqrt(np.mean(felt**2))), float((np.sum(felt**4) / rate_hz) ** 0.25))
+    square = felt * felt
+    return Comfort(float(np.sqrt(np.mean(square))), float((square @ square / rate_hz) ** 0.25))
 
 
 def _second_order(s: NDArray[np.complex128], corner_hz: float, q: float) -> NDArray[np.complex128]:

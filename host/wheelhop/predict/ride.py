@@ -33,8 +33,8 @@ class Ride:
     struts of an axle about the static position. `dynamic_load_…` is the dynamic load coefficient of
     an axle's tyres, r.m.s. over static load; `tyre_load_least` the least load any tyre bears over
     its static one: below 0 the wheel would have left the ground, and only a model with
-    tyre-lift-off lets it. `roll_rms_rad` is that of the body's roll. What a vehicle does not have, rear wheels or a
-    roll, is NaN.
+    tyre-lift-off lets it. `roll_rms_rad` is that of the body. What a vehicle does not have, rear
+    wheels or roll, is NaN.
     """
 
     comfort_wk_rms_m_s2: float
@@ -59,11 +59,12 @@ def ride(case: Case, number: int) -> Ride:
 
 
 class Rider:
-    """One run of a case, prepared for many rides on the same ground."""
+    """One run of a case, prepared for many rides on the same ground. Each runs up for as long as
+    the case's own vehicle needs, or `run_up_s`."""
 
-    def __init__(self, case: Case, number: int) -> None:
+    def __init__(self, case: Case, number: int, run_up_s: float = 0.0) -> None:
         self._case = case
-        self._simulator, self._model = case.prepared(number)
+        self._simulator, self._model = case.prepared(number, run_up_s)
 
     @RUNS_AWAY
     def rides(self, changes: Sequence[Mapping[str, float]]) -> list[Ride | None]:

@@ -8,6 +8,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.diagnose import Step
 from wheelhop.effects import Effect, form_of
@@ -15,6 +17,9 @@ from wheelhop.files import Document, to_toml, write_text
 from wheelhop.vehicle import Vehicle
 
 FORMAT = 1
+DIGITS = 9
+"""Of a correlation: records tell the ratio of a force to a mass to some 1e-5 of what is believed of
+their common scale, and one less its correlation is half the square of that."""
 
 
 def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> None:
@@ -47,6 +52,7 @@ def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Do
         ],
         "effect": [_effect(effect, last, campaign) for effect in last.rung.model.effects],
         **(tables if on_rig else {"vehicle": tables}),
+        "correlation": _correlation(last),
         "channel": _channels(campaign, last),
         "run": [{"id": run.id} | _run(last, run.id) for run in campaign.runs],
     }
@@ -88,6 +94,14 @@ def _tables(vehicle: Vehicle, step: Step) -> Document:
         known = (nominal, vehicle.uncertainty[key])
         table |= _with_sd({name: step.parameters.get(key, known)})
     return tables
+
+
+def _correlation(step: Step) -> dict[str, list[float]]:
+    """Of each fitted number with those fitted before it and with itself, 1."""
+    fit = step.rung.fit
+    spread = np.sqrt(np.diag(fit.covariance))
+    matrix = np.round(fit.covariance / np.outer(spread, spread), DIGITS)
+    return {free.name: matrix[i, : i + 1].tolist() for i, free in enumerate(fit.shared)}
 
 
 def _channels(campaign: Campaign, step: Step) -> Document:

@@ -111,7 +111,7 @@ class System:
     @property
     def reading_width(self) -> int:
         """2 n + 2 m + p: how many columns `reading` has."""
-        return 2 * (len(self.mass) + self.input_stiffness.shape[1]) + len(self.port)
+        return 2 * (len(self.mass) + int(self.input_stiffness.shape[1])) + len(self.port)
 
     @cached_property
     def leaning(self) -> tuple[Array, Array, Array]:
