@@ -1,9 +1,9 @@
 """Does tuning hold in another simulator? python -m benchmarks.tune [--cars N] [--first N] [--time]
 
 Each car is drawn near the independent simulator's ATV (tests/truth, MuJoCo) with dry friction in
-its struts; its short campaign is recorded there, with noise. wheelhop fits the model, stores it, and
-tunes springs and dampers on two tracks from what it stored. What the proposed setting changes is
-added to the true car's own numbers, and the independent simulator drives both settings. A car
+its struts; its short campaign is recorded there, with noise. wheelhop fits the model, stores it,
+and tunes springs and dampers on two tracks from what it stored. What the proposed setting changes
+is added to the true car's own numbers, and the independent simulator drives both settings. A car
 counts as better where the mean of its objectives over now is less than 1, each objective as held
 where the gain there lies in the interval that was stated.
 
@@ -13,7 +13,6 @@ where the gain there lies in the interval that was stated.
 from __future__ import annotations
 
 import argparse
-import sys
 import tempfile
 import time
 from collections.abc import Mapping
@@ -177,4 +176,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -10,8 +10,8 @@
 
 docs/python.md lists what is public: `__all__`. Everything loads when it is first used. The rooms
 are packages of their own, `wheelhop.campaign`, `wheelhop.simulate` and so on, in three folders of
-the repository; `wheelhop.compare`, `wheelhop.diagnose`, `wheelhop.simulate` and `wheelhop.tune` are
-rooms that can be called as well.
+the repository; `wheelhop.compare`, `wheelhop.diagnose`, `wheelhop.export`, `wheelhop.simulate` and
+`wheelhop.tune` are rooms that can be called as well.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         add,
         compare,
         diagnose,
+        export,
         plan,
         plot,
         read,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
     from wheelhop.effects import Effect, Parameter, load_effects
+    from wheelhop.export.plant import Linear, Plant
     from wheelhop.files import InputError
     from wheelhop.logger import Channel, Log, Recording
     from wheelhop.predict.plan import Plan
@@ -62,11 +64,13 @@ __all__ = [
     "DiagnosisResult",
     "Effect",
     "InputError",
+    "Linear",
     "Log",
     "Model",
     "NewRun",
     "Parameter",
     "Plan",
+    "Plant",
     "Recording",
     "Run",
     "Tuning",
@@ -78,6 +82,7 @@ __all__ = [
     "compare",
     "diagnose",
     "diagnose_fleet",
+    "export",
     "load_effects",
     "new_campaign",
     "plan",
@@ -99,6 +104,7 @@ _ROOM_OF = {
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),
     **dict.fromkeys(("Effect", "Parameter", "load_effects"), "effects"),
     "InputError": "files",
+    **dict.fromkeys(("Linear", "Plant"), "export.plant"),
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
     "Model": "simulate",
     "Plan": "predict.plan",
@@ -107,7 +113,7 @@ _ROOM_OF = {
     **dict.fromkeys(("WheelRates", "wheel_rates"), "vehicle.rates"),
 }
 
-_CALLED = ("compare", "diagnose", "simulate", "tune")
+_CALLED = ("compare", "diagnose", "export", "simulate", "tune")
 """Rooms whose name is also the verb a guest looks for."""
 
 _RENAMED: Mapping[str, str] = {}

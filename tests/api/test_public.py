@@ -67,7 +67,7 @@ def test_reading_a_campaign_loads_no_tables_and_no_figures():
     assert not {"pandas", "matplotlib", "nicegui"} & set(re.findall(r"\w+", after))
 
 
-@pytest.mark.parametrize("name", ["compare", "diagnose", "simulate"])
+@pytest.mark.parametrize("name", ["compare", "diagnose", "export", "simulate", "tune"])
 @pytest.mark.parametrize("first", ["import wheelhop.{}", "from wheelhop.{} import *", "pass"])
 def test_a_room_named_like_a_verb_is_both(name, first):
     code = f"""

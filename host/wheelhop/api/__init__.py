@@ -1,6 +1,8 @@
 """What a guest calls from Python, and the commands call too: read, compare, diagnose, add,
-plan, plot, simulate, tune."""
+plan, plot, simulate, tune,
+export."""
 
+from wheelhop.api.exporting import export
 from wheelhop.api.planning import plan
 from wheelhop.api.plot import plot
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
@@ -24,6 +26,7 @@ __all__ = [
     "add",
     "compare",
     "diagnose",
+    "export",
     "plan",
     "plot",
     "read",

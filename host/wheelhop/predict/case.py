@@ -64,20 +64,12 @@ class Case:
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
         """What is recorded: the points of the corners that have a wheel."""
-        there = wheels(self.vehicle.values)
-        return tuple(channel for channel in CHANNELS if channel.corner in there)
+        return channels_of(self.vehicle)
 
     @cached_property
     def nominal(self) -> Model:
         """The vehicle with its effects, as far as these are alike in all runs."""
-        model = Model(values=self.vehicle.values)
-        for chosen in self.effects:
-            parameters = chosen.effect.parameters_for(self.vehicle.values, self.channels)
-            values = {
-                f"{chosen.effect.id}.{p.name}": _stated(chosen, p, _typical(p)) for p in parameters
-            }
-            model = model.with_effect(chosen.effect, parameters).with_values(values)
-        return model
+        return model_of(self.vehicle, self.effects)
 
     @cached_property
     def system(self) -> System:
@@ -193,6 +185,25 @@ class Case:
                 density = effect.height_density(model.theta(effect), series.wave_number_rad_m)
                 model = model.with_heights({drive.id: series.drawn(density, rng)})
         return model.with_run(drive.id, own)
+
+
+def channels_of(vehicle: Vehicle) -> tuple[Channel, ...]:
+    """The logger's channels at the corners that have a wheel."""
+    there = wheels(vehicle.values)
+    return tuple(channel for channel in CHANNELS if channel.corner in there)
+
+
+def model_of(vehicle: Vehicle, effects: Sequence[Chosen]) -> Model:
+    """A vehicle with effects, as far as these are alike in all runs; numbers that are not stated
+    are such that the effect shows clearly. Raises CampaignError for one outside its bounds."""
+    model, channels = Model(values=vehicle.values), channels_of(vehicle)
+    for chosen in effects:
+        parameters = chosen.effect.parameters_for(vehicle.values, channels)
+        values = {
+            f"{chosen.effect.id}.{p.name}": _stated(chosen, p, _typical(p)) for p in parameters
+        }
+        model = model.with_effect(chosen.effect, parameters).with_values(values)
+    return model
 
 
 def _typical(parameter: Parameter) -> float:
