@@ -3,6 +3,8 @@ characterization of vehicle suspensions), in SI: what ours are held against."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from wheelhop.identify.sections import Sections
@@ -150,7 +152,7 @@ TABLE_4_4 = {
 }
 """Amplitude and pitch of tracks, mm."""
 
-TABLES_4_5_TO_4_7 = {
+TABLES_4_5_TO_4_7: Mapping[str, Mapping[str, tuple[float, ...]]] = {
     "4.5": {"washboard/low": (7.5, 9.5), "washboard/high": (11.0, 13.0)},
     "4.6": {
         "herringbone/low": (9.0, 14.0),
@@ -165,7 +167,7 @@ TABLES_4_5_TO_4_7 = {
 }
 """Speeds, km/h."""
 
-TABLE_5_1 = {
+TABLE_5_1: Mapping[str, tuple[float, ...]] = {
     **TABLES_4_5_TO_4_7["4.5"],
     "herringbone/low": (9.0, 14.0),
     "herringbone/medium": (21.0, 25.0),

@@ -3,7 +3,7 @@ the quarter car that it compares its own with."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign.proving_ground import proving_ground
 from wheelhop.identify import published
 from wheelhop.identify.equivalent import equivalent_vehicle, ground_to_body
-from wheelhop.identify.row import UNPUBLISHED, Row, make_row
+from wheelhop.identify.row import UNPUBLISHED, Kind, Row, make_row
 from wheelhop.identify.statespace import StateSpace
 from wheelhop.material.models import LogarithmicPolynomial, ModifiedPowerLaw
 from wheelhop.track.random_road import RandomRoad
@@ -66,7 +66,7 @@ def _quarter_car() -> Iterator[Row]:
         peak, end = published.FIGURE_2_21[name]
         usual = name == "usual"
         why = reason if usual else f"{reason}; {UNPUBLISHED}"
-        kind = "recalculation" if usual else "prediction"
+        kind: Kind = "recalculation" if usual else "prediction"
         yield make_row("fig 2.21", f"{name} quarter car, peak", peak, moved.max(), kind, why)
         kind = "recalculation" if usual else "fit"
         yield make_row("fig 2.21", f"{name} quarter car, final", end, car.static()[0, 0], kind, why)
@@ -129,7 +129,10 @@ def _tracks() -> Iterator[Row]:
         for what, printed in (("amplitude", amplitude), ("pitch", pitch)):
             ours = float(keys[f"{what}_mm"])
             yield make_row("4.4", f"{name}, {what}, mm", printed, ours, "taken over", "")
-    tables = {**published.TABLES_4_5_TO_4_7, "5.1": published.TABLE_5_1}
+    tables: dict[str, Mapping[str, Sequence[float]]] = {
+        **published.TABLES_4_5_TO_4_7,
+        "5.1": published.TABLE_5_1,
+    }
     for table, tracks in tables.items():
         for name, speeds in tracks.items():
             pairs = zip(speeds, ground[name].speeds_kmph, strict=True)
