@@ -1,22 +1,16 @@
-"""What a guest calls from Python, and the commands call too: read, compare, diagnose, add,
-plan, plot, simulate, tune,
-export."""
+"""What users call from Python, and the commands call too: read, compare, diagnose, add, predict,
+plan, plot, simulate, tune, export, load."""
 
 from wheelhop.api.exporting import export
 from wheelhop.api.planning import plan
 from wheelhop.api.plot import plot
+from wheelhop.api.predicting import predict
+from wheelhop.api.reading import read, read_log, read_model, read_recording, read_vehicle
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
+from wheelhop.api.saving import load
 from wheelhop.api.simulating import simulate
 from wheelhop.api.tuning import tune
-from wheelhop.api.verbs import (
-    add,
-    compare,
-    diagnose,
-    read,
-    read_log,
-    read_recording,
-    read_vehicle,
-)
+from wheelhop.api.verbs import add, compare, diagnose
 from wheelhop.predict.known_car import MODEL_FILE
 
 __all__ = [
@@ -27,10 +21,13 @@ __all__ = [
     "compare",
     "diagnose",
     "export",
+    "load",
     "plan",
     "plot",
+    "predict",
     "read",
     "read_log",
+    "read_model",
     "read_recording",
     "read_vehicle",
     "simulate",

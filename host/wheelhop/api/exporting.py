@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelhop.campaign import CampaignError
-from wheelhop.effects import Effect, load_effects
+from wheelhop.effects import Effect, More, load_effects
 
 if TYPE_CHECKING:
     from wheelhop.export.plant import Plant
@@ -21,7 +21,7 @@ def export(
     file: str | Path | None = None,
     add: str | Sequence[str] = (),
     *,
-    effects: Mapping[str, Effect] | str | Path | None = None,
+    effects: More = None,
 ) -> Plant:
     """A car between signals: ground and actuators in, accelerations, travel and tyre forces out.
 
@@ -39,7 +39,7 @@ def export(
     add
         Effects that the car has besides, in words as `wheelhop simulate` takes them.
     effects
-        The library: effects by id, or a Python file with more; `load_effects()` by default.
+        The library, as for `compare`.
 
     Raises
     ------
@@ -53,8 +53,8 @@ def export(
     suffix = None if file is None else Path(file).suffix.lower()
     if suffix not in (None, FMU, MAT):
         raise CampaignError(f"{file}: the name must end in {FMU} or {MAT}")
-    library = effects if isinstance(effects, Mapping) else load_effects(effects)
-    model, name = _model(Path(car), [add] if isinstance(add, str) else add, library)
+    words = [add] if isinstance(add, str) else add
+    model, name = _model(Path(car), words, load_effects(effects))
     plant = plant_of(model)
     if file is not None and suffix == MAT:
         plant.linear.write_mat(Path(file))

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelhop.api.planning import check_seconds
 from wheelhop.campaign import CampaignError, Run, read_campaign
-from wheelhop.diagnose import Progress
-from wheelhop.effects import Effect, load_effects
+from wheelhop.effects import More, load_effects
+from wheelhop.files import Watching
+from wheelhop.files.progress import shown
 
 if TYPE_CHECKING:
     from wheelhop.predict.drives import Drive
@@ -19,10 +20,6 @@ OBJECTIVES = ("comfort", "road-holding", "travel")
 FEWEST_SETTINGS, MOST_SETTINGS = 40, 100_000
 
 
-def _silent(text: str) -> None:
-    """Nobody listens."""
-
-
 def tune(
     car: str | Path,
     vary: str | Sequence[str],
@@ -30,11 +27,11 @@ def tune(
     speeds_kmph: float | Sequence[float] = (),
     objectives: Sequence[str] = OBJECTIVES,
     *,
-    effects: Mapping[str, Effect] | str | Path | None = None,
+    effects: More = None,
     settings: int | None = None,
     seconds: float | None = None,
     seed: int = 0,
-    progress: Progress = _silent,
+    progress: Watching = True,
 ) -> Tuning:
     """Search the settings of a car that is known, on the roads it drives.
 
@@ -53,7 +50,7 @@ def tune(
     objectives
         What shall be small: "comfort", "road-holding", "travel", "roll".
     effects
-        The library: effects by id, or a Python file with more; `load_effects()` by default.
+        The library, as for `compare`.
     settings
         How many the search rides; 800 by default.
     seconds
@@ -61,7 +58,7 @@ def tune(
     seed
         Draws where runs start, and the cars that the real one may be.
     progress
-        Called with a line of text at every stage.
+        As for `compare`.
 
     Raises
     ------
@@ -81,21 +78,23 @@ def tune(
             f"{settings} settings: must be from {FEWEST_SETTINGS} to {MOST_SETTINGS}"
         )
     seconds = check_seconds(SECONDS if seconds is None else seconds)
-    known = read_car(Path(car), effects if isinstance(effects, Mapping) else load_effects(effects))
+    known = read_car(Path(car), load_effects(effects))
     freedom = read_freedom([vary] if isinstance(vary, str) else vary, known)
     words = [tracks] if isinstance(tracks, str) else tracks
     speeds = [speeds_kmph] if isinstance(speeds_kmph, int | float) else speeds_kmph
     drives = read_drives(words, speeds) if words else _driven(Path(car))
-    return tune_car(
-        known,
-        drives,
-        read_objectives(objectives),
-        freedom,
-        seconds=seconds,
-        settings=settings,
-        seed=seed,
-        progress=progress,
-    )
+    judged_by = read_objectives(objectives)
+    with shown(progress) as tell:
+        return tune_car(
+            known,
+            drives,
+            judged_by,
+            freedom,
+            seconds=seconds,
+            settings=settings,
+            seed=seed,
+            progress=tell,
+        )
 
 
 def _driven(folder: Path) -> tuple[Drive, ...]:

@@ -154,21 +154,10 @@ def _vehicle(top: Table) -> Vehicle:
         name: value
         for group in GROUPS
         if group in table
-        for name, value in _numbers(table.table(group), group).items()
+        for name, value in table.table(group).all_numbers(f"{group}.").items()
     }
     certain = {**vehicle.uncertainty, **dict.fromkeys(more, 0.0)}
     return replace(vehicle, values={**vehicle.values, **more}, uncertainty=certain)
-
-
-def _numbers(table: Table, path: str) -> dict[str, float]:
-    found: dict[str, float] = {}
-    for key, value in table.values.items():
-        name = f"{path}.{key}"
-        if isinstance(value, dict):
-            found |= _numbers(table.table(key), name)
-        else:
-            found[name] = table.number(key)
-    return found
 
 
 def _effects(

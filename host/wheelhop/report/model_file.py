@@ -10,21 +10,33 @@ from typing import Any
 
 import numpy as np
 
-from wheelhop.campaign import Campaign, ComponentCampaign
+from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign
 from wheelhop.diagnose import Step
-from wheelhop.effects import Effect, form_of
-from wheelhop.files import Document, to_toml, write_text
+from wheelhop.effects import Effect, form_of, pick
+from wheelhop.files import Document, Table, dotted, read_toml, to_toml, write_text
+from wheelhop.simulate import Model
 from wheelhop.vehicle import Vehicle
 
 FORMAT = 1
 DIGITS = 9
 """Of a correlation: records tell the ratio of a force to a mass to some 1e-5 of what is believed of
 their common scale, and one less its correlation is half the square of that."""
+TOP_KEYS = (
+    *("format", "campaign", "vehicle_name", "written_by", "floor", "ladder", "effect"),
+    *("vehicle", "component", "rig", "mount", "channel", "correlation", "run"),
+)
+UNCERTAINTY = "_uncertainty"
+"""How the name of a standard deviation ends, behind that of its number."""
 
 
 def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> None:
     """Write the last model of a ladder; a file that is there is replaced whole or not at all."""
-    write_text(path, to_toml(_document(campaign, vehicle, steps)))
+    write_text(path, model_text(campaign, vehicle, steps))
+
+
+def model_text(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> str:
+    """The same as a text."""
+    return to_toml(_document(campaign, vehicle, steps))
 
 
 def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Document:
@@ -78,7 +90,7 @@ def _with_sd(values: Mapping[str, tuple[float, float]]) -> dict[str, float]:
     for name, (value, deviation) in values.items():
         found[name] = value
         if isfinite(deviation) and deviation > 0:
-            found[f"{name}_uncertainty"] = deviation
+            found[f"{name}{UNCERTAINTY}"] = deviation
     return found
 
 
@@ -129,3 +141,46 @@ def _run(step: Step, run_id: str) -> dict[str, Any]:
         else:
             found[own] = value
     return found
+
+
+def read_model(path: Path, library: Mapping[str, Effect]) -> Model:
+    """Read a file that `write_model` has written: numbers, effects in their forms, and what every
+    run left free.
+
+    Raises
+    ------
+    CampaignError
+        The file is missing or wrong, or names an effect or a form that the library does not have.
+    """
+    top = read_toml(path, CampaignError)
+    top.format()
+    top.only(TOP_KEYS)
+    values: dict[str, float] = {}
+    for name in ("component", "rig", "mount"):
+        values |= top.table_if_any(name).all_numbers(f"{name}.", UNCERTAINTY)
+    values |= top.table_if_any("vehicle").all_numbers(but=UNCERTAINTY)
+    if not values:
+        raise top.error("holds no numbers: give the tables of [vehicle], or [component]")
+    for name in (channels := top.table_if_any("channel")).values:
+        values |= channels.table(name).all_numbers(f"channel.{dotted(name)}.", UNCERTAINTY)
+    effects = []
+    for table in top.tables("effect", "id") if "effect" in top else []:
+        table.only(("id", "form", "parameters"))
+        effect = _of_library(table, library)
+        effects.append(effect)
+        values |= table.table_if_any("parameters").all_numbers(f"{effect.id}.", UNCERTAINTY)
+    runs: dict[str, dict[str, float]] = {}
+    for run in top.tables("run", "id") if "run" in top else []:
+        about = {key: value for key, value in run.values.items() if key != "id"}
+        own = Table(about, path, run.heading, kind=CampaignError)
+        runs[run.text("id")] = own.all_numbers(but=UNCERTAINTY)
+    return Model(values, tuple(effects), runs)
+
+
+def _of_library(table: Table, library: Mapping[str, Effect]) -> Effect:
+    """An effect of the file, in its form."""
+    try:
+        (effect,) = pick(table.text("id"), library)
+    except CampaignError as error:
+        raise table.error(str(error)) from None
+    return effect.with_choice(table.text("form")) if "form" in table else effect
