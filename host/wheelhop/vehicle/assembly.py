@@ -110,6 +110,11 @@ class System:
         """Whether what moves it twice as much moves it twice as far."""
         return not self.laws and not len(self.upright)
 
+    @property
+    def reading_width(self) -> int:
+        """2 n + 2 m + p: how many columns `reading` has."""
+        return 2 * (len(self.mass) + int(self.input_stiffness.shape[1])) + len(self.port)
+
     @cached_property
     def leaning(self) -> tuple[Array, Array, Array]:
         """Three matrices for what stands upright. Times (x, ẋ) the first gives its angles and their
