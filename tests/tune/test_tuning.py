@@ -16,7 +16,6 @@ from wheelhop.predict.ride import Rider, ride
 from wheelhop.report.tune_words import sentences, to_json
 from wheelhop.tune.damper_curve import read_clicks
 from wheelhop.tune.search import Tried, compromise, spread_out
-from wheelhop.tune.tuning import DRAWS
 from wheelhop.tune.variables import read_freedom
 
 FRONT, REAR = (f"suspension.{end}.damping_N_s_m" for end in ("front", "rear"))
@@ -125,7 +124,7 @@ def test_intervals_are_what_is_not_known_of_the_car(relative):
 def test_a_model_that_is_wrong_makes_intervals_wider():
     right, wrong = (tuned(car(misfit=e), ["front.damping=±50%"]) for e in (0.0, 0.02))
     half = wrong.front[0].gains[0].half
-    wide = stats.t.ppf(0.975, DRAWS - 1)
+    wide = stats.t.ppf(0.975, 24 - 1)
     assert right.front[0].gains[0].half == pytest.approx(0.0, abs=1e-12)
     assert half == pytest.approx(wide * 0.02 * wrong.now.scores[0])
 
