@@ -182,6 +182,19 @@ def test_springs_are_chosen_from_the_list(tmp_path):
     assert {one.values["rear.springs"] for one in found.front} <= {2500.0, 5000.0, 10000.0}
 
 
+def test_a_car_outside_of_the_bounds_is_compared_as_it_is(tmp_path):
+    """Present springs that nobody sells: each variable alone leaves them where they are."""
+    file = tmp_path / "springs.csv"
+    file.write_text("stiffness_N_mm\n20\n40\n")
+    found = tuned(car(), [f"front.springs={file}", "rear.damping=±50%"])
+    assert found.now.scores[0] == pytest.approx(single({}).comfort_wk_rms_m_s2, rel=RUN_UP)
+    places = np.linspace(0.5, 1.5, 7) * VEHICLE[REAR]
+    best = min(single({REAR: place}).comfort_wk_rms_m_s2 for place in places)
+    gain = found.now.scores[0] - best
+    assert found.alone[1, 0] == pytest.approx(gain, abs=RUN_UP * found.now.scores[0])
+    assert all(one.values["front.springs"] in (2e4, 4e4) for one in found.front)
+
+
 WRONG = {
     "front.dampng=±50%": "did you mean",
     "front.damping": "write NAME",
