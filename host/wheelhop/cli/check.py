@@ -18,8 +18,9 @@ from wheelhop.campaign import (
     find_duplicates,
     read_campaign,
 )
-from wheelhop.campaign.write import SAMPLE, marked_numbers
-from wheelhop.cli.output import open_console
+from wheelhop.campaign.sample import SAMPLE, marked_numbers
+from wheelhop.cli.campaign_json import campaign_to_json
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
 from wheelhop.files.words import listed, significant
@@ -56,6 +57,8 @@ def run(arguments: Namespace) -> int:
         console.print(Text(f"! {duplicate}", style="yellow"))
     if not campaign.validate_runs:
         console.print(Text('no run has role = "validate": no model can be put to the test'))
+    if arguments.json:
+        write_json(arguments.json, campaign_to_json(campaign, findings))
     return 0
 
 

@@ -120,4 +120,5 @@ def add_road(commands: Any) -> None:
     road.add_argument(
         "--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg or .rdf (Adams)"
     )
+    road.add_argument("--json", metavar="FILE", type=Path, help="write what was found as JSON")
     road.add_argument("--grid", action="store_true", help="write a grid as .csv, too")

@@ -80,13 +80,35 @@ class Vehicle:
         return self.values[key]
 
     def with_values(self, changes: Mapping[str, float]) -> Vehicle:
-        """This vehicle with some values changed; KeyError for a key it does not have."""
+        """This vehicle with some values changed.
+
+        Parameters
+        ----------
+        changes
+            Values in SI by their dotted names.
+
+        Returns
+        -------
+        Vehicle
+            Another one.
+
+        Raises
+        ------
+        KeyError
+            It has no such number.
+        """
         for key in changes:
             self.values[key]
         return replace(self, values={**self.values, **changes})
 
     def to_dataframe(self) -> DataFrame:
-        """The numbers by their names: value, one standard deviation, and their unit, SI."""
+        """The numbers as a table.
+
+        Returns
+        -------
+        DataFrame
+            By `number`: value, uncertainty (one standard deviation), unit (SI).
+        """
         import pandas
 
         columns = {"value": dict(self.values), "uncertainty": dict(self.uncertainty)}
