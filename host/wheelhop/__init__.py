@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         DiagnosisResult,
         add,
         compare,
+        detectable,
         diagnose,
         plan,
         plot,
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from wheelhop.effects import Effect, Parameter, load_effects
     from wheelhop.files import InputError
     from wheelhop.logger import Channel, Log, Recording
+    from wheelhop.predict.detectable import Detectable
     from wheelhop.predict.plan import Plan
     from wheelhop.simulate import Model
     from wheelhop.vehicle import Vehicle
@@ -57,6 +59,7 @@ __all__ = [
     "CampaignError",
     "Channel",
     "ComparisonResult",
+    "Detectable",
     "DiagnosisResult",
     "Effect",
     "InputError",
@@ -73,6 +76,7 @@ __all__ = [
     "add",
     "add_run",
     "compare",
+    "detectable",
     "diagnose",
     "diagnose_fleet",
     "load_effects",
@@ -88,7 +92,9 @@ __all__ = [
 ]
 
 _ROOM_OF = {
-    **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
+    **dict.fromkeys(
+        ("ComparisonResult", "DiagnosisResult", "add", "detectable", "plan", "plot"), "api"
+    ),
     "diagnose_fleet": "api.fleet",
     **dict.fromkeys(("read", "read_log", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
@@ -97,6 +103,7 @@ _ROOM_OF = {
     "InputError": "files",
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
     "Model": "simulate",
+    "Detectable": "predict.detectable",
     "Plan": "predict.plan",
     "Vehicle": "vehicle",
     **dict.fromkeys(("WheelRates", "wheel_rates"), "vehicle.rates"),

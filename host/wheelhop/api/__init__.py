@@ -1,7 +1,7 @@
 """What a guest calls from Python, and the commands call too: read, compare, diagnose, add,
-plan, plot, simulate."""
+detectable, plan, plot, simulate."""
 
-from wheelhop.api.planning import plan
+from wheelhop.api.planning import detectable, plan
 from wheelhop.api.plot import plot
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.api.simulating import simulate
@@ -22,6 +22,7 @@ __all__ = [
     "DiagnosisResult",
     "add",
     "compare",
+    "detectable",
     "diagnose",
     "plan",
     "plot",

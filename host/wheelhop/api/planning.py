@@ -1,4 +1,4 @@
-"""`plan`: which runs to drive, before anyone has driven."""
+"""`plan`: which runs to drive, before anyone has driven; `detectable`: what runs can show."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelhop.campaign import CampaignError
+from wheelhop.campaign import Campaign, CampaignError, read_campaign
 from wheelhop.diagnose import Progress
 from wheelhop.effects import Effect, load_effects, pick
-from wheelhop.vehicle import Vehicle, read_vehicle
+from wheelhop.vehicle import Vehicle, read_nominal, read_vehicle
 
 if TYPE_CHECKING:
+    from wheelhop.predict.detectable import Detectable
     from wheelhop.predict.plan import Plan
 
 RUNS = 8
@@ -86,6 +87,49 @@ def plan(
         vehicle = read_vehicle(Path(vehicle))
     case = Case(vehicle, (), drives, seconds)
     return choose(foresee(case, tried, noise_rms, progress, jobs), runs)
+
+
+def detectable(
+    campaign: Campaign | str | Path,
+    *,
+    vehicle: Vehicle | None = None,
+    effects: Mapping[str, Effect] | str | Path | None = None,
+    jobs: int | None = None,
+    progress: Progress = _silent,
+) -> Detectable:
+    """Tell before any diagnosis what a campaign's channels and roads can show: of each effect the
+    least strength, and the channel that would add most.
+
+    Parameters
+    ----------
+    campaign
+        The campaign of a vehicle, or its folder.
+    vehicle
+        What is believed of the vehicle; that of the campaign by default.
+    effects
+        The library: effects by id, or a Python file with more; `load_effects()` by default.
+    jobs
+        Threads; one a processor by default.
+    progress
+        Called with a line of text at every stage.
+
+    Returns
+    -------
+    Detectable
+        If nothing can be compared, `refused` says why, and what would cure it.
+
+    Raises
+    ------
+    CampaignError
+        The campaign's files are wrong.
+    """
+    from wheelhop.predict.detectable import detectable as found_in
+
+    if not isinstance(campaign, Campaign):
+        campaign = read_campaign(campaign)
+    vehicle = vehicle or read_nominal(campaign)
+    library = effects if isinstance(effects, Mapping) else load_effects(_path(effects))
+    return found_in(campaign, vehicle, library.values(), jobs, progress)
 
 
 def check_seconds(seconds: float) -> float:

@@ -66,6 +66,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     print_ladder(diagnosis.ladder, console)
     print_parameters(diagnosis.ladder[-1], console)
     if diagnosis.verdict == ("none",):
-        print_limits(diagnosis.limits, console)
+        heading = "These runs would have shown, from so much on (to first order):"
+        print_limits(diagnosis.limits, console, heading)
     if diagnosis.next_run is not None:
         console.print(next_run_words(diagnosis.next_run), markup=False)

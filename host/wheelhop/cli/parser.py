@@ -93,6 +93,8 @@ def make_parser() -> argparse.ArgumentParser:
 def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     check = commands.add_parser("check", help="read a campaign and show what is in it")
     _campaign(check)
+    _library(check)
+    check.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
 
     compare = commands.add_parser("compare", help="compare the model with the measurements")
     _campaign(compare)

@@ -22,7 +22,7 @@ from wheelhop.compare.metrics import ChannelFigures, Peak
 from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
 from wheelhop.compare.terminal import print_comparison
-from wheelhop.compare.weights import weighed
+from wheelhop.compare.weights import weighed, with_noise
 
 __all__ = [
     "Breakdown",
@@ -53,4 +53,5 @@ __all__ = [
     "to_json",
     "weighed",
     "where_to_json",
+    "with_noise",
 ]

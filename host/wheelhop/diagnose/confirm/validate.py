@@ -37,20 +37,20 @@ def validate(
     """
     benches = workshop.of_role("validate")
     if not benches:
-        return Rung(fitted, None, simulated_wrong=_inexact(workshop, fitted))
+        return Rung(fitted, None, simulated_wrong=inexact(workshop, fitted))
     start = fitted.model
     if before is not None and any(
         effect.per_run(bench.simulator.setting) for effect in before.effects for bench in benches
     ):
         start = follow(workshop, before, fitted, benches)
     foreseen = fit(workshop, start, (), benches)
-    rung = Rung(fitted, foreseen, simulated_wrong=_inexact(workshop, foreseen))
+    rung = Rung(fitted, foreseen, simulated_wrong=inexact(workshop, foreseen))
     if fitted.model.effects and unforeseen(rung, workshop.noise):
         moved = update(workshop, fitted, foreseen.model, benches, known)
-        rung = replace(rung, update=moved, simulated_wrong=_inexact(workshop, moved))
+        rung = replace(rung, update=moved, simulated_wrong=inexact(workshop, moved))
         if unforeseen(rung, workshop.noise):
             best = from_elsewhere(workshop, fitted, foreseen.model, moved)
-            rung = replace(rung, update=best, simulated_wrong=_inexact(workshop, best))
+            rung = replace(rung, update=best, simulated_wrong=inexact(workshop, best))
     return rung
 
 
@@ -105,7 +105,7 @@ class Incumbent:
         return replace(self.rung, update=update(self.workshop, self.rung.fit, start, benches))
 
 
-def _inexact(workshop: Workshop, judging: Fit) -> Callable[[], float]:
+def inexact(workshop: Workshop, judging: Fit) -> Callable[[], float]:
     """What finds the power by which a simulation may be wrong, in units of the noise's."""
     judging = judging.without_derivatives  # as long as the model is remembered
 
