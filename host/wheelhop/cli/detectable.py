@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from rich.console import Console
+from rich.table import Table
 from rich.text import Text
 
-from wheelhop.cli.show import print_limits
 from wheelhop.diagnose import Limit
 from wheelhop.files.words import listed
-from wheelhop.predict.detectable import Added, Detectable
+from wheelhop.predict.detectable import Added, Detectable, Told
 from wheelhop.report.words import limit_words
 
 MOST_NAMED = 3
 """So many of the effects that gain most are named in the sentence; the table has all."""
 LEAST_GAIN = 1.5
-"""Below two thirds of what was needed: what is less is not worth a sensor."""
+"""Less than two thirds of what was needed is worth a sensor, and more than half as much again worth
+a word: to first order limits are no better known."""
 
 
 def print_detectable(found: Detectable, console: Console) -> None:
@@ -23,8 +24,13 @@ def print_detectable(found: Detectable, console: Console) -> None:
     if found.refused:
         console.print(Text(f"! cannot be compared or diagnosed: {found.refused}", style="yellow"))
         return
-    heading = "These channels and roads would show, from so much on (to first order):"
-    print_limits(found.limits, console, heading)
+    console.print("These channels and roads would show, from so much on (to first order):")
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for limit, told in zip(found.limits, found.told, strict=True):
+        form = f" ({limit.form})" if limit.form else ""
+        rival = _rival(told) if limit.shown and told.times > LEAST_GAIN else ""
+        table.add_row(Text(f"  {limit.effect}{form}"), Text(f"{limit_words(limit)}{rival}"))
+    console.print(table)
     if found.idle:
         console.print(Text(f"Nothing on these roads tells of {listed(found.idle)}."))
     if found.best is not None:
@@ -44,6 +50,12 @@ def _said(best: Added, before: tuple[Limit, ...]) -> str:
     if not named:
         return "No further channel would add much."
     return f"Most would be added by {best.channels}: it would show {'; '.join(named)}."
+
+
+def _rival(told: Told) -> str:
+    if not told.limit.shown:
+        return f"; not told from {told.rival}"
+    return f"; told from {told.rival} from {limit_words(told.limit)} on"
 
 
 def _before(limit: Limit) -> str:

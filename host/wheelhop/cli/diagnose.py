@@ -66,7 +66,6 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     print_ladder(diagnosis.ladder, console)
     print_parameters(diagnosis.ladder[-1], console)
     if diagnosis.verdict == ("none",):
-        heading = "These runs would have shown, from so much on (to first order):"
-        print_limits(diagnosis.limits, console, heading)
+        print_limits(diagnosis.limits, console)
     if diagnosis.next_run is not None:
         console.print(next_run_words(diagnosis.next_run), markup=False)

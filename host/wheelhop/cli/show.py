@@ -79,9 +79,9 @@ def print_parameters(step: Step, console: Console) -> None:
             console.print(Text(f"  {name} = {words}{spread}"))
 
 
-def print_limits(limits: Sequence[Limit], console: Console, heading: str) -> None:
-    """From where on effects are seen, below a heading."""
-    console.print(heading)
+def print_limits(limits: Sequence[Limit], console: Console) -> None:
+    """From where on these runs would have shown what is not in the model."""
+    console.print("These runs would have shown, from so much on (to first order):")
     table = Table(box=None, pad_edge=False, show_header=False)
     for limit in limits:
         form = f" ({limit.form})" if limit.form else ""

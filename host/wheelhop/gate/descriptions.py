@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from wheelhop.campaign import BODY_POINTS, Campaign, Channel
 from wheelhop.campaign.types import ACCELERATION
 from wheelhop.files.units import SPELT
-from wheelhop.gate.drive import Drive, Match, Places, speeds_about
+from wheelhop.gate.drive import Drive, speeds_about
+from wheelhop.gate.match import Match, Places
 
 Array = NDArray[np.float64]
 
@@ -38,6 +39,12 @@ OTHER_UNITS = {
 """What a quantity's records may be in, and their number over the same in SI."""
 ALONE = {ACCELERATION: ("g", "mm/s²"), "travel": ("mm",), "rate": ("deg/s",), "force": ("kN",)}
 """What a single channel may be in."""
+LOGGERS_S = tuple(sign * 0.02 * k for k in range(2, 26) for sign in (1, -1))
+"""The same of sensors that a logger of their own recorded: two clocks, set by hand, are half a
+second apart."""
+RATIOS = tuple(factor**sign for factor in np.geomspace(1.3, 4.0, 6).tolist() for sign in (1, -1))
+"""By which a ratio of sensor to wheel may be wrong: forgotten, upside down, squared; neighbours are
+a quarter apart. Springs and dampers, believed to 10 %, answer for less than the first."""
 RECORDED_APART = ("channels of travel", "channels of rates", "channels of force")
 """Quantities that a logger of its own may have recorded."""
 REVERSED = "the wrong way round"
@@ -96,7 +103,7 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
         if not 0 < len(late) < n:
             continue
         names = tuple(channels[i].name for i in late)
-        for delay in DELAYS_S:
+        for delay in DELAYS_S if late is axles else LOGGERS_S:
             places = _moved(late, late, delay)
             words = f"{what} are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}"
             yield Description("out-of-step", words, places, names)
@@ -105,6 +112,7 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
             names = tuple(channels[i].name for i in of_kind)
             for unit, factor in OTHER_UNITS[quantity].items():
                 yield Description("units", unit, _scaled(of_kind, factor), names)
+    yield from _ratios(channels)
     for k, channel in enumerate(channels if n > 2 else ()):
         for unit in ALONE[channel.quantity]:
             factor = OTHER_UNITS[channel.quantity][unit]
@@ -123,6 +131,18 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
         if "body" not in (points[i], points[j]) and quantities[i] == quantities[j]:
             names = (channels[i].name, channels[j].name)
             yield Description("swapped", "", _moved((i, j), (j, i)), names)
+
+
+def _ratios(channels: Sequence[Channel]) -> Iterator[Description]:
+    """Sensors on struts whose ratio to the wheel is wrong: those of an axle, or all of a kind."""
+    for quantity in ("travel", "force"):
+        of_kind = [i for i, c in enumerate(channels) if c.quantity == quantity]
+        ends = [[i for i in of_kind if channels[i].corner in end] for end in ((0, 1), (2, 3))]
+        for some in (of_kind, *(end for end in ends if 0 < len(end) < len(of_kind))):
+            if 0 < len(some) < len(channels):
+                names = tuple(channels[i].name for i in some)
+                for factor in RATIOS:
+                    yield Description("ratio", f"{factor:.2g}", _scaled(some, factor), names)
 
 
 def all_matches(drives: Sequence[Drive], descriptions: Sequence[Description]) -> list[list[Match]]:

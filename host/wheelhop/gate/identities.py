@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Channel
 from wheelhop.compare.band import InBand
-from wheelhop.gate.descriptions import OTHER_UNITS
+from wheelhop.gate.descriptions import OTHER_UNITS, RATIOS
 from wheelhop.gate.finding import Finding
 from wheelhop.vehicle.layout import CORNERS, corner_position
 
@@ -139,12 +139,20 @@ def _signed(channel: Channel, shown: _Shown) -> Iterator[Finding]:
         unit: abs(gain - np.log(factor)) for unit, factor in OTHER_UNITS[channel.quantity].items()
     }
     unit = min(away, key=lambda name: away[name])
+    times = f"{channel.name} shows {abs(shown.gain):.3g} times what accelerometers say"
     if away[unit] < ALIKE and away[unit] < abs(gain):
         yield Finding(
             "before",
             "units",
             f"units of {channel.name}",
-            f"{channel.name} shows {abs(shown.gain):.3g} times what accelerometers say: it seems to"
-            f" be in {unit}, not in {channel.unit}.",
+            f"{times}: it seems to be in {unit}, not in {channel.unit}.",
             f"Convert {channel.name} to {channel.unit}.",
+        )
+    elif channel.corner is not None and abs(gain) > np.log(min(f for f in RATIOS if f > 1.0)):
+        yield Finding(
+            "before",
+            "ratio",
+            f"per_wheel of {channel.name}",
+            f"{times} and per_wheel = {channel.per_wheel:g} states.",
+            "Look at per_wheel: what the sensor shows per what happens at the wheel.",
         )

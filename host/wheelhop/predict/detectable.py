@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from math import log
+from math import inf, log
 from typing import Any
 
 import numpy as np
@@ -20,17 +20,14 @@ from threadpoolctl import threadpool_limits
 
 from wheelhop.campaign import Campaign, CampaignError, Run
 from wheelhop.compare import with_noise
-from wheelhop.compare.band import InBand
 from wheelhop.diagnose import Limit
 from wheelhop.diagnose.baseline import check_comparable, started
 from wheelhop.diagnose.confirm.validate import inexact
 from wheelhop.diagnose.score import MATERIAL
-from wheelhop.diagnose.screen.signatures import Variant, prepare, signatures
-from wheelhop.diagnose.screen.table import Columns
-from wheelhop.diagnose.verdict.limits import drop_needed, least_strength, limit
-from wheelhop.effects import Effect, RunSetting
-from wheelhop.fit import Fit, RunFit, Workshop, foreseen, initial_model, vehicle_parameters
+from wheelhop.effects import Effect
+from wheelhop.fit import Workshop, foreseen, initial_model, vehicle_parameters
 from wheelhop.predict.additions import Addition, additions, with_channels
+from wheelhop.predict.equations import Equations, shown_by
 from wheelhop.predict.foresee import forms_of
 from wheelhop.vehicle import Vehicle
 
@@ -38,11 +35,19 @@ Array = NDArray[np.float64]
 
 MOST_RUNS, LONGEST_S = 6, 5.12
 """So many of the runs to fit are simulated, so long a piece of each; they stand for all of them."""
-TINY = 1e-9
-"""Precision, in units of the prior's, that keeps the equations of idle numbers regular."""
 FURTHEST = 10.0
 """An effect that would be seen from less than a tenth on counts as one that is seen from a tenth:
 no single one decides which channel to add."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """From where on an effect would be told from its `rival`, the effect most like it here ("" if
+    there is no other), and how many `times` as strong it has to be for that as to be seen."""
+
+    rival: str
+    limit: Limit
+    times: float
 
 
 @dataclass(frozen=True)
@@ -61,13 +66,15 @@ class Detectable:
 
     `refused` is why nothing can be compared, with what would cure it; empty if something can.
     `limits` are the least strengths that would be seen, of each effect in its first form, with the
-    `shapes` that `wheelhop simulate` gives it; `idle` the effects that do nothing on these roads.
+    `shapes` that `wheelhop simulate` gives it, and `told` those that would be told from what is
+    most like it; `idle` the effects that do nothing on these roads.
     `best` is the channel, or the pair of channels, that would add most; None if none would add
     anything.
     """
 
     refused: str = ""
     limits: tuple[Limit, ...] = ()
+    told: tuple[Told, ...] = ()
     shapes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     idle: tuple[str, ...] = ()
     best: Added | None = None
@@ -116,11 +123,17 @@ def _detectable(
     physics = [e for e in effects if e.place != "sensor" and e.applies_to(vehicle.values)]
     variants = [form for effect in physics for form in forms_of(base, workshop, effect)[:1]]
     least = MATERIAL + inexact(workshop, base)()
-    shown = _shown(workshop, base, variants, [weight for _, weight in pieces])
-    equations = _Equations(base, variants, shown, least)
-    strengths = equations.strengths(campaign, range(len(campaign.channels)))
+    shown = shown_by(workshop, base, variants, [weight for _, weight in pieces])
+    equations = Equations(base, variants, shown, least)
+    now = equations.seen(range(len(campaign.channels)))
+    strengths, rivals = now.strengths(campaign), now.rivals(campaign)
+    names, told = [name for name, _ in rivals], [strength for _, strength in rivals]
+    times = [
+        least / seen if seen < inf else 1.0 for least, seen in zip(told, strengths, strict=True)
+    ]
     return Detectable(
         limits=equations.limits(strengths),
+        told=tuple(map(Told, names, equations.limits(told), times)),
         shapes={variant.effect.id: variant.shapes for variant in variants},
         idle=tuple(e.id for e in physics if not any(map(e.acts_in, equations.settings))),
         best=_best(equations, campaign, offered, strengths),
@@ -160,131 +173,8 @@ def _piece(run: Run, campaign: Campaign) -> Run:
     return replace(run, time_s=run.time_s[part], record=run.record[part], known=known)
 
 
-@dataclass(frozen=True, eq=False)
-class _Shown:
-    """One run's derivatives by what the variants have, and by how much those of the amplitudes (n,
-    a) change where what moves the model is as wrong as it may be."""
-
-    run: RunFit
-    weight: float
-    columns: Sequence[Columns]
-    astray: Array
-
-
-def _shown(
-    workshop: Workshop, base: Fit, variants: Sequence[Variant], weights: Sequence[float]
-) -> list[_Shown]:
-    systems = workshop.systems(base.model)
-    prepared = [prepare(workshop, base.model, variant) for variant in variants]
-
-    def of_run(item: tuple[RunFit, float]) -> _Shown:
-        run, weight = item
-        columns = signatures(run, base.model, systems, prepared)
-        astray = np.zeros((run.bench.size, sum(c.amplitudes.shape[1] for c in columns)))
-        if (wrong := workshop.astray.get(run.bench.run.id)) is not None:
-            wrongly = signatures(replace(run, bench=wrong), base.model, systems, prepared)
-            pairs = zip(wrongly, columns, strict=True)
-            astray = np.hstack([one.amplitudes - other.amplitudes for one, other in pairs])
-        return _Shown(run, weight, columns, np.nan_to_num(astray, posinf=0.0, neginf=0.0))
-
-    return workshop.each(of_run, list(zip(base.runs, weights, strict=True)))
-
-
-@dataclass(frozen=True, eq=False)
-class _Equations:
-    """The derivatives of all records, per noise: by the vehicle's numbers and what every run leaves
-    free (`base`), and by what the `variants` have (`shown`)."""
-
-    base: Fit
-    variants: Sequence[Variant]
-    shown: Sequence[_Shown]
-    least: float  #: share of the noise's power that is immaterial, or may be the simulation's error
-
-    @property
-    def settings(self) -> list[RunSetting]:
-        """How the runs are driven."""
-        return [run.bench.simulator.setting for run in self.base.runs]
-
-    def limits(self, strengths: Sequence[float]) -> tuple[Limit, ...]:
-        """What these least strengths of the variants, in scales of their amplitudes, are."""
-        pairs = zip(self.variants, strengths, strict=True)
-        return tuple(limit(variant, strength) for variant, strength in pairs)
-
-    def strengths(self, campaign: Campaign, channels: Iterable[int]) -> list[float]:
-        """From where on each effect would be seen by some of the channels in all of a campaign's
-        runs."""
-        kept = list(channels)
-        grams = [_gram(shown, kept, self.base.sigma) for shown in self.shown]
-        fitted, judging = (_data(self.base, campaign, kept, role) for role in ("fit", "validate"))
-        judging = judging or fitted  # where no run is held out those fitted judge
-        found = []
-        for k, variant in enumerate(self.variants):
-            information, wrong, price = self._of(k, grams)
-            numbers = len(variant.shapes) + sum(not p.switch for p in variant.amplitudes)
-            price += numbers * log(fitted)
-            by_chance = drop_needed(price, fitted, judging, len(self.variants), 0.0)
-            found.append(
-                max(
-                    least_strength(variant, information, by_chance),
-                    # What is wrong of the effect itself grows with it, and may never be exceeded.
-                    least_strength(variant, information - wrong, self.least * fitted),
-                )
-            )
-        return found
-
-    def _of(self, k: int, grams: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, float]:
-        """What the runs tell of the amplitudes of one variant (a, a), how wrong what moves the
-        model makes it (a, a), and what the variant's own numbers in all runs cost."""
-        g, amplitudes = len(self.base.shared), len(self.variants[k].amplitudes)
-        total, price = np.zeros((g + amplitudes, g + amplitudes)), 0.0
-        wrong = np.zeros((amplitudes, amplitudes))
-        among = sum(len(variant.amplitudes) for variant in self.variants[:k])
-        for shown, (gram, astray) in zip(self.shown, grams, strict=True):
-            run, columns = shown.run, shown.columns
-            r, q = len(run.own), columns[k].own.shape[1]
-            before = r + g + sum(c.own.shape[1] + c.amplitudes.shape[1] for c in columns[:k])
-            mine = np.arange(before, before + q + amplitudes)
-            order = np.concatenate([np.arange(r), mine[:q], np.arange(r, r + g), mine[q:]])
-            matrix = gram[np.ix_(order, order)]
-            prior = np.array([(f.scale / f.sigma) ** 2 for f in run.own] + [1.0] * q)
-            inner = matrix[: r + q, : r + q] + np.diag(prior * (1.0 + TINY) + TINY)
-            across = matrix[: r + q, r + q :]
-            rest = matrix[r + q :, r + q :] - across.T @ np.linalg.solve(inner, across)
-            total += shown.weight * rest
-            own = np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner[:r, :r])[1]
-            price += shown.weight * float(own)
-            mine = np.arange(among, among + amplitudes)
-            wrong += shown.weight * astray[np.ix_(mine, mine)]
-        shared = total[:g, :g] + self.base.believed + TINY * np.eye(g)
-        told = total[g:, g:] - total[g:, :g] @ np.linalg.solve(shared, total[:g, g:])
-        return np.asarray(told), wrong, price
-
-
-def _gram(shown: _Shown, kept: Sequence[int], sigma: float) -> tuple[Array, Array]:
-    """Products, per noise power, of all of a run's columns as some channels show them: its own
-    numbers, the shared ones, and for each variant its numbers in the run and its amplitudes; and
-    those of what is wrong of the amplitudes'."""
-    run = shown.run
-    shared, own = np.split(run.jacobian, [run.derivatives.shared], axis=1)
-    parts = (part for c in shown.columns for part in (c.own, c.amplitudes))
-    every = np.nan_to_num(np.hstack([own, shared, *parts]), posinf=0.0, neginf=0.0)
-    seen, astray = (run.bench.seen_by(part, kept) / sigma for part in (every, shown.astray))
-    return np.asarray(seen.T @ seen), np.asarray(astray.T @ astray)
-
-
-def _data(base: Fit, campaign: Campaign, kept: Sequence[int], role: str) -> int:
-    """In-band data of the runs of a role, of as many channels as are predicted in the pieces."""
-    predicted = np.mean([run.bench.predicted[list(kept)].sum() for run in base.runs])
-    counts = (
-        InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz).count
-        for run in campaign.runs
-        if run.role == role
-    )
-    return round(float(predicted) * sum(counts))
-
-
 def _best(
-    equations: _Equations, campaign: Campaign, offered: Sequence[Addition], before: Sequence[float]
+    equations: Equations, campaign: Campaign, offered: Sequence[Addition], before: Sequence[float]
 ) -> Added | None:
     """The addition with which least is enough, by the product of how many times less it is over all
     effects that are seen then; None where nothing gains."""
@@ -293,7 +183,7 @@ def _best(
     for one in offered:
         kept = [*range(own), *range(first, first + len(one.channels))]
         first += len(one.channels)
-        after = equations.strengths(campaign, kept)
+        after = equations.seen(kept).strengths(campaign)
         limits = equations.limits(after)
         less = {
             seen.effect: float(min(was / now, FURTHEST))
@@ -308,11 +198,17 @@ def _best(
 
 def to_json(found: Detectable) -> dict[str, Any]:
     """As `check --json` writes it."""
-    best = found.best
+    best, rows = found.best, zip(found.limits, found.told, strict=True)
     return {
         "refused": found.refused,
         "limits": [
-            {**asdict(one), "shapes": dict(found.shapes[one.effect])} for one in found.limits
+            {
+                **asdict(one),
+                "shapes": dict(found.shapes[one.effect]),
+                "rival": told.rival,
+                "told_from": dict(told.limit.amplitudes) if told.limit.shown else None,
+            }
+            for one, told in rows
         ],
         "idle": list(found.idle),
         "best": None
