@@ -14,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,7 @@ HIDDEN = [
     for name, case in CASES.items()
     if case.hidden and not name.startswith("sensor-") and "driver-seat" not in case.hidden
 ]
+ROADS = ("surveyed", "unsurveyed")
 CARS = ("baja", "formula-student", "all")
 
 
@@ -157,12 +159,12 @@ def main() -> int:
     parser.add_argument("--good", type=int, default=10, help="good campaigns of each set and road")
     parser.add_argument("--seed", type=int, default=0, help="of the first campaign")
     parser.add_argument("--sets", nargs="+", default=CARS, choices=SETS)
+    parser.add_argument("--roads", nargs="+", default=ROADS, choices=ROADS)
     given = parser.parse_args()
     total = tried = false = count = 0
     with tempfile.TemporaryDirectory() as work:
-        for name, surveyed in ((name, s) for name in given.sets for s in (True, False)):
-            sensors = tuple(SETS[name])
-            road = "surveyed" if surveyed else "unsurveyed"
+        for name, road in product(given.sets, given.roads):
+            sensors, surveyed = tuple(SETS[name]), road == "surveyed"
             seeds = range(given.seed, given.seed + given.base + given.good)
             bases = [good(Path(work), s, sensors, surveyed=surveyed) for s in seeds[: given.base]]
             for mistake, (kinds, change) in MISTAKES.items():

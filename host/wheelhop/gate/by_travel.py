@@ -28,15 +28,18 @@ ComplexArray = NDArray[np.complex128]
 @dataclass(frozen=True, eq=False)
 class Struts:
     """What the nominal linear vehicle makes of the travel that is recorded: `shown` (f, b, w) at
-    the frequencies of spectra, what the channels `body` hold per what the channels `pots` do, all
-    per their noise."""
+    the frequencies of spectra, what the channels `body` hold per what the channels `pots` do; and
+    the `weight` (f, b) of each, one over the power of the noise of both."""
 
     body: tuple[int, ...]
     pots: tuple[int, ...]
     shown: ComplexArray
+    weight: Array
 
     @classmethod
-    def of(cls, campaign: Campaign, values: Mapping[str, float], at_hz: Array) -> Struts | None:
+    def of(
+        cls, campaign: Campaign, values: Mapping[str, float], at_hz: Array, noise: Array
+    ) -> Struts | None:
         """None unless every strut is measured, and something that they move."""
         column, rolling = driving(campaign, "travel"), wheels(values)
         if not set(rolling) <= set(column):
@@ -49,7 +52,7 @@ class Struts:
         }
         system = Model(values={**values, **places}).system(campaign.channels, "travel")
         pots = tuple(column[i] for i in rolling)
-        moved = (~np.isnan(system.output).any(axis=1)) | np.asarray(system.reads)
+        moved = np.asarray(~np.isnan(system.output).any(axis=1))
         body = tuple(
             i
             for i, c in enumerate(campaign.channels)
@@ -61,7 +64,8 @@ class Struts:
         ratio = np.array([campaign.channels[i].per_wheel for i in pots])
         shown = frequency_response(system, at_hz)[:, body]
         shown = shown * (scale[list(pots)] / ratio) / scale[list(body)][:, None]
-        return cls(body, pots, np.asarray(shown))
+        power = (np.abs(shown) ** 2 * noise[list(pots)] ** 2).sum(axis=2) + noise[list(body)] ** 2
+        return cls(body, pots, np.asarray(shown), 1.0 / power)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +107,10 @@ class ByTravel:
             undone[:, row, column] = turned / place.of(column)[1]
         b = len(self.struts.body)
         true = undone @ lines @ undone.conj().swapaxes(1, 2)
-        weight = 1.0 / (1.0 + (np.abs(shown) ** 2).sum(axis=2))
         apart = np.concatenate([np.tile(np.eye(b), (len(lines), 1, 1)), -shown], axis=2)
         left = np.einsum("fbi,fij,fbj->fb", apart, true, apart.conj()).real
         held = np.einsum("fbb->fb", true[:, :b, :b]).real
+        weight = self.struts.weight
         share = 1.0 - (weight * left).sum(axis=0) / np.maximum((weight * held).sum(axis=0), 1e-300)
         return np.asarray(np.clip(share, 0.0, MOST))
 

@@ -36,8 +36,14 @@ OTHER_UNITS = {
         "force": ("kN", "lbf"),
     }.items()
 }
+OTHER_UNITS["rate"]["rad/s converted as if they were deg/s"] = SPELT["deg/s"][1]
 """What a quantity's records may be in, and their number over the same in SI."""
-ALONE = {ACCELERATION: ("g", "mm/s²"), "travel": ("mm",), "rate": ("deg/s",), "force": ("kN",)}
+ALONE = {
+    ACCELERATION: ("g", "mm/s²"),
+    "travel": ("mm", "inch"),
+    "rate": ("deg/s",),
+    "force": ("kN",),
+}
 """What a single channel may be in."""
 LOGGERS_S = tuple(sign * 0.02 * k for k in range(2, 26) for sign in (1, -1))
 """The same of sensors that a logger of their own recorded: two clocks, set by hand, are half a
@@ -79,6 +85,10 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
             yield Description("speed", "", same, speed=float(factor))
     for rate in RATES:
         yield Description("sample-rate", "", same, rate=rate)
+    # The sign of a gyro is another one in every book: commoner than sides that are exchanged, which
+    # turn what potentiometers say of roll as well.
+    gyros = [i for i in range(n) if n > 2 and quantities[i] == "rate"]
+    yield from (_reversed(channels, i) for i in gyros)
     points = [c.point for c in channels]
     kinds = {q: [i for i, c in enumerate(channels) if c.quantity == q] for q in ALONE}
     for words, renamed in (
@@ -118,9 +128,7 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
             factor = OTHER_UNITS[channel.quantity][unit]
             yield Description("units", unit, _scaled([k], factor), (channel.name,))
     if n > 2:  # of two it cannot be told which one is inverted
-        for i in range(n):
-            how = "is upside down" if channels[i].is_acceleration else f"counts {REVERSED}"
-            yield Description("polarity", how, _inverted([i]), (channels[i].name,))
+        yield from (_reversed(channels, i) for i in range(n) if i not in gyros)
     for i, point in enumerate(points):
         other = point.translate(str.maketrans("AB", "BA"))
         if len(point) == 2 and other in points:
@@ -131,6 +139,11 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
         if "body" not in (points[i], points[j]) and quantities[i] == quantities[j]:
             names = (channels[i].name, channels[j].name)
             yield Description("swapped", "", _moved((i, j), (j, i)), names)
+
+
+def _reversed(channels: Sequence[Channel], i: int) -> Description:
+    how = "is upside down" if channels[i].is_acceleration else f"counts {REVERSED}"
+    return Description("polarity", how, _inverted([i]), (channels[i].name,))
 
 
 def _ratios(channels: Sequence[Channel]) -> Iterator[Description]:

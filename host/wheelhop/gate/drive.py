@@ -56,10 +56,12 @@ class Drive(Protocol):
 
 
 class Nominal:
-    """What the nominal linear vehicle makes of any periodic track at any speed."""
+    """What the nominal linear vehicle makes of any periodic track at any speed, and of measured
+    travel; `noise` (c,) is how noisy the channels are, one beside the other."""
 
-    def __init__(self, campaign: Campaign, values: Mapping[str, float]) -> None:
-        self.values = values
+    def __init__(self, campaign: Campaign, values: Mapping[str, float], noise: Array) -> None:
+        self.campaign, self.values = campaign, values
+        self.noise = noise / campaign.noise_scale
         self.grid_hz = np.arange(STEP_HZ, 2 * campaign.band_hz[1], STEP_HZ)
         unknown = {
             f"{c.key}.{axis}": 0.0
@@ -254,7 +256,7 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
         if period is not None and 2 * period < way:
             return OnWaves(spectra, nominal, period, nominal.paths(run.track))
     if run.track.kind == "unknown":
-        struts = Struts.of(campaign, nominal.values, spectra.frequency_hz[::PADDING])
+        struts = Struts.of(campaign, nominal.values, spectra.frequency_hz[::PADDING], nominal.noise)
         if struts is not None:
             return ByTravel(spectra, struts)
     points = [channel.point for channel in campaign.channels]
