@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -13,6 +13,7 @@ from wheelhop.compare import Comparison, Floor, compare
 from wheelhop.compare.band import InBand
 from wheelhop.diagnose.confirm.validate import validate
 from wheelhop.diagnose.score import Rung
+from wheelhop.files import Progress
 from wheelhop.files.words import listed
 from wheelhop.fit import (
     Bench,
@@ -28,8 +29,6 @@ from wheelhop.fit import (
 from wheelhop.simulate import Model, climbing, drive_of
 from wheelhop.simulate.measured import driving
 from wheelhop.vehicle import Drive, Vehicle, wheels
-
-Progress = Callable[[str], None]
 
 STILL = 1e-9
 """In-band coefficients of this size, m/s² (N, m on a rig), are rounding: nothing moves."""
@@ -135,7 +134,8 @@ def charged(rung: Rung) -> dict[str, float]:
 
 
 def started(workshop: Workshop, model: Model, free: Sequence[Free]) -> Model:
-    """The model with where each run began, and how fast it went, as far as the record shows it."""
+    """The model with where every run on the road began, and how fast it went; of a component, with
+    its `free` numbers where they begin."""
     if isinstance(workshop.campaign, ComponentCampaign):
         return begin_component(workshop.campaign, model, free)
     systems = workshop.systems(model)

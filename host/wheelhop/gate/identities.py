@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Channel
 from wheelhop.compare.band import InBand
-from wheelhop.gate.descriptions import OTHER_UNITS, RATIOS
+from wheelhop.gate.descriptions import OTHER_UNITS
 from wheelhop.gate.finding import Finding
 from wheelhop.vehicle.layout import CORNERS, corner_position
 
@@ -26,6 +26,9 @@ TOLD = 0.7
 """Share of a channel's power from which what it should show says something of it."""
 ALIKE = np.log(3.0)
 """A gain within a factor of three of another unit's is that unit; no sensor is as far off."""
+OFF = np.log(1.3)
+"""So much, of the logarithm, no potentiometer's gain is off, noise of the accelerometers included,
+that does not stand for another ratio to the wheel."""
 USUAL_NOISE = 1e-3
 """Of its rms, taken for the noise of a channel of which nothing better is known."""
 
@@ -148,7 +151,7 @@ def _signed(channel: Channel, shown: _Shown) -> Iterator[Finding]:
             f"{times}: it seems to be in {unit}, not in {channel.unit}.",
             f"Convert {channel.name} to {channel.unit}.",
         )
-    elif channel.corner is not None and abs(gain) > np.log(min(f for f in RATIOS if f > 1.0)):
+    elif channel.corner is not None and abs(gain) > OFF:
         yield Finding(
             "before",
             "ratio",
