@@ -100,6 +100,12 @@ def test_rows_that_share_a_stamp_are_their_mean_and_it_is_said():
     assert any("samples that share a stamp with another: 50" in line for line in found.remarks)
 
 
+def test_a_clock_that_is_set_anew_makes_no_billion_empty_rows():
+    time_s = np.concatenate([np.arange(100) * 0.01, 1e9 + np.arange(100) * 0.01])
+    with pytest.raises(ExchangeError, match="is a clock set anew in between"):
+        one(time_s, np.zeros(200), 100.0)
+
+
 def test_stamps_that_fall_are_not_sorted():
     with pytest.raises(ExchangeError, match=r"row 3: time does not rise, from 0\.1 to 0\.05 s"):
         one(np.array([0.0, 0.1, 0.05, 0.2]), np.zeros(4), 10.0)

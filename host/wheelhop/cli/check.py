@@ -2,7 +2,6 @@
 
 from argparse import Namespace
 from pathlib import Path
-from typing import Any
 
 from rich import box
 from rich.console import Console
@@ -20,14 +19,15 @@ from wheelhop.campaign import (
     find_duplicates,
     read_campaign,
 )
-from wheelhop.campaign.write import SAMPLE, marked_numbers
+from wheelhop.campaign.sample import SAMPLE, marked_numbers
+from wheelhop.cli.campaign_json import campaign_to_json
 from wheelhop.cli.detectable import print_detectable
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.progress import stages
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
 from wheelhop.files.words import listed, significant
-from wheelhop.gate import gate, to_json
+from wheelhop.gate import gate
 from wheelhop.predict.detectable import to_json as detectable_to_json
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.vehicle.estimate import ESTIMATED
@@ -61,7 +61,7 @@ def run(arguments: Namespace) -> int:
         console.print(Text(f"! {duplicate}", style="yellow"))
     if not campaign.validate_runs:
         console.print(Text('no run has role = "validate": no model can be put to the test'))
-    said: dict[str, Any] = {"format": 1, "findings": to_json(findings)}
+    said = campaign_to_json(campaign, findings)
     if not isinstance(campaign, ComponentCampaign):
         with stages() as progress:
             found = detectable(
@@ -69,7 +69,7 @@ def run(arguments: Namespace) -> int:
             )
         print_detectable(found, console)
         said["detectable"] = detectable_to_json(found)
-    if arguments.json is not None:
+    if arguments.json:
         write_json(arguments.json, said)
     return 0
 
