@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         DiagnosisResult,
         add,
         compare,
+        detectable,
         diagnose,
         export,
         load,
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from wheelhop.export.plant import Linear, Plant
     from wheelhop.files import InputError
     from wheelhop.logger import Channel, Log, Recording
+    from wheelhop.predict.detectable import Detectable
     from wheelhop.predict.plan import Plan
     from wheelhop.simulate import Model
     from wheelhop.tune.tuning import Tuning
@@ -66,6 +68,7 @@ __all__ = [
     "Channel",
     "Comparison",
     "ComparisonResult",
+    "Detectable",
     "DiagnosisResult",
     "Effect",
     "InputError",
@@ -86,6 +89,7 @@ __all__ = [
     "add",
     "add_run",
     "compare",
+    "detectable",
     "diagnose",
     "diagnose_fleet",
     "export",
@@ -110,6 +114,7 @@ _VERBS = ("compare", "diagnose", "export", "predict", "simulate", "tune")
 
 _PACKAGE_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
+    "detectable": "api",
     **dict.fromkeys((*_VERBS, "load"), "api"),
     "diagnose_fleet": "api.fleet",
     **dict.fromkeys(("read", "read_log", "read_model", "read_recording", "read_vehicle"), "api"),
@@ -121,6 +126,7 @@ _PACKAGE_OF = {
     **dict.fromkeys(("Linear", "Plant"), "export.plant"),
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
     "Model": "simulate",
+    "Detectable": "predict.detectable",
     "Plan": "predict.plan",
     "Tuning": "tune.tuning",
     "Vehicle": "vehicle",

@@ -75,6 +75,7 @@ def make_parser() -> argparse.ArgumentParser:
 def _make_analysis(commands: "argparse._SubParsersAction[OneLineParser]") -> None:
     check = commands.add_parser("check", help="read a campaign and show what is in it")
     _campaign(check)
+    _library(check)
     _json(check)
 
     compare = commands.add_parser("compare", help="compare the model with the measurements")
