@@ -1,6 +1,7 @@
 """What users call from Python, and the commands call too: read, compare, diagnose, add, predict,
-plan, plot, simulate, load."""
+plan, plot, simulate, tune, export, load."""
 
+from wheelhop.api.exporting import export
 from wheelhop.api.planning import plan
 from wheelhop.api.plot import plot
 from wheelhop.api.predicting import predict
@@ -8,7 +9,9 @@ from wheelhop.api.reading import read, read_log, read_model, read_recording, rea
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.api.saving import load
 from wheelhop.api.simulating import simulate
-from wheelhop.api.verbs import MODEL_FILE, add, compare, diagnose
+from wheelhop.api.tuning import tune
+from wheelhop.api.verbs import add, compare, diagnose
+from wheelhop.predict.known_car import MODEL_FILE
 
 __all__ = [
     "MODEL_FILE",
@@ -17,6 +20,7 @@ __all__ = [
     "add",
     "compare",
     "diagnose",
+    "export",
     "load",
     "plan",
     "plot",
@@ -27,4 +31,5 @@ __all__ = [
     "read_recording",
     "read_vehicle",
     "simulate",
+    "tune",
 ]

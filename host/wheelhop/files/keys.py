@@ -210,6 +210,17 @@ class Table:
             found.append(Table(item, self.file, f"[[{key}]] {label}", kind=self.kind))
         return found
 
+    def all_numbers(self, prefix: str = "", but: str | None = None) -> dict[str, float]:
+        """Every number of this table and of those in it, by its dotted name behind a prefix; left
+        out are those whose names end with `but`."""
+        found: dict[str, float] = {}
+        for key, value in self.values.items():
+            if isinstance(value, dict):
+                found |= self.table(key).all_numbers(f"{prefix}{key}.", but)
+            elif but is None or not key.endswith(but):
+                found[f"{prefix}{key}"] = self.number(key)
+        return found
+
     def format(self) -> None:
         """Check the format version at the top of the file."""
         version = self._required("format", "1")
