@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         simulate,
         tune,
     )
+    from wheelhop.api.effect_kit import check_effect
     from wheelhop.api.fleet import diagnose_fleet
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
@@ -88,6 +89,7 @@ __all__ = [
     "__version__",
     "add",
     "add_run",
+    "check_effect",
     "compare",
     "detectable",
     "diagnose",
@@ -116,6 +118,7 @@ _PACKAGE_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
     "detectable": "api",
     **dict.fromkeys((*_VERBS, "load"), "api"),
+    "check_effect": "api.effect_kit",
     "diagnose_fleet": "api.fleet",
     **dict.fromkeys(("read", "read_log", "read_model", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
