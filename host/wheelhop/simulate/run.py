@@ -238,8 +238,16 @@ class RunSimulator:
         first, rate_hz = self._before * per_sample, campaign.sample_rate_hz * per_sample
         readings = sensed(job.acceleration, rate_hz, first, faults, campaign.channels)
         readings = as_recorded(readings, rate_hz, campaign, model.values)
-        last = first + (len(self.run.time_s) - 1) * per_sample
-        return readings[first : last + 1 : per_sample]
+        return self.at_samples(readings, per_sample)
+
+    def at_samples(self, shown: Array, per_sample: int) -> Array:
+        """The record's samples (n, outputs) of what a job's steps show, so many per sample."""
+        first = self._before * per_sample
+        return shown[first : first + (len(self.run.time_s) - 1) * per_sample + 1 : per_sample]
+
+    def job(self, model: Model, system: System) -> Job:
+        """The integration of a model with any outputs, none of it known before."""
+        return self._job(model, system, self._stride(model, system), ())
 
     def _job(self, model: Model, system: System, stride: int, known: Sequence[Job]) -> Job:
         """The job that a model asks for, or one of those `known` that does."""
