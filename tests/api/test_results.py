@@ -124,7 +124,7 @@ def test_an_effect_that_is_not_there_is_one_line(folder):
         wh.compare(folder, "dry-frictoin")
 
 
-@pytest.mark.parametrize("kind", ["ladder", "where", "worst", "typical"])
+@pytest.mark.parametrize("kind", ["ladder", "where", "worst", "typical", "histograms", "loops"])
 def test_results_are_drawn(fitted, found, kind):
     for result in (fitted, found):
         figure = wh.plot(result, kind)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
+from wheelhop.campaign import ComponentCampaign
 from wheelhop.files.words import listed
 from wheelhop.logger import Recording
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Kind = Literal["ladder", "where", "worst", "typical"]
+Kind = Literal["ladder", "where", "worst", "typical", "histograms", "loops"]
 
 
 def plot(thing: ComparisonResult | DiagnosisResult | Recording, kind: Kind = "ladder") -> Figure:
@@ -24,7 +25,9 @@ def plot(thing: ComparisonResult | DiagnosisResult | Recording, kind: Kind = "la
         that of a run.
     kind
         Of a result: "ladder", the error of every model; "where", the residual by band, motion and
-        what it is locked to; "worst" and "typical", measured and modelled signals at one place.
+        what it is locked to; "worst" and "typical", measured and modelled signals at one place;
+        "histograms", velocity and travel of every strut; "loops", its force over both, or those of
+        a component on a rig.
 
     Returns
     -------
@@ -45,4 +48,22 @@ def plot(thing: ComparisonResult | DiagnosisResult | Recording, kind: Kind = "la
     if kind in ("worst", "typical"):
         case = cases(thing.campaign.channels, steps)[("worst", "typical").index(kind)]
         return figures.case_figure(case, listed(steps[-1].added) if steps[-1].added else "")
-    raise ValueError(f'kind "{kind}": choose ladder, where, worst or typical')
+    if kind in ("histograms", "loops"):
+        return _of_struts(thing, kind)
+    raise ValueError(f'kind "{kind}": choose ladder, where, worst, typical, histograms or loops')
+
+
+def _of_struts(result: ComparisonResult | DiagnosisResult, kind: Kind) -> Figure:
+    from wheelhop.report.loops import loops_figure
+    from wheelhop.report.strut_figures import histograms_figure, strut_loops_figure
+    from wheelhop.report.strut_motion import strut_histories
+
+    campaign, steps = result.campaign, result.steps
+    if isinstance(campaign, ComponentCampaign):
+        if kind == "loops":
+            return loops_figure(campaign, steps)
+        raise ValueError('kind "histograms" is of vehicles: of a component choose loops')
+    histories = strut_histories(campaign, steps)
+    if kind == "histograms":
+        return histograms_figure(histories)
+    return strut_loops_figure(histories, result.model)

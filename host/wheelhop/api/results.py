@@ -81,6 +81,13 @@ class _Result:
         """The field's figures by run and channel: see `Comparison.agreement`."""
         return self.comparison.agreement()
 
+    def struts(self) -> DataFrame:
+        """What every strut did, measured and modelled: shares of the time in bump and rebound at
+        low and high speed, velocity, travel; at the wheel, in band, positive in rebound."""
+        from wheelhop.report.strut_motion import struts_frame
+
+        return struts_frame(self.campaign, self.steps)
+
     def write_model(self, file: str | Path) -> None:
         """Write the last model as TOML (docs/model-file.md); what stood there is replaced.
 
