@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         simulate,
     )
     from wheelhop.api.fleet import diagnose_fleet
+    from wheelhop.api.settings import SettingsResult, compare_settings
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
     from wheelhop.effects import Effect, Parameter, load_effects
@@ -67,12 +68,14 @@ __all__ = [
     "Plan",
     "Recording",
     "Run",
+    "SettingsResult",
     "Vehicle",
     "WheelRates",
     "__version__",
     "add",
     "add_run",
     "compare",
+    "compare_settings",
     "diagnose",
     "diagnose_fleet",
     "load_effects",
@@ -90,6 +93,7 @@ __all__ = [
 _ROOM_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
     "diagnose_fleet": "api.fleet",
+    **dict.fromkeys(("SettingsResult", "compare_settings"), "api.settings"),
     **dict.fromkeys(("read", "read_log", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
+from wheelhop.api.settings import SettingsResult
 from wheelhop.campaign import ComponentCampaign
 from wheelhop.files.words import listed
 from wheelhop.logger import Recording
@@ -15,14 +16,16 @@ if TYPE_CHECKING:
 Kind = Literal["ladder", "where", "worst", "typical", "histograms", "loops"]
 
 
-def plot(thing: ComparisonResult | DiagnosisResult | Recording, kind: Kind = "ladder") -> Figure:
+def plot(
+    thing: ComparisonResult | DiagnosisResult | SettingsResult | Recording, kind: Kind = "ladder"
+) -> Figure:
     """Draw a result, or the channels of a recording against time.
 
     Parameters
     ----------
     thing
-        A result of `compare`, `add` or `diagnose`, or a recording; `campaign.recording("slow")` is
-        that of a run.
+        A result of `compare`, `add` or `diagnose`, or of `compare_settings`, of which the first
+        channel is drawn, or a recording; `campaign.recording("slow")` is that of a run.
     kind
         Of a result: "ladder", the error of every model; "where", the residual by band, motion and
         what it is locked to; "worst" and "typical", measured and modelled signals at one place;
@@ -39,6 +42,10 @@ def plot(thing: ComparisonResult | DiagnosisResult | Recording, kind: Kind = "la
 
     if isinstance(thing, Recording):
         return figures.recording_figure(thing)
+    if isinstance(thing, SettingsResult):
+        from wheelhop.report.settings import settings_figure
+
+        return settings_figure(thing.comparison, thing.comparison.spectra[0].channel)
     steps = thing.steps
     if kind == "ladder":
         return figures.ladder_figure(steps)

@@ -106,6 +106,15 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _library(compare)
     _outputs(compare)
 
+    settings = commands.add_parser(
+        "settings", help="compare settings of a vehicle over one course, without a model"
+    )
+    _campaign(settings)
+    settings.add_argument(
+        "--reference", metavar="NAME", default="", help="the setting compared with (default: first)"
+    )
+    _outputs(settings)
+
     diagnose = commands.add_parser("diagnose", help="find out which effects are missing")
     _campaign(diagnose)
     diagnose.add_argument("more", metavar="MORE", nargs="*", type=Path, help="more campaigns")
