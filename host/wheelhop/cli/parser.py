@@ -76,6 +76,10 @@ def make_parser() -> argparse.ArgumentParser:
     emulate.add_argument(
         "--factor", metavar="X", type=float, default=10.0, help="times faster (default 10)"
     )
+    emulate.add_argument(
+        "--campaign", metavar="FOLDER", type=Path, help="feel a run of it (default: a field day)"
+    )
+    emulate.add_argument("--run", metavar="ID", help="which run of it (default: the first)")
     _make_logs(commands)
     _make_checks(commands)
     add_formats(commands)
