@@ -9,14 +9,15 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import signal
 
 from tests import truth
-from tests.truth.campaign import BAND_HZ, SAMPLE_RATE_HZ, _vehicle_toml
+from tests.truth.campaign import BAND_HZ, _vehicle_toml
 from tests.truth.presets import draw_vehicles
 from tests.truth.sensors import Sensor, sense
 from tests.truth.tracks import Track
@@ -24,14 +25,16 @@ from tests.truth.tracks import Track
 EXAMPLES = Path(__file__).parents[1] / "examples"
 Array = NDArray[np.float64]
 SECONDS, AVERAGING_S = 10.24, 0.0066
-SHARE = (BAND_HZ[1] - BAND_HZ[0]) / (SAMPLE_RATE_HZ / 2)  # of white noise that is in band
+ORDER, CORNER_HZ, FINER, SETTLED_S = 4, 60.0, 5, 1.0
+"""A recorder's Butterworth filter, works on so many samples for one that is kept; what it makes of
+its start is left out."""
 
 
 @dataclass(frozen=True)
 class SensorSet:
     """Sensors of a car, by what `[channels]` says of each: those of the simulator, `on_body` as
     (x, y) of vertical accelerometers, and whether a GPS tells the speed; the road's class as its
-    unevenness, m³, and how fast it was driven."""
+    unevenness, m³, and how fast it was driven; samples a second, each a mean, or `filtered`."""
 
     title: str
     preset: str
@@ -40,6 +43,16 @@ class SensorSet:
     gps: bool
     unevenness_m3: float
     speeds_kmph: tuple[float, ...]
+    rate_hz: float = 100.0
+    filtered: bool = False
+
+    @property
+    def recorder(self) -> list[str]:
+        """What campaign.toml says of it."""
+        said = f"averaging_ms = {1e3 * AVERAGING_S:g}"
+        if self.filtered:
+            said = f'filter = {{ kind = "butterworth", order = {ORDER}, corner_hz = {CORNER_HZ} }}'
+        return [f"sample_rate_hz = {self.rate_hz}", said]
 
 
 def pots(noise_rms: float) -> tuple[Sensor, ...]:
@@ -77,6 +90,8 @@ SETS: Mapping[str, SensorSet] = {
         False,
         ROAD,
         RIDE_KMPH,
+        rate_hz=200.0,
+        filtered=True,
     ),
 }
 SHIPPED = {
@@ -98,9 +113,8 @@ def write_set(
         "format = 1",
         f'title = "{given.title}"',
         'vehicle = "vehicle.toml"',
-        f"sample_rate_hz = {SAMPLE_RATE_HZ}",
+        *given.recorder,
         f"band_hz = [{BAND_HZ[0]}, {BAND_HZ[1]}]",
-        f"averaging_ms = {1e3 * AVERAGING_S:g}",
         "noise_rms_m_s2 = 0.1",
     ]
     quantities = {sensor.quantity: sensor.noise_rms for sensor in given.sensors}
@@ -132,18 +146,28 @@ def _write_run(
     rng: np.random.Generator,
 ) -> None:
     track, kmph = driven
-    time_s = np.arange(round(SECONDS * SAMPLE_RATE_HZ)) / SAMPLE_RATE_HZ
+    time_s = np.arange(round(SECONDS * given.rate_hz)) / given.rate_hz
     speed = kmph / 3.6 * (1.0 + rng.uniform(-0.05, 0.05))
     run = truth.Run(track, speed, float(rng.uniform(33.0, 41.0)), time_s, AVERAGING_S, int(kmph))
     corners = [Sensor(f"B{i}", "acceleration", f"B{i}", 0.0) for i in (1, 2, 3, 4)]
-    shown = sense(vehicle, run, (*given.sensors, *corners), physics)
+    seen = (*given.sensors, *corners)
+    if given.filtered:
+        fine = np.arange(round(SECONDS * given.rate_hz) * FINER) / (given.rate_hz * FINER)
+        shown = sense(vehicle, replace(run, time_s=fine, averaging_s=0.0), seen, physics)
+        low_pass = signal.butter(ORDER, CORNER_HZ, fs=given.rate_hz * FINER)
+        settled = time_s >= SETTLED_S
+        shown = np.asarray(signal.lfilter(*low_pass, shown, axis=0)[::FINER][settled], float)
+        time_s = time_s[settled] - SETTLED_S
+    else:
+        shown = sense(vehicle, run, seen, physics)
     own, body = shown[:, : len(given.sensors)], shown[:, len(given.sensors) :]
     columns = [own, *(_at(vehicle, body, place)[:, None] for place in given.on_body.values())]
     noise = [s.noise_rms for s in given.sensors] + [0.1] * len(given.on_body)
     offset = [s.offset for s in given.sensors] + [0.05] * len(given.on_body)
     names = [s.name for s in given.sensors] + list(given.on_body)
     record = np.hstack(columns)
-    record += np.array(offset) + np.array(noise) / np.sqrt(SHARE) * rng.normal(size=record.shape)
+    share = (BAND_HZ[1] - BAND_HZ[0]) / (given.rate_hz / 2)  # of white noise that is in band
+    record += np.array(offset) + np.array(noise) / np.sqrt(share) * rng.normal(size=record.shape)
     if given.gps:
         record = np.column_stack([record, speed + 0.03 * rng.normal(size=len(record))])
         names.append("gps")

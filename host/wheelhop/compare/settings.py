@@ -247,7 +247,7 @@ def _segments(campaign: Campaign, run: Run) -> tuple[Array, Array]:
 
 
 def _inside(frequency: Array, band_hz: tuple[float, float]) -> NDArray[np.bool_]:
-    return (frequency >= band_hz[0]) & (frequency <= band_hz[1])
+    return np.asarray((frequency >= band_hz[0]) & (frequency <= band_hz[1]))
 
 
 def _band_power(frequency: Array, density: Array, edges: Array) -> Array:
@@ -258,7 +258,7 @@ def _band_power(frequency: Array, density: Array, edges: Array) -> Array:
     total = np.concatenate([np.zeros((*total.shape[:-1], 1)), total], axis=-1)
     flat = total.reshape(-1, total.shape[-1])
     at = np.array([np.interp(edges, ends, row) for row in flat])
-    return np.diff(at, axis=-1).reshape(*density.shape[:-1], len(edges) - 1)
+    return np.asarray(np.diff(at, axis=-1).reshape(*density.shape[:-1], len(edges) - 1))
 
 
 def _jackknifed(powers: Array) -> Array:
@@ -279,11 +279,11 @@ def _of_drives(frequency: Array, runs: Sequence[Array], edges: Array, held: floa
     )
     by_speed = np.maximum(np.maximum(np.abs(faster), np.abs(slower)), held) ** 2
     if len(runs) < 2:
-        return by_speed
+        return np.asarray(by_speed)
     powers = [_band_power(frequency, run, edges) for run in runs]
     spread = np.var([np.log(p.mean(axis=0)) for p in powers], axis=0, ddof=1)
     of_segments = np.mean([_jackknifed(p) for p in powers], axis=0) if _enough(powers) else 0.0
-    return np.maximum(by_speed, spread - of_segments) / len(runs)
+    return np.asarray(np.maximum(by_speed, spread - of_segments) / len(runs))
 
 
 def _enough(powers: Sequence[Array]) -> bool:
