@@ -41,7 +41,7 @@ class MotionSimulator(RunSimulator):
 
     def motion(self, model: Model, system: System) -> Motion:
         """What moves, from rest on."""
-        stride = self._stride(model, system)
+        stride = self.stride(model, system)
         height, rate = self._motion(model, stride)
         n = len(system.mass)
         forces = self._forces(model, system, self._times(2 * stride))

@@ -23,7 +23,8 @@ def strut_motion(model: Model, simulators: Sequence[RunSimulator]) -> list[tuple
     the campaign's averaging window; neither the recorder's filter nor a fault of a sensor acts.
     """
     systems = {drive: _showing_struts(model, drive) for drive in {s.drive for s in simulators}}
-    jobs = [(s, s.job(model, systems[s.drive])) for s in simulators]
+    asked = [(s, systems[s.drive]) for s in simulators]
+    jobs = [(s, s.job(model, system, s.stride(model, system))) for s, system in asked]
     integrate_jobs(jobs)
     found = []
     for simulator, job in jobs:
