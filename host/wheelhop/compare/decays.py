@@ -69,17 +69,18 @@ def free_decays(campaign: Campaign, setting: str, runs: Sequence[Run]) -> list[F
 
 def _mean(waves: Sequence[tuple[float, float]]) -> tuple[float, float, float, float]:
     """Frequency, damping and its interval; damping counts by its logarithm."""
+    nothing = float("nan")
     if not waves:
-        return (float("nan"),) * 4
+        return nothing, nothing, nothing, nothing
     frequency, damping = np.log(np.array(waves)).T
     middle = float(damping.mean())
-    around = float("nan")
+    around = nothing
     if len(waves) > 1:
         around = float(
             stats.t.ppf(0.975, len(waves) - 1) * damping.std(ddof=1) / np.sqrt(len(waves))
         )
-    ends = (float(np.exp(middle + e)) for e in (-around, around))
-    return (float(np.exp(frequency.mean())), float(np.exp(middle)), *ends)
+    low, high = (float(np.exp(middle + e)) for e in (-around, around))
+    return float(np.exp(frequency.mean())), float(np.exp(middle)), low, high
 
 
 def decays(record: Array, rate_hz: float, lowest_hz: float) -> list[tuple[float, float]]:
