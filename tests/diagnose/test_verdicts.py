@@ -84,7 +84,7 @@ def test_the_open_campaigns(name):
     ],
 )
 def test_the_shipped_cars_with_other_sensors(name, effect, expected):
-    """On roads nobody surveyed; what is hidden stands in benchmarks/sensor_sets.py."""
+    """On roads nobody surveyed; what is hidden stands in benchmarks/shipped_sensors.py."""
     diagnosis = diagnosed(ROOT / "examples" / name)
     assert diagnosis.verdict == (effect,)
     assert diagnosis.confidence > 0.9

@@ -1,7 +1,7 @@
 """Cars with the sensors that people have, on roads nobody surveyed, from the independent simulator.
 
-python -m benchmarks.sensor_sets examples [NAME …]  those that are shipped
-python -m benchmarks.sensor_sets table SEEDS [SET …]  what each set of sensors tells, diagnosed
+python -m benchmarks.shipped_sensors examples [NAME …]  those that are shipped
+python -m benchmarks.shipped_sensors table SEEDS [SET …]  what each set of sensors tells, diagnosed
 """
 
 from __future__ import annotations
