@@ -44,6 +44,7 @@ from wheelhop.diagnose.search.together import exchange, look_for_several, withou
 from wheelhop.diagnose.verdict.conclude import conclude
 from wheelhop.diagnose.verdict.critic import criticism, refuted, upheld
 from wheelhop.diagnose.verdict.ranking import why_not
+from wheelhop.diagnose.verdict.stability import unstable
 from wheelhop.effects import Effect, Place, beliefs
 from wheelhop.fit import OutOfBudget, Workshop
 from wheelhop.gate import Gated, gate
@@ -165,7 +166,7 @@ def diagnose_from(
     )
     bounced = never_forgotten(base.workshop, diagnosis.ladder[-1].rung)
     said = upheld(gated.findings, diagnosis, base.workshop.noise)
-    findings = *said, *bounced, *criticism(diagnosis)
+    findings = *said, *bounced, *criticism(diagnosis), *unstable(base.workshop.run_away)
     diagnosis = replace(diagnosis, findings=findings, beliefs=tuple(refuted(diagnosis)))
     last = diagnosis.ladder[-1]
     if diagnosis.unfinished is not None:
