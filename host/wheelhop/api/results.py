@@ -28,6 +28,8 @@ from wheelhop.vehicle import Vehicle
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from wheelhop.law import LastRungs
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Result:
@@ -175,10 +177,13 @@ class ComparisonResult(_Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DiagnosisResult(_Result):
-    """What a diagnosis found; `diagnosis` holds all of it, `library` the effects searched."""
+    """What a diagnosis found; `diagnosis` holds all of it, `library` the effects searched, and
+    `law` what was found beyond their names: a free law and a formula, of a component whose last
+    rung is above the floor, or None."""
 
     diagnosis: Diagnosis
     library: Mapping[str, Effect]
+    law: LastRungs | None = None
 
     @property
     def verdict(self) -> tuple[str, ...]:
@@ -202,7 +207,9 @@ class DiagnosisResult(_Result):
 
     def to_json(self) -> dict[str, Any]:
         """What `wheelhop diagnose --json` writes."""
-        return diagnosis_to_json(self.diagnosis)
+        from wheelhop.report.law import rungs_to_json
+
+        return {**diagnosis_to_json(self.diagnosis), "law": rungs_to_json(self.law)}
 
     def write_report(self, file: str | Path) -> None:
         """Write the report, one self-contained HTML page.
@@ -214,7 +221,7 @@ class DiagnosisResult(_Result):
         """
         from wheelhop.report.reports import write_diagnosis_report
 
-        write_diagnosis_report(Path(file), self.campaign, self.diagnosis, self.library)
+        write_diagnosis_report(Path(file), self.campaign, self.diagnosis, self.library, self.law)
 
     def _headline(self) -> str:
         sure = f"Confidence {100 * self.confidence:.0f} %."

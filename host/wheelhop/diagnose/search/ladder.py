@@ -105,9 +105,10 @@ def diagnose_gated(
     budget_s: float | None = None,
     jobs: int | None = None,
     progress: Progress = lambda text: None,
-) -> tuple[Gated, Diagnosis]:
-    """The same of what the gate let through, and what of that was diagnosed: runs that do not
-    forget how they began are left out as soon as a model says so, and all begins anew."""
+) -> tuple[Gated, Diagnosis, Baseline]:
+    """The same of what the gate let through; what of that was diagnosed, and its fitted baseline:
+    runs that do not forget how they began are left out as soon as a model says so, and all begins
+    anew."""
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
     found = diagnose_from(
         gated,
@@ -121,7 +122,7 @@ def diagnose_gated(
     )
     bounced = [f for f in found.findings if f.kind == FORGETS and f not in gated.findings]
     if found.unfinished is not None or not bounced or not remaining(gated.campaign, bounced):
-        return gated, found
+        return gated, found, base
     progress(f"once more without {', '.join(f.about for f in bounced)}")
     return diagnose_gated(
         without_runs(gated, bounced),
