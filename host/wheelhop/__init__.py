@@ -8,10 +8,10 @@
     fitted.residuals()                      # a DataFrame
     wh.plot(fitted)                         # a matplotlib Figure
 
-docs/python.md lists what is public: `__all__`. Everything loads when it is first used. The rooms
-are packages of their own, `wheelhop.campaign`, `wheelhop.simulate` and so on, in three folders of
-the repository; `wheelhop.compare`, `wheelhop.diagnose` and `wheelhop.simulate` are rooms that can
-be called as well.
+docs/python.md lists what is public: `__all__`. Everything loads when it is first used. Packages of
+their own, `wheelhop.campaign`, `wheelhop.fit` and so on, are in three folders of the repository.
+`wheelhop.compare`, `diagnose`, `predict` and `simulate` are functions; from the packages of the
+same names take what you need by `from wheelhop.compare import …`.
 """
 
 from __future__ import annotations
@@ -33,10 +33,13 @@ if TYPE_CHECKING:
         add,
         compare,
         diagnose,
+        load,
         plan,
         plot,
+        predict,
         read,
         read_log,
+        read_model,
         read_recording,
         read_vehicle,
         simulate,
@@ -44,6 +47,7 @@ if TYPE_CHECKING:
     from wheelhop.api.fleet import diagnose_fleet
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
+    from wheelhop.compare import Comparison, RunSignals
     from wheelhop.effects import Effect, Parameter, load_effects
     from wheelhop.files import InputError
     from wheelhop.logger import Channel, Log, Recording
@@ -56,6 +60,7 @@ __all__ = [
     "Campaign",
     "CampaignError",
     "Channel",
+    "Comparison",
     "ComparisonResult",
     "DiagnosisResult",
     "Effect",
@@ -67,6 +72,7 @@ __all__ = [
     "Plan",
     "Recording",
     "Run",
+    "RunSignals",
     "Vehicle",
     "WheelRates",
     "__version__",
@@ -75,24 +81,32 @@ __all__ = [
     "compare",
     "diagnose",
     "diagnose_fleet",
+    "load",
     "load_effects",
     "new_campaign",
     "plan",
     "plot",
+    "predict",
     "read",
     "read_log",
+    "read_model",
     "read_recording",
     "read_vehicle",
     "simulate",
     "wheel_rates",
 ]
 
-_ROOM_OF = {
+_VERBS = ("compare", "diagnose", "predict", "simulate")
+"""Functions that are called like a package with the parts they are made of."""
+
+_PACKAGE_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
+    **dict.fromkeys((*_VERBS, "load"), "api"),
     "diagnose_fleet": "api.fleet",
-    **dict.fromkeys(("read", "read_log", "read_recording", "read_vehicle"), "api"),
+    **dict.fromkeys(("read", "read_log", "read_model", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),
+    **dict.fromkeys(("Comparison", "RunSignals"), "compare"),
     **dict.fromkeys(("Effect", "Parameter", "load_effects"), "effects"),
     "InputError": "files",
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
@@ -101,9 +115,6 @@ _ROOM_OF = {
     "Vehicle": "vehicle",
     **dict.fromkeys(("WheelRates", "wheel_rates"), "vehicle.rates"),
 }
-
-_CALLED = ("compare", "diagnose", "simulate")
-"""Rooms whose name is also the verb a guest looks for."""
 
 _RENAMED: Mapping[str, str] = {}
 """Names of earlier versions and those that stand for them now, for two minor versions."""
@@ -121,8 +132,8 @@ if not TYPE_CHECKING:  # else every name would be one of the package's
             from importlib.metadata import version
 
             return version("wheelhop")
-        if name in _ROOM_OF:
-            value = getattr(import_module(f"wheelhop.{_ROOM_OF[name]}"), name)
+        if name in _PACKAGE_OF:
+            value = getattr(import_module(f"wheelhop.{_PACKAGE_OF[name]}"), name)
             globals()[name] = value
             return value
         if not name.startswith("_"):
@@ -138,35 +149,12 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-class _CalledRoom(ModuleType):
-    """A room that can be called: `wheelhop.compare(…)` beside `wheelhop.compare.Comparison`."""
-
-    def __call__(self, *arguments: Any, **options: Any) -> Any:
-        return _verb(self)(*arguments, **options)
-
-    @property
-    def __signature__(self) -> Any:
-        from inspect import signature
-
-        return signature(_verb(self))
-
-    @property
-    def __doc__(self) -> str | None:  # type: ignore[override]
-        text: str | None = _verb(self).__doc__
-        return text
-
-
-def _verb(room: ModuleType) -> Any:
-    return getattr(import_module("wheelhop.api"), room.__name__.rpartition(".")[2])
-
-
-class _Door(ModuleType):
-    """This module: a room of `_CALLED` can be called from the moment it is imported."""
+class _Package(ModuleType):
+    """This module: to import the package `wheelhop.compare` does not hide the function."""
 
     def __setattr__(self, name: str, value: object) -> None:
-        if name in _CALLED and isinstance(value, ModuleType):
-            value.__class__ = _CalledRoom
-        super().__setattr__(name, value)
+        if not (name in _VERBS and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
 
 
-sys.modules[__name__].__class__ = _Door
+sys.modules[__name__].__class__ = _Package

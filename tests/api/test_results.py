@@ -173,3 +173,74 @@ def test_as_many_threads_work_as_are_given(campaign, monkeypatch):
     """Where the axles drive the body, too: nobody asks how many processors there are."""
     monkeypatch.setattr("wheelhop.fit.bench.processors", lambda: pytest.fail("asked"))
     assert wh.compare(campaign, by_axles=True, jobs=1).axles is not None
+
+
+@pytest.mark.parametrize("kind", ["case", "signal", "residual", "psd"])
+def test_a_figure_says_which_run_and_channel_it_shows(fitted, kind):
+    figure = wh.plot(fitted, kind, run="washboard-low-slow", channel="B3")
+    titles = [axes.get_title(loc="left") for axes in figure.axes] + [figure.get_suptitle()]
+    assert "B3 in washboard-low-slow" in titles
+    legends = [*figure.legends, *(a.get_legend() for a in figure.axes if a.get_legend())]
+    labels = {text.get_text() for legend in legends for text in legend.get_texts()}
+    assert {"baseline", "with dry-friction"} <= labels
+
+
+def test_what_is_not_named_is_where_the_baseline_fails_worst(fitted):
+    table = fitted.steps[0].comparison.residuals("run")["over_floor"]
+    worst = table.xs("B3", level="channel").idxmax()
+    figure = wh.plot(fitted, channel="B3")
+    assert figure.get_suptitle() == f"B3 in {worst}"
+    with pytest.raises(wh.InputError, match="no run"):
+        wh.plot(fitted, run="washboard")
+    with pytest.raises(wh.InputError, match="no channel"):
+        wh.plot(fitted, channel="B7")
+
+
+def test_figures_of_one_panel_go_into_axes_that_are_there(campaign, fitted):
+    from matplotlib.figure import Figure as Plain
+
+    figure = Plain()
+    upper, lower = figure.subplots(2)
+    assert wh.plot(fitted, ax=upper) is figure and upper.lines
+    assert wh.plot(fitted, "psd", run="washboard-low-slow", ax=lower) is figure and lower.lines
+    with pytest.raises(ValueError, match="several panels"):
+        wh.plot(fitted, "where", ax=upper)
+    wh.plot(campaign.recording("washboard-low-slow"), channel="A2", ax=upper)
+    with pytest.raises(ValueError, match="panel for every channel"):
+        wh.plot(campaign.recording("washboard-low-slow"), ax=upper)
+
+
+def test_figures_a_result_does_not_have_are_told(fitted):
+    for kind, why in (("loops", "component on a rig"), ("axles", "nothing was identified")):
+        with pytest.raises(wh.InputError, match=why):
+            wh.plot(fitted, kind)
+
+
+def test_progress_is_shown_when_asked_for_and_not_else(campaign, capsys):
+    part, said = campaign.select("washboard-low-slow"), []
+    wh.compare(part, progress=said.append)
+    assert any("fitting the baseline" in text for text in said)
+    wh.compare(part, progress=False)
+    wh.compare(part)  # neither a terminal nor a notebook
+    assert capsys.readouterr().err == ""
+
+
+def test_models_are_read_back_with_forms_and_what_runs_left_free(fitted, tmp_path):
+    gain = wh.load_effects()["sensor-gain"].with_choice("B2")
+    named = fitted.last.parameters | {"sensor-gain.error": (0.1, 0.01)}
+    rung = fitted.last.rung
+    model = rung.fit.model.with_values({"sensor-gain.error": 0.1})
+    model = replace(model, effects=(*model.effects, gain))
+    step = replace(
+        fitted.last, parameters=named, rung=replace(rung, fit=replace(rung.fit, model=model))
+    )
+    replace(fitted, steps=(*fitted.steps, step)).write_model(tmp_path / "model.toml")
+    again = wh.read_model(tmp_path / "model.toml")
+    assert [vars(effect) for effect in again.effects] == [vars(effect) for effect in model.effects]
+    assert dict(again.values) == pytest.approx(dict(model.values))
+    runs = {run.id: dict(fitted.model.runs[run.id]) for run in fitted.campaign}
+    assert {run: dict(values) for run, values in again.runs.items()} == runs
+    text = (tmp_path / "model.toml").read_text()
+    (tmp_path / "model.toml").write_text(text.replace('"dry-friction"', '"dry-fiction"'))
+    with pytest.raises(wh.CampaignError, match='did you mean "dry-friction"'):
+        wh.read_model(tmp_path / "model.toml")

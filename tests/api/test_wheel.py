@@ -19,7 +19,8 @@ import wheelhop as wh
 from importlib import import_module
 for room in sys.argv[3:]:
     assert import_module(f"wheelhop.{room}").__file__.startswith(place), room
-assert wh.compare.Comparison and callable(wh.compare) and wh.load_effects()
+from wheelhop.compare import Comparison
+assert Comparison is wh.Comparison and callable(wh.compare) and wh.load_effects()
 print(wh.read(f"{sys.argv[2]}/examples/clean"))
 """
 

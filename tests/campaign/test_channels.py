@@ -1,6 +1,7 @@
 """[channels]: quantities besides vertical acceleration, what is only known, and stated noise."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from wheelhop.campaign.thin import thinned
 from wheelhop.campaign.types import Channel
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
 from wheelhop.files import parse_toml
+from wheelhop.formats.table import BETWEEN
 from wheelhop.logger.recording import Channel as Recorded
 from wheelhop.logger.recording import Recording
 
@@ -237,6 +239,20 @@ def test_a_campaign_is_made_of_what_was_recorded(tmp_path):
     )
     assert [(c.name, c.unit) for c in campaign.known] == [("gps", "m/s"), ("rpm", "rad/s")]
     np.testing.assert_allclose(campaign.runs[0].record[:, 1], recording.values[:, 1], rtol=1e-5)
+
+
+def test_a_channel_that_was_resampled_states_its_noise(tmp_path):
+    """What it may have done between its samples; one that states its noise keeps that."""
+    kinds = [("pot", "m", "travel:1"), ("gyro", "rad/s", "rate:pitch"), ("B1", "m/s²", "B1")]
+    like = recording_of(kinds)
+    notes = {f"{BETWEEN}{name}": rms for name, rms in (("pot", "0.0012"), ("B1", "0.3"))}
+    like = replace(like, notes=notes)
+    stated = {"quantity": "travel", "corner": 1, "noise_rms_m": 0.5}
+    places = {"pot": "travel:1", "gyro": "rate:pitch"}
+    for folder, pot, noise in (("a", "travel:1", 0.0012), ("b", stated, 0.5)):
+        new_campaign(tmp_path / folder, "pots", like, places | {"pot": pot})
+        text = (tmp_path / folder / "campaign.toml").read_text()
+        assert f"noise_rms_m = {noise}" in text and text.count("noise_rms") == 1
 
 
 def test_a_run_in_another_unit_is_not_added(tmp_path):

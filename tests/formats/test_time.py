@@ -5,7 +5,7 @@ import pytest
 
 from tests.formats.foreign import G
 from tests.formats.logged import ROWS, WAVE, drafted, table
-from wheelhop.formats import Map, draft_mapping, read
+from wheelhop.formats import Map, draft_mapping, read, understand
 
 START = 1762640265216  # 2025-11-08T22:17:45.216Z, ms
 
@@ -241,7 +241,10 @@ def test_channels_with_times_of_their_own_are_refused(tmp_path):
 
 def test_uneven_steps_are_told_and_not_cut(tmp_path):
     text = table(lambda k: f"{k / 100 + 0.004 * WAVE[(k * k) % ROWS]:.6f}", "Time [s],az [g]")
-    assert "time goes on in uneven steps, 0.0" in drafted(tmp_path, text)
+    assert "still to be answered: resample_hz" in drafted(tmp_path, text)
+    asked = understand(tmp_path / "run.csv").questions
+    assert [question.key for question in asked] == ["resample_hz"]
+    assert "time goes on in uneven steps, 0.0" in asked[0].words
 
 
 def test_a_column_of_row_numbers_is_no_channel(tmp_path):

@@ -359,16 +359,17 @@ def test_every_recording_keeps_the_unit_it_says(tmp_path):
 def test_a_recording_without_time_is_not_given_a_rate(tmp_path):
     file = tmp_path / "run.csv"
     file.write_text("A1 [g];A2 [g]\n" + "".join(f"{i % 7};{i % 5}\n" for i in range(2000)))
-    with pytest.raises(InputError, match=r"run\.csv: .*no column is time"):
-        Draft(tmp_path / "draft").add(file)
+    draft = Draft(tmp_path / "draft")
+    draft.add(file)
+    assert draft.waiting == file and "no column is time" in draft.asked[0].words
 
 
 def test_a_unit_of_time_that_is_not_known_is_not_taken_for_seconds(tmp_path):
     file = write_foreign(tmp_path, 1)[0]
     file.write_text(file.read_text().replace("Time [s]", "Time [ticks]"))
-    with pytest.raises(InputError, match=r"drive 1\.csv: .*time_unit.*ticks") as caught:
-        Draft(tmp_path / "draft").add(file)
-    assert "map.toml" not in str(caught.value)
+    draft = Draft(tmp_path / "draft")
+    draft.add(file)
+    assert draft.asked[0].key == "time_unit" and "ticks" in draft.asked[0].words
 
 
 def test_files_that_arrive_together_are_all_added(tmp_path):
@@ -384,3 +385,42 @@ def test_files_that_arrive_together_are_all_added(tmp_path):
                 assert draft.files == files
     finally:
         sys.setswitchinterval(before)
+
+
+def without_time(folder: Path, name="drive.csv") -> Path:
+    """One of the drives, of which nothing says when its rows were taken."""
+    lines = write_foreign(folder, 1)[0].read_text().splitlines()
+    file = folder / name
+    file.write_text("\n".join(line.partition(";")[2] for line in lines) + "\n")
+    return file
+
+
+def test_what_a_file_does_not_say_is_asked_as_import_asks_it(tmp_path):
+    draft, file = Draft(tmp_path / "draft"), without_time(tmp_path)
+    draft.add(file)
+    assert draft.waiting == file and not draft.files and not draft.columns
+    assert [question.key for question in draft.asked] == ["rate_hz"]
+    for wrong in ("often", "0"):
+        with pytest.raises(InputError, match="is no number of samples a second"):
+            draft.answer({"rate_hz": wrong})
+        assert draft.waiting == file and not draft.said
+    draft.answer({"rate_hz": "100"})
+    assert draft.waiting is None and draft.files == [file] and len(draft.columns) == 8
+    draft.read()
+    assert draft.recordings[file].rate_hz == 100.0
+    keep(draft)
+    again = resume(draft.folder, None)
+    assert again.files == [file] and not again.asked
+    draft.clear()
+    assert not draft.said and not draft.asked
+
+
+def test_files_that_arrive_while_one_is_asked_about_wait_for_the_answer(tmp_path):
+    draft = Draft(tmp_path / "draft")
+    files = [without_time(tmp_path, name) for name in ("a.csv", "b.csv", "c.csv")]
+    for file in files:
+        draft.add(file)
+    assert draft.waiting == files[0] and not draft.files
+    draft.answer({"rate_hz": "100"})
+    draft.read()
+    assert draft.files == files and len(draft.recordings) == 3

@@ -14,7 +14,7 @@ from tests.component.cases import DAMPER
 from tests.component.rig import make_campaign as make_rig_campaign
 from tests.patience import PATIENCE_S, wait_until
 from tests.workbench.conftest import describe_vehicle, settle, workbench
-from tests.workbench.test_draft import NAMES, write_foreign
+from tests.workbench.test_draft import NAMES, without_time, write_foreign
 from wheelhop.campaign import read_campaign
 
 FINDING_MS = 1000 * PATIENCE_S
@@ -254,3 +254,21 @@ def test_three_files_become_a_campaign(tmp_path, open_page, pictures):
     lengths = {run.id: len(run.time_s) for run in read_campaign(tmp_path / "made").runs}
     assert len(lengths) == 3
     assert lengths["a-lawn-7-5-kmh"] == pytest.approx((15.5 - 8.1) * 100, abs=15)
+
+
+def test_what_a_recording_does_not_say_is_asked_on_the_page(tmp_path, open_page, pictures):
+    with workbench(home=tmp_path) as (address, _):
+        page = open_page(address)
+        page.set_input_files("input[type=file]", str(without_time(tmp_path)))
+        page.get_by_role("heading", name="What drive.csv does not say").wait_for()
+        page.get_by_text("no column is time").wait_for()
+        page.screenshot(path=pictures / "asked.png", full_page=True)
+        field = page.get_by_label("rate_hz: how many samples a second has, a number")
+        field.fill("often")
+        page.get_by_role("button", name="Read it so").click()
+        page.get_by_text("rate_hz = often is no number of samples a second").wait_for()
+        field.fill("100")
+        field.press("Enter")
+        page.get_by_label("speed, km/h").first.wait_for()
+        assert page.get_by_text("does not say").count() == 0
+        assert page.get_by_text("8 channels, 100 Hz").count() == 1

@@ -15,9 +15,9 @@ from pathlib import Path
 from wheelhop.api.verbs import BUDGET_S, diagnose
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.read import CONSTANTS_FILE
-from wheelhop.diagnose import Progress
 from wheelhop.effects.own_file import read_source
-from wheelhop.files import TABLE, Source, digest, read_bytes
+from wheelhop.files import TABLE, Source, Watching, digest, read_bytes
+from wheelhop.files.progress import shown
 from wheelhop.fit.bench import processors
 from wheelhop.predict.identity import identity
 from wheelhop.predict.journal import run_sweep
@@ -74,6 +74,7 @@ class Fleet:
             budget_s=self.budget_s,
             law=False,
             jobs=self.threads,
+            progress=False,
         )
         row: Row = {
             "title": found.campaign.title,
@@ -121,7 +122,7 @@ def diagnose_fleet(
     budget_s: float | None = BUDGET_S,
     jobs: int | None = None,
     executor: Executor | None = None,
-    progress: Progress = lambda text: None,
+    progress: Watching = True,
 ) -> list[Row]:
     """Diagnose campaigns, each on a processor of its own, and write a Parquet table with a row for
     each: verdict, confidence, errors, fitted numbers, and `problem`, what kept it from a verdict.
@@ -143,6 +144,11 @@ def diagnose_fleet(
         What does the work instead, any `concurrent.futures.Executor`: that of a cluster, say, where
         the folders have the same names.
 
+    Returns
+    -------
+    list of dict
+        The rows of the table, in the order of the folders; numbers in SI.
+
     Raises
     ------
     CampaignError
@@ -160,8 +166,9 @@ def diagnose_fleet(
         budget_s,
         to_the_end,
     )
-    with workers(min(many, len(given))) if executor is None else nullcontext(executor) as working:
-        return run_sweep(fleet, Path(table), working, progress)[1]
+    pool = workers(min(many, len(given))) if executor is None else nullcontext(executor)
+    with pool as working, shown(progress) as tell:
+        return run_sweep(fleet, Path(table), working, tell)[1]
 
 
 def _digests(folder: Path) -> list[str]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelhop.campaign import CampaignError
-from wheelhop.diagnose import Progress
-from wheelhop.effects import Effect, load_effects, pick
+from wheelhop.effects import Given, More, load_effects, pick
+from wheelhop.files import Watching
+from wheelhop.files.progress import shown
 from wheelhop.vehicle import Vehicle, read_vehicle
 
 if TYPE_CHECKING:
@@ -19,22 +20,18 @@ RUNS = 8
 SHORTEST_S, LONGEST_S = 2.0, 600.0
 
 
-def _silent(text: str) -> None:
-    """Nobody listens."""
-
-
 def plan(
     vehicle: Vehicle | str | Path,
     tracks: Sequence[str],
     speeds_kmph: Sequence[float] = (),
     *,
     runs: int = RUNS,
-    only: Sequence[str] = (),
-    effects: Mapping[str, Effect] | str | Path | None = None,
+    only: str | Given | Iterable[str | Given] = (),
+    effects: More = None,
     noise_rms: float | None = None,
     seconds: float | None = None,
     jobs: int | None = None,
-    progress: Progress = _silent,
+    progress: Watching = True,
 ) -> Plan:
     """Choose the runs that would tell most of a vehicle's numbers and of the effects it may have.
 
@@ -49,9 +46,9 @@ def plan(
     runs
         How many to choose.
     only
-        The effects to tell apart, by id; by default all but faults of sensors.
+        The effects to tell apart, by id or as objects; by default all but faults of sensors.
     effects
-        The library: effects by id, or a Python file with more; `load_effects()` by default.
+        The library, as for `compare`.
     noise_rms
         Of a channel in band, m/s²; 0.1 by default.
     seconds
@@ -59,7 +56,12 @@ def plan(
     jobs
         Threads; one a processor by default.
     progress
-        Called with a line of text at every stage.
+        As for `compare`.
+
+    Returns
+    -------
+    Plan
+        The runs to drive, the most telling first, and what they would tell.
 
     Raises
     ------
@@ -78,14 +80,15 @@ def plan(
     if not 0.0 < noise_rms < 100.0:
         raise CampaignError(f"noise {noise_rms:g}: must be above 0, below 100 m/s²")
     check_seconds(seconds)
-    library = effects if isinstance(effects, Mapping) else load_effects(_path(effects))
+    library = load_effects(effects)
     tried = pick(only, library) if only else [e for e in library.values() if e.place != "sensor"]
     drives = read_drives(tracks, speeds_kmph)
     check_runs(runs, len(drives))
     if not isinstance(vehicle, Vehicle):
         vehicle = read_vehicle(Path(vehicle))
     case = Case(vehicle, (), drives, seconds)
-    return choose(foresee(case, tried, noise_rms, progress, jobs), runs)
+    with shown(progress) as tell:
+        return choose(foresee(case, tried, noise_rms, tell, jobs), runs)
 
 
 def check_seconds(seconds: float) -> float:
@@ -93,7 +96,3 @@ def check_seconds(seconds: float) -> float:
     if not (isfinite(seconds) and SHORTEST_S <= seconds <= LONGEST_S):
         raise CampaignError(f"{seconds:g} s a run: must be from {SHORTEST_S:g} to {LONGEST_S:g}")
     return seconds
-
-
-def _path(given: str | Path | None) -> Path | None:
-    return None if given is None else Path(given)

@@ -9,12 +9,15 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from wheelhop.api.given import Folder
+from wheelhop.api.posterior import correlation_frame, covariance_frame, draws_frame
 from wheelhop.campaign import Campaign
-from wheelhop.compare import Comparison, to_json
+from wheelhop.compare import Comparison, RunSignals, to_json
 from wheelhop.diagnose import Diagnosis, Step, comparison_of
 from wheelhop.diagnose import to_json as diagnosis_to_json
 from wheelhop.diagnose.diagnosis import ladder_frame, parameters_frame, ranking_frame
 from wheelhop.effects import Effect
+from wheelhop.files import Watching
 from wheelhop.files.words import significant
 from wheelhop.fit import Workshop
 from wheelhop.gate import Finding
@@ -32,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class _Result:
+class Result:
     """A campaign, the nominal vehicle, the steps from the fitted baseline to the last model, and
     what the campaign was found to say wrong."""
 
@@ -83,8 +86,116 @@ class _Result:
         """The field's figures by run and channel: see `Comparison.agreement`."""
         return self.comparison.agreement()
 
+    def __getitem__(self, run_id: str) -> RunSignals:
+        """Measured and modelled signals of one run, in band; see `Comparison`.
+
+        Raises
+        ------
+        InputError
+            No run of this id was compared.
+        """
+        return self.comparison[run_id]
+
+    def covariance(self) -> DataFrame:
+        """Covariance of the fitted numbers of the last model that runs share, in their units (SI).
+
+        Its diagonal is the square of the uncertainties in `parameters`; it is to be trusted as far
+        as these are. Numbers that stand for what each run leaves free have none.
+
+        Returns
+        -------
+        DataFrame
+            (g, g), rows and columns by the numbers' names.
+        """
+        return covariance_frame(self.last)
+
+    def correlation(self) -> DataFrame:
+        """Correlation of the fitted numbers that runs share, -1 … 1: `covariance` scaled to a unit
+        diagonal.
+
+        Returns
+        -------
+        DataFrame
+            (g, g), rows and columns by the numbers' names.
+        """
+        return correlation_frame(self.last)
+
+    def draws(self, count: int = 100, seed: int = 0) -> DataFrame:
+        """Draw sets of numbers from the posterior: normal with the values of `parameters` and
+        `covariance`, each number kept within the bounds of the fit.
+
+        Parameters
+        ----------
+        count
+            How many sets.
+        seed
+            The same seed, the same draws.
+
+        Returns
+        -------
+        DataFrame
+            (count, g), a column for each number, SI; a row is what `with_values` takes.
+
+        Raises
+        ------
+        ValueError
+            The count is below 1.
+        """
+        return draws_frame(self.last, count, seed)
+
+    def predict(
+        self, campaign: Folder, *, jobs: int | None = None, progress: Watching = True
+    ) -> Comparison:
+        """Let the last model foresee the runs of another campaign: see `wheelhop.predict`.
+
+        Parameters
+        ----------
+        campaign, jobs, progress
+            As for `wheelhop.predict`.
+
+        Returns
+        -------
+        Comparison
+            The model against those records.
+
+        Raises
+        ------
+        CampaignError
+            As of `wheelhop.predict`.
+        """
+        from wheelhop.api.predicting import predict
+
+        return predict(self.model, campaign, jobs=jobs, progress=progress)
+
+    def save(self, file: str | Path) -> None:
+        """Write the whole result into one file, with the records it was made from; `wheelhop.load`
+        reads it.
+
+        Parameters
+        ----------
+        file
+            Such as "result.wheelhop"; what stood there is replaced.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        from wheelhop.api.saving import save
+
+        save(self, Path(file))
+
+    def to_json(self) -> dict[str, Any]:
+        """What `--json` of the command writes."""
+        raise NotImplementedError
+
     def write_model(self, file: str | Path) -> None:
         """Write the last model as TOML (docs/model-file.md); what stood there is replaced.
+
+        Parameters
+        ----------
+        file
+            Such as "model.toml".
 
         Raises
         ------
@@ -116,7 +227,7 @@ class _Result:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ComparisonResult(_Result):
+class ComparisonResult(Result):
     """How a fitted model compares with the records, from the baseline to the last effect added.
 
     `axles` is the last model with the measured motion of the axles driving it, if that was asked
@@ -176,14 +287,19 @@ class ComparisonResult(_Result):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosisResult(_Result):
+class DiagnosisResult(Result):
     """What a diagnosis found; `diagnosis` holds all of it, `library` the effects searched, and
     `law` what was found beyond their names: a free law and a formula, of a component whose last
-    rung is above the floor, or None."""
+    rung is above the floor, or None; and of a result that was loaded, whose file holds its law as
+    JSON."""
 
     diagnosis: Diagnosis
     library: Mapping[str, Effect]
     law: LastRungs | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        # The terms of a law are compiled.
+        return {**vars(self), "law": None}
 
     @property
     def verdict(self) -> tuple[str, ...]:

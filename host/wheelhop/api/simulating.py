@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from wheelhop.api.planning import check_seconds
 from wheelhop.campaign import Campaign, CampaignError
-from wheelhop.effects import Effect, load_effects
+from wheelhop.effects import Effect, Given, More, load_effects, pick
 from wheelhop.vehicle import Vehicle, read_vehicle
 
 
@@ -16,9 +16,9 @@ def simulate(
     vehicle: Vehicle | str | Path,
     tracks: str | Sequence[str],
     speeds_kmph: float | Sequence[float] = (),
-    add: str | Sequence[str] = (),
+    add: str | Given | Iterable[str | Given] = (),
     *,
-    effects: Mapping[str, Effect] | str | Path | None = None,
+    effects: More = None,
     noise_rms: float | None = None,
     seconds: float | None = None,
     seed: int = 0,
@@ -40,9 +40,10 @@ def simulate(
         By default those the thesis drove a named track at.
     add
         Effects the vehicle has, and their numbers where they are stated, in the same words:
-        "dry-friction:front_N=60". Other numbers are such that the effect shows clearly.
+        "dry-friction:front_N=60"; or effects as objects. Other numbers are such that the effect
+        shows clearly.
     effects
-        The library: effects by id, or a Python file with more; `load_effects()` by default.
+        The library, as for `compare`.
     noise_rms
         White noise of a channel in band, m/s²; 0.1 by default.
     seconds
@@ -50,6 +51,11 @@ def simulate(
     seed
         Draws noise, starts, and what effects leave free in every run; the same seed, the same
         campaign.
+
+    Returns
+    -------
+    Campaign
+        Eight channels of acceleration, m/s², at 100 Hz, a run for every drive.
 
     Raises
     ------
@@ -65,8 +71,11 @@ def simulate(
         raise CampaignError(f"noise {noise_rms:g}: must be from 0 to 100 m/s²")
     seconds = check_seconds(SECONDS if seconds is None else seconds)
     speeds = [speeds_kmph] if isinstance(speeds_kmph, int | float) else speeds_kmph
-    library = effects if isinstance(effects, Mapping) else load_effects(effects)
-    chosen = read_effects([add] if isinstance(add, str) else add, library)
+    given = [add] if isinstance(add, str | Effect | type) else list(add)
+    objects = pick([one for one in given if not isinstance(one, str)], {})
+    library = {**load_effects(effects), **{effect.id: effect for effect in objects}}
+    words = [text for text in given if isinstance(text, str)]
+    chosen = read_effects([*words, *(effect.id for effect in objects)], library)
     drives = read_drives([tracks] if isinstance(tracks, str) else tracks, speeds)
     known = vehicle if isinstance(vehicle, Vehicle) else read_vehicle(Path(vehicle))
     made = measured(Case(known, chosen, drives, seconds, seed), noise_rms)

@@ -2,110 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterable, Sequence
 
 from threadpoolctl import threadpool_limits
 
+from wheelhop.api.given import ONE_EACH, Folder, campaign_of
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
-from wheelhop.campaign import Campaign, read_campaign
-from wheelhop.campaign import recorded as recordings
-from wheelhop.diagnose import Baseline, Progress, Step, axle_driven, fit_baseline
+from wheelhop.campaign import Campaign
+from wheelhop.diagnose import Baseline, Step, axle_driven, fit_baseline
 from wheelhop.diagnose.search.ladder import diagnose_gated, fit_with, steps_with
 from wheelhop.diagnose.search.look import steps_of
-from wheelhop.effects import Effect, beliefs, load_effects, pick
-from wheelhop.files import Source
+from wheelhop.effects import Effect, Given, More, beliefs, load_effects, pick
+from wheelhop.files import Progress, Watching
+from wheelhop.files.progress import shown
 from wheelhop.gate import gate
 from wheelhop.law import last_rungs
-from wheelhop.logger import Log, Recording
-from wheelhop.logger import read_log as read_log_file
 from wheelhop.vehicle import Vehicle, read_nominal
-from wheelhop.vehicle import read_vehicle as read_vehicle_file
 
 MODEL_FILE = "model.toml"
-
-ONE_EACH = 1
-"""Threads of linear algebra: every run is worked on by a thread of ours, more are in the way."""
 
 BUDGET_S = 60.0
 """What a person waits for who would rather have most of the answer."""
 
-Folder = Campaign | str | Path
-Library = Mapping[str, Effect] | str | Path | Source | None
-
-
-def _silent(text: str) -> None:
-    """Nobody listens."""
-
-
-def read(folder: str | Path) -> Campaign:
-    """Read the campaign in a folder: campaign.toml and every recording it names.
-
-    Raises
-    ------
-    CampaignError
-        Something in it is wrong: one line that says in which file, where, and what to do.
-    """
-    return read_campaign(folder)
-
-
-def read_vehicle(source: Folder) -> Vehicle:
-    """The nominal vehicle of a campaign (or its folder), or a file like vehicle.toml, in SI.
-
-    Raises
-    ------
-    CampaignError
-        The file is missing or wrong.
-    """
-    if isinstance(source, Campaign) or Path(source).is_dir():
-        return read_nominal(_campaign(source))
-    return read_vehicle_file(Path(source))
-
-
-def read_recording(
-    file: str | Path, calibration: str | Path | None = None, *, nominal: bool = False
-) -> Recording:
-    """Read one recording, of the logger (.hop) or of any other instrument, in SI.
-
-    Parameters
-    ----------
-    file
-        .hop, .csv, .parquet, .mf4, .uff, .tdms, .lvm.
-    calibration
-        The sensors' constants; they turn the logger's codes into m/s².
-    nominal
-        Without constants, take the data sheet's, ±10 %.
-
-    Raises
-    ------
-    InputError
-        The file is missing or wrong.
-    """
-    constants = None if calibration is None else Path(calibration)
-    return recordings.read_recording(Path(file), constants, nominal)
-
-
-def read_log(file: str | Path) -> Log:
-    """Read a log of the logger (.hop), whatever has happened to it: its gaps, damage and settings;
-    `Log.recording` gives its samples, in codes.
-
-    Raises
-    ------
-    LoggerError
-        It holds no session.
-    """
-    return read_log_file(Path(file))
-
 
 def compare(
     campaign: Folder,
-    add: str | Sequence[str] = (),
+    add: str | Given | Iterable[str | Given] = (),
     *,
     vehicle: Vehicle | None = None,
-    effects: Library = None,
+    effects: More = None,
     by_axles: bool = False,
     jobs: int | None = None,
-    progress: Progress = _silent,
+    progress: Watching = True,
 ) -> ComparisonResult:
     """Fit the model to the runs of role "fit" and compare it with all runs.
 
@@ -114,17 +42,25 @@ def compare(
     campaign
         The campaign, or its folder.
     add
-        Effects that become part of the model, one after the other: "dry-friction", say.
+        Effects that become part of the model, one after the other: ids such as "dry-friction", or
+        effects of the user's own as objects.
     vehicle
         What is believed before the fit; that of the campaign by default.
     effects
-        The library: effects by id, or a Python file with more; `load_effects()` by default.
+        The library: effects by id, or a Python file or objects that are added to it;
+        `load_effects()` by default.
     by_axles
         Whether to compare, too, the same model with the measured motion of the axles driving it.
     jobs
         Threads; one a processor by default.
     progress
-        Called with a line of text at every stage.
+        True: a line in a terminal or notebook says how far the work is; False: nothing does. Or a
+        function that is called with a line of text at every stage.
+
+    Returns
+    -------
+    ComparisonResult
+        The fitted models from the baseline to the last effect added, in SI.
 
     Raises
     ------
@@ -132,15 +68,15 @@ def compare(
         The campaign does not hold what a comparison needs, there is no such effect, or it does not
         apply to this campaign.
     """
-    chosen = pick([add] if isinstance(add, str) else add, _library(effects))
-    campaign = _campaign(campaign)
+    chosen = pick(add, load_effects(effects))
+    campaign = campaign_of(campaign)
     vehicle = vehicle or read_nominal(campaign)
-    with threadpool_limits(ONE_EACH):
+    with threadpool_limits(ONE_EACH), shown(progress) as tell:
         gated = gate(campaign, vehicle)
-        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
-        steps = tuple(steps_of(base.workshop, fit_with(base, chosen, progress)))
+        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=tell)
+        steps = tuple(steps_of(base.workshop, fit_with(base, chosen, tell)))
         axles = (
-            _driven_by_axles(base, gated.campaign, vehicle, chosen, jobs, progress)
+            _driven_by_axles(base, gated.campaign, vehicle, chosen, jobs, tell)
             if by_axles
             else None
         )
@@ -153,13 +89,13 @@ def diagnose(
     campaign: Folder,
     *,
     vehicle: Vehicle | None = None,
-    effects: Library = None,
+    effects: More = None,
     max_effects: int = 4,
     to_the_end: bool = False,
     budget_s: float | None = BUDGET_S,
     law: bool = True,
     jobs: int | None = None,
-    progress: Progress = _silent,
+    progress: Watching = True,
 ) -> DiagnosisResult:
     """Find out which effects the model is missing.
 
@@ -183,15 +119,20 @@ def diagnose(
         Whether to go on, of a component on a rig, where the names end above the floor: to a formula
         and a free law of the force that is left, within the same budget.
 
+    Returns
+    -------
+    DiagnosisResult
+        Verdict, confidence, the reasons, and the models from the baseline to the last, in SI.
+
     Raises
     ------
     CampaignError
         The campaign does not hold what a comparison needs.
     """
-    library = _library(effects)
-    campaign = _campaign(campaign)
+    library = load_effects(effects)
+    campaign = campaign_of(campaign)
     vehicle = vehicle or read_nominal(campaign)
-    with threadpool_limits(ONE_EACH):
+    with threadpool_limits(ONE_EACH), shown(progress) as tell:
         gated = gate(campaign, vehicle)
         gated, found, base = diagnose_gated(
             gated,
@@ -201,10 +142,10 @@ def diagnose(
             to_the_end=to_the_end,
             budget_s=budget_s,
             jobs=jobs,
-            progress=progress,
+            progress=tell,
         )
         effects_of = list(library.values())
-        rungs = last_rungs(base, found, effects_of, progress, budget_s) if law else None
+        rungs = last_rungs(base, found, effects_of, tell, budget_s) if law else None
     # Its figures are of the channels and runs that were fitted: some may have been left out.
     return DiagnosisResult(
         gated.campaign, vehicle, found.ladder, found.findings, found, library, rungs
@@ -213,42 +154,44 @@ def diagnose(
 
 def add(
     campaign: Folder,
-    *names: str,
+    *names: str | Given,
     vehicle: Vehicle | None = None,
-    effects: Library = None,
+    effects: More = None,
     jobs: int | None = None,
-    progress: Progress = _silent,
+    progress: Watching = True,
 ) -> ComparisonResult:
     """Make effects part of the model, refit it, and store it as model.toml in the campaign's
     folder.
 
-    `names` are effects of the library, or what the campaign itself may say wrong ("belief: …");
-    the rest is as for `compare`, which stores nothing.
+    Parameters
+    ----------
+    campaign, vehicle, effects, jobs, progress
+        As for `compare`, which stores nothing.
+    names
+        Effects of the library, effects as objects, or what the campaign itself may say wrong
+        ("belief: …").
+
+    Returns
+    -------
+    ComparisonResult
+        As of `compare`.
 
     Raises
     ------
     CampaignError
         As for `compare`; then model.toml is as it was.
     """
-    library = _library(effects)
-    campaign = _campaign(campaign)
+    library = load_effects(effects)
+    campaign = campaign_of(campaign)
     vehicle = vehicle or read_nominal(campaign)
     gated = gate(campaign, vehicle)
     chosen = pick(names, {**library, **beliefs(gated.campaign, vehicle)})
-    with threadpool_limits(ONE_EACH):
-        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
-        steps = tuple(steps_of(base.workshop, fit_with(base, chosen, progress)))
+    with threadpool_limits(ONE_EACH), shown(progress) as tell:
+        base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=tell)
+        steps = tuple(steps_of(base.workshop, fit_with(base, chosen, tell)))
     result = ComparisonResult(gated.campaign, vehicle, steps, gated.findings, base.workshop)
     result.write_model(campaign.folder / MODEL_FILE)
     return result
-
-
-def _campaign(given: Folder) -> Campaign:
-    return given if isinstance(given, Campaign) else read_campaign(given)
-
-
-def _library(given: Library) -> Mapping[str, Effect]:
-    return given if isinstance(given, Mapping) else load_effects(given)
 
 
 def _driven_by_axles(

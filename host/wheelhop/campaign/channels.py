@@ -73,6 +73,13 @@ def place_of(word: str) -> Place:
     return {"quantity": quantity} | dict(zip(keys, map(_number_or_text, parts), strict=False))
 
 
+def with_noise(place: Place, unit: str, rms: float) -> Place:
+    """A channel's table with its noise, `rms` in its unit, unless it states one. A point, or x and
+    y, has no room for it: the noise of such channels is stated for all together."""
+    key = noise_key(unit)
+    return {**place, key: rms} if isinstance(place, Mapping) and key not in place else place
+
+
 def _number_or_text(part: str) -> str | float:
     try:
         return int(part) if part.isdecimal() else float(part)

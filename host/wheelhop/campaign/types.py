@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
@@ -26,6 +26,7 @@ AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")
 STRUT_POINTS = ("S1", "S2", "S3", "S4")
 ACCELERATION = "acceleration"
+Role = Literal["fit", "validate"]
 RigDrive = Literal["displacement", "force"]
 """What a rig imposes."""
 
@@ -253,22 +254,67 @@ class Campaign:
         """Under which key campaign.toml states the noise."""
         return f"noise_rms{ending_of(self.unit)}"
 
-    def select(self, *ids: str) -> Self:
-        """The campaign with these runs alone, in the campaign's order.
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def __iter__(self) -> Iterator[Run]:
+        return iter(self.runs)
+
+    def __contains__(self, run: object) -> bool:
+        return any(run is each or run == each.id for each in self.runs)
+
+    def __getitem__(self, run_id: str) -> Run:
+        """The run of this id.
 
         Raises
         ------
         CampaignError
-            There is no run of such an id.
+            There is no run of this id.
         """
-        known = [run.id for run in self.runs]
-        for id_ in ids:
-            if id_ not in known:
-                raise CampaignError(
-                    f'{self.folder / "campaign.toml"}: there is no run "{id_}"'
-                    f"{did_you_mean(id_, known)}"
-                )
-        return replace(self, runs=tuple(run for run in self.runs if run.id in ids))
+        known = {run.id: run for run in self.runs}
+        if run_id not in known:
+            raise self.lacks("run", run_id, known)
+        return known[run_id]
+
+    def select(
+        self,
+        *ids: str,
+        role: Role | None = None,
+        track: str | None = None,
+        channels: Sequence[str] | None = None,
+    ) -> Self:
+        """The campaign with some of its runs and channels, in the campaign's order.
+
+        Parameters
+        ----------
+        ids
+            The runs' ids; without any, all runs.
+        role
+            Only those of this role, "fit" or "validate".
+        track
+            Only those on tracks of this kind, such as "washboard".
+        channels
+            The channels by name; by default all. Those left out are neither fitted nor compared.
+
+        Returns
+        -------
+        Campaign
+            Another one; files stay as they are.
+
+        Raises
+        ------
+        CampaignError
+            There is no run of such an id, role or kind of track, or no channel of such a name.
+        """
+        from wheelhop.campaign.selection import of_channels, of_runs
+
+        found = replace(self, runs=of_runs(self, ids, role, track))
+        return found if channels is None else replace(found, **of_channels(found, channels))
+
+    def lacks(self, what: str, name: str, known: Collection[str]) -> CampaignError:
+        """What is raised for a run or a channel that is not there."""
+        near = did_you_mean(name, known) or f"; there are {', '.join(known)}"
+        return CampaignError(f'{self.folder / "campaign.toml"}: there is no {what} "{name}"{near}')
 
     def recording(self, run_id: str) -> Recording:
         """The samples (n, n_channels) of one run, in the channels' units.
@@ -278,7 +324,7 @@ class Campaign:
         CampaignError
             There is no run of this id.
         """
-        (run,) = self.select(run_id).runs
+        run = self[run_id]
         channels = tuple(Recorded(c.name, c.unit, c.point) for c in self.channels)
         return Recording(
             run.record, self.sample_rate_hz, channels, float(run.time_s[0]), self.averaging_s

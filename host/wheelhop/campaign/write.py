@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wheelhop.campaign.channels import Place, place_of, units_of
+from wheelhop.campaign.channels import Place, place_of, units_of, with_noise
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
@@ -27,6 +27,7 @@ from wheelhop.files import (
 )
 from wheelhop.files.keys import LONGEST_TEXT
 from wheelhop.formats.places import likely_points
+from wheelhop.formats.table import uncertain_between
 from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
@@ -329,6 +330,9 @@ def _channel_lines(like: Recording, places: Mapping[str, Place]) -> list[str]:
     if not places and set(names) == set(AXLE_POINTS + BODY_POINTS):
         return []
     placed = {n: place_of(place) if isinstance(place, str) else place for n, place in said.items()}
+    for channel in like.channels:  # one that was resampled states its noise
+        if rms := uncertain_between(like).get(channel.name):
+            placed[channel.name] = with_noise(placed[channel.name], channel.unit, rms)
     known = (*AXLE_POINTS, *BODY_POINTS, "body")
     unknown = [n for n, place in placed.items() if isinstance(place, str) and place not in known]
     if unknown:

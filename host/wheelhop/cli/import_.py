@@ -73,7 +73,7 @@ def _read(file: Path, mapping: Map | None, answers: dict[str, str], yes: bool) -
     """A recording, as the mapping says, or else as it is understood. What has to be known and is
     not said is asked; with `yes` nothing is asked, and nothing guessed."""
     granted: tuple[str, ...] = ()
-    if mapping is None and is_foreign(file):
+    if mapping is None and (answers or is_foreign(file)):
         found = _understood(file, answers, yes)
         mapping, granted = found.mapping(places=not yes), found.granted(places=not yes)
     with stages() as stage:

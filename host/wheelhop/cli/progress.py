@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -12,8 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from rich.console import Console
-from rich.markup import escape
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from wheelhop.files.progress import TimeLeft, clock, spinning
 
 COMPILED = (("wheelhop.simulate", "integrator"), ("wheelhop.effects", "dry_friction"))
 """A folder and a module in it with compiled functions; numba keeps them in __pycache__."""
@@ -40,28 +39,6 @@ def announce_compilation() -> None:
 
 QUIET_S = 10.0
 """Between two lines where stderr is not a terminal; what takes less says nothing."""
-COUNTED = re.compile(r"(\d+) of (\d+)")
-
-
-class TimeLeft:
-    """How long it still takes, from texts that count: "12 of 200 points"."""
-
-    def __init__(self) -> None:
-        self._total = self._first = 0
-        self._since_s = 0.0
-
-    def words(self, text: str, now_s: float) -> str:
-        """ ", about 0:40 left", or nothing where the text does not count or has just begun to."""
-        found = COUNTED.search(text)
-        if found is None:
-            return ""
-        done, total = int(found[1]), int(found[2])
-        if total != self._total or done < self._first:
-            self._total, self._first, self._since_s = total, done, now_s
-        if done == self._first or done >= total:
-            return ""
-        left_s = (total - done) * (now_s - self._since_s) / (done - self._first)
-        return f", about {_clock(left_s)} left"
 
 
 @contextmanager
@@ -69,19 +46,10 @@ def stages() -> Iterator[Callable[[str], None]]:
     """A function that shows at what stage the work is, and how long a stage that counts will take:
     on one line that vanishes at the end, or where stderr is not a terminal, on a line of its own
     every ten seconds."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    if not Console(stderr=True).is_terminal:
         yield lines()
         return
-    left = TimeLeft()
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("reading the campaign", total=None)
-
-        def show(text: str) -> None:
-            words = text + left.words(text, time.monotonic())
-            progress.update(task, description=escape(words))
-
+    with spinning() as show:
         yield show
 
 
@@ -96,13 +64,6 @@ def lines() -> Callable[[str], None]:
         words = left.words(text, now_s)
         if now_s >= said_s + QUIET_S:
             said_s = now_s
-            print(f"wheelhop: {_clock(now_s - begun_s)} {text}{words}", file=sys.stderr, flush=True)
+            print(f"wheelhop: {clock(now_s - begun_s)} {text}{words}", file=sys.stderr, flush=True)
 
     return show
-
-
-def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    return (
-        f"{minutes // 60}:{minutes % 60:02}:{rest:02}" if minutes >= 60 else f"{minutes}:{rest:02}"
-    )

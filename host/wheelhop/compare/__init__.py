@@ -22,6 +22,7 @@ from wheelhop.compare.locking import Line, Locking
 from wheelhop.compare.metrics import ChannelFigures, Peak
 from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
+from wheelhop.compare.signals import RunSignals
 from wheelhop.compare.terminal import print_comparison
 from wheelhop.compare.weights import weighed
 
@@ -39,6 +40,7 @@ __all__ = [
     "Peak",
     "Rating",
     "Record",
+    "RunSignals",
     "Slice",
     "breakdown",
     "compare",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from html import escape
@@ -16,7 +16,8 @@ from wheelhop.compare.describe import describe
 from wheelhop.compare.floor import Floor, floor_of, noise_floor
 from wheelhop.compare.metrics import ChannelFigures, channel_figures
 from wheelhop.compare.records import Record, in_band, relative_error
-from wheelhop.files import shown
+from wheelhop.compare.signals import RunSignals, signals_of
+from wheelhop.files import InputError, did_you_mean, shown
 from wheelhop.files.words import ending_of, percent
 
 if TYPE_CHECKING:
@@ -65,6 +66,29 @@ class Comparison:
         """One entry per run and channel the model predicts; made when asked for, because rating
         long records takes seconds."""
         return channel_figures(self.records, self.channels, self.floor.noise_rms)
+
+    def __getitem__(self, run_id: str) -> RunSignals:
+        """Measured and modelled signals of one run, in band.
+
+        Raises
+        ------
+        InputError
+            No run of this id was compared.
+        """
+        found = next((record for record in self.records if record.run.id == run_id), None)
+        if found is None:
+            near = did_you_mean(run_id, self.roles) or f"; there are {', '.join(self.roles)}"
+            raise InputError(f'there is no run "{run_id}"{near}')
+        return signals_of(found, self.channels, self.units)
+
+    def __iter__(self) -> Iterator[RunSignals]:
+        return (self[run_id] for run_id in self.roles)
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    def __contains__(self, run_id: object) -> bool:
+        return run_id in self.roles
 
     def residuals(self, by: Literal["band", "run"] = "band") -> DataFrame:
         """What the model leaves in each channel, by third-octave band (its nominal centre, Hz) or

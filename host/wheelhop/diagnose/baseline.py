@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -13,6 +13,7 @@ from wheelhop.compare import Comparison, Floor, compare
 from wheelhop.compare.band import InBand
 from wheelhop.diagnose.confirm.validate import validate
 from wheelhop.diagnose.score import Rung
+from wheelhop.files import Progress
 from wheelhop.fit import (
     Bench,
     Free,
@@ -27,8 +28,6 @@ from wheelhop.fit import (
 from wheelhop.simulate import Model, climbing, drive_of
 from wheelhop.simulate.measured import driving
 from wheelhop.vehicle import Vehicle, wheels
-
-Progress = Callable[[str], None]
 
 STILL = 1e-9
 """In-band coefficients of this size, m/s² (N, m on a rig), are rounding: nothing moves."""
@@ -67,7 +66,7 @@ def fit_baseline(
     progress("finding each run's start and speed")
     free = tuple(vehicle_parameters(campaign, vehicle))
     model = model.with_values({f.name: known[f.name] for f in free if f.name in known})
-    model = _started(workshop, model, free)
+    model = started(workshop, model, free)
 
     def told(iteration: int, error: float) -> None:
         progress(f"fitting the baseline: iteration {iteration}, error {error:.4f}")
@@ -133,7 +132,9 @@ def charged(rung: Rung) -> dict[str, float]:
     return {run.bench.run.id: run.freedom for run in rung.validation.runs}
 
 
-def _started(workshop: Workshop, model: Model, free: Sequence[Free]) -> Model:
+def started(workshop: Workshop, model: Model, free: Sequence[Free]) -> Model:
+    """The model with where every run on the road began, and how fast it went; of a component, with
+    its `free` numbers where they begin."""
     if isinstance(workshop.campaign, ComponentCampaign):
         return begin_component(workshop.campaign, model, free)
     systems = workshop.systems(model)

@@ -18,6 +18,17 @@ from wheelhop.fit import Fit, RunFit
 from wheelhop.simulate import Model
 
 
+class Exact:
+    """Finds that no simulation is wrong."""
+
+    def __call__(self) -> float:
+        """Power, in units of the noise's: none."""
+        return 0.0
+
+
+EXACTLY = Exact()
+
+
 @dataclass(frozen=True, eq=False)
 class Rung:
     """A model fitted to the "fit" runs, and what it does on the "validate" runs: when only what
@@ -29,7 +40,7 @@ class Rung:
     fit: Fit
     validation: Fit | None
     update: Fit | None = None
-    simulated_wrong: Callable[[], float] = lambda: 0.0
+    simulated_wrong: Callable[[], float] = EXACTLY
     by_laws: float = 0.0
 
     @cached_property

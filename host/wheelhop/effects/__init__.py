@@ -11,10 +11,12 @@ from wheelhop.effects.base import (
     law,
 )
 from wheelhop.effects.beliefs import beliefs
-from wheelhop.effects.library import load_effects, pick
+from wheelhop.effects.library import Given, More, load_effects, pick
 
 __all__ = [
     "Effect",
+    "Given",
+    "More",
     "OwnValues",
     "Parameter",
     "Place",

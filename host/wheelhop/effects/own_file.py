@@ -58,18 +58,23 @@ def effects_in(source: Source) -> list[type[Effect]]:
     except (Exception, SystemExit) as error:
         kind = type(error).__name__
         raise CampaignError(f"{source}: does not run: {kind}: {error}; mend the file") from error
-    found = [
+    found = effects_of_module(module)
+    if not found:
+        raise CampaignError(
+            f"{source}: holds no effect; define a subclass of wheelhop.effects.Effect in it"
+        )
+    return found
+
+
+def effects_of_module(module: ModuleType) -> list[type[Effect]]:
+    """The effects that a module defines, those it has only imported left out."""
+    return [
         value
         for value in vars(module).values()
         if isinstance(value, type)
         and issubclass(value, Effect)
         and value.__module__ == module.__name__
     ]
-    if not found:
-        raise CampaignError(
-            f"{source}: holds no effect; define a subclass of wheelhop.effects.Effect in it"
-        )
-    return found
 
 
 def _does_not_compile(error: NumbaError) -> str:

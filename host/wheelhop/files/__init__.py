@@ -15,6 +15,7 @@ from wheelhop.files.keys import (
 )
 from wheelhop.files.lock import claimed, locked
 from wheelhop.files.process import away_from_here
+from wheelhop.files.progress import Progress, Watching
 from wheelhop.files.read import (
     NUMBERS,
     TABLE,
@@ -48,8 +49,10 @@ __all__ = [
     "TABLE",
     "Document",
     "InputError",
+    "Progress",
     "Source",
     "Table",
+    "Watching",
     "away_from_here",
     "cache_folder",
     "check_new",

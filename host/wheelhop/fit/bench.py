@@ -10,7 +10,7 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import current_thread
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -199,18 +199,32 @@ class Workshop:
         self.campaign = campaign = weighed(campaign)
         self.measured = tuple(measured)
         self.nominal = model.values
-        self.watch: Watch = lambda iteration, error: None
         self.work = Work()
         self.run_away = set[tuple[str, tuple[str, ...]]]()
-        self._threads = f"workshop-{id(self)}"
-        self._workers = jobs or min(processors(), 8)
-        self._pool = ThreadPoolExecutor(self._workers, self._threads)
+        self._employ(jobs or min(processors(), 8))
         self.drives = tuple(sorted({drive_of(campaign, run) for run in campaign.runs}))
         nominal = self.systems(model)
         self._run_up_s = 0.0 if "rig" in self.drives else run_up(nominal)
         self._nominal_systems = nominal
         self.benches = {run.id: self.bench(run) for run in campaign.runs}
         self.set_noise(campaign.noise_rms if noise_rms is None else noise_rms)
+
+    def _employ(self, workers: int) -> None:
+        """Have so many threads; nobody watches yet."""
+        self.watch: Watch = lambda iteration, error: None
+        self._threads = f"workshop-{id(self)}"
+        self._workers = workers
+        self._pool = ThreadPoolExecutor(workers, self._threads)
+
+    def __getstate__(self) -> dict[str, object]:
+        """All but the threads, who watches them, and compiled laws."""
+        gone = ("watch", "_threads", "_pool", "_nominal_systems")
+        return {name: value for name, value in vars(self).items() if name not in gone}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._employ(min(self._workers, processors()))
+        self._nominal_systems = self.systems(Model(self.nominal))
 
     def set_noise(self, rms: float | None) -> None:
         """State the in-band noise of one channel of the leading quantity; None: not known, any

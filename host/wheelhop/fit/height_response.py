@@ -7,7 +7,6 @@ rear wheel a wheelbase later; to eight channels that leaves two unknowns per fre
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -171,13 +170,6 @@ class Ground:
         """GᴴG (2k, 2k), 20 MB and more: not kept."""
         response = self._paths
         return self._overlap() * (response.conj() @ response.T)
-
-    def changes(self, weight: ComplexArray, others: Sequence[Ground]) -> Array:
-        """By how much tr(`weight` GᴴG) grows (m,) where the heights are heard as about m others, to
-        first order; `weight` (2k, 2k) is Hermitian."""
-        here = self._paths
-        pull = (weight.T * self._overlap()) @ here
-        return np.array([2.0 * np.vdot(other._paths - here, pull).real for other in others])
 
     @property
     def _paths(self) -> ComplexArray:

@@ -80,13 +80,15 @@ class Heights:
         return -4.0 * float(np.log(np.diag(self._lower).real).sum())
 
     def growths(self, others: Sequence[tuple[Model, Systems]]) -> Array:
-        """By how much that is larger (m,) about m other models, to first order."""
-        self._count()
-        ground, deviation = self.ground, np.sqrt(self.variance) / self.sigma
+        """By how much that is larger (m,) about m other models, to first order. Which of them make
+        it larger is told frequency by frequency, as in `freed`; how large it is, is known."""
+        ground, wave = self.ground, self._wave
+        inner, response = self._inner, ground.response(wave)
+        apart = 2.0 * float(np.linalg.slogdet(inner)[1].sum())
+        pull = response @ (self._gain[:, None, None] * inner)
         beside = [ground.about(model, systems[ground.bench.drive]) for model, systems in others]
-        lower, _ = linalg.lapack.zpotri(self._lower, lower=1)
-        inverse = lower + np.tril(lower, -1).conj().T
-        return -2.0 * ground.changes(inverse * np.outer(deviation, deviation), beside)
+        grown = [np.vdot(pull, other.response(wave) - response).real for other in beside]
+        return -4.0 * (self.log_volume / apart if apart else 1.0) * np.array(grown)
 
     def _count(self) -> None:
         self.ground.bench.work.add(PER_HEIGHT * len(self.coefficients) ** 3)
@@ -117,16 +119,30 @@ class Heights:
     @cached_property
     def _remainder(self) -> ComplexArray:
         """R (f, c, c) at the band's frequencies."""
-        ground = self.ground
-        wave = 2 * np.pi * ground.bench.band.frequency_hz / ground.speed_m_s
-        count = ground.series.count
-        variance = np.interp(wave, ground.wave_number_rad_m, self.variance[:count])
-        density = variance / ground.step_rad_m
-        gain = (ground.coefficient_variance * density / self.sigma**2)[:, None, None]
-        response = ground.response(wave)
+        response = self.ground.response(self._wave)
         adjoint = response.conj().transpose(0, 2, 1)
-        inner = np.linalg.inv(np.eye(2) + gain * (adjoint @ response))
-        return np.asarray(np.eye(response.shape[1]) - response @ (gain * inner) @ adjoint)
+        gain = self._gain[:, None, None]
+        return np.asarray(np.eye(response.shape[1]) - response @ (gain * self._inner) @ adjoint)
+
+    @property
+    def _wave(self) -> Array:
+        """Wave numbers (f,) of the band's frequencies at the mean speed."""
+        return np.asarray(2 * np.pi * self.ground.bench.band.frequency_hz / self.ground.speed_m_s)
+
+    @property
+    def _gain(self) -> Array:
+        """Variance (f,) of a coefficient of the heights, over that of the noise."""
+        ground, count = self.ground, self.ground.series.count
+        variance = np.interp(self._wave, ground.wave_number_rad_m, self.variance[:count])
+        density = variance / ground.step_rad_m
+        return np.asarray(ground.coefficient_variance * density / self.sigma**2)
+
+    @property
+    def _inner(self) -> ComplexArray:
+        """(1 + gain RᴴR)⁻¹ (f, 2, 2), R the response to left and right path."""
+        response = self.ground.response(self._wave)
+        square = response.conj().transpose(0, 2, 1) @ response
+        return np.asarray(np.linalg.inv(np.eye(2) + self._gain[:, None, None] * square))
 
     @cached_property
     def _lower(self) -> ComplexArray:

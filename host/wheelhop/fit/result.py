@@ -313,7 +313,7 @@ class Fit:
         }
 
     @cached_property
-    def _scatter(self) -> Array:
+    def scatter(self) -> Array:
         """How much more the shared numbers scatter (g, g) than noise alone would have them, per
         scale."""
         scale = np.array([free.scale for free in self.shared])
@@ -332,13 +332,13 @@ class Fit:
         with np.errstate(invalid="ignore", over="ignore"):  # of a model that runs away
             white, more = (
                 np.einsum("ki,ij,kj->k", along, matrix, along)
-                for matrix in (covariance, self._scatter / np.outer(scale, scale))
+                for matrix in (covariance, self.scatter / np.outer(scale, scale))
             )
             spread = np.sqrt(white + np.maximum(more, 0.0))
-        return np.asarray(np.maximum(spread, abs(along @ self._of_scale)))
+        return np.asarray(np.maximum(spread, abs(along @ self.of_scale)))
 
     @property
-    def _of_scale(self) -> Array:
+    def of_scale(self) -> Array:
         """How much every shared number moves (g,), per scale, with one standard deviation of the
         common scale of masses and forces, which records do not show; 0 of others, and where one of
         these numbers is given or a force is measured."""

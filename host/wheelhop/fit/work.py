@@ -33,6 +33,12 @@ class Work:
         self._most = inf
         self._lock = Lock()
 
+    def __getstate__(self) -> dict[str, float]:
+        return {"done": self.done}
+
+    def __setstate__(self, state: dict[str, float]) -> None:
+        self.done, self._most, self._lock = state["done"], inf, Lock()
+
     def add(self, amount: float) -> None:
         """So much more was done."""
         with self._lock:

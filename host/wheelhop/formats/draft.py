@@ -8,110 +8,39 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from wheelhop.files import did_you_mean, quoted
-from wheelhop.files.units import SECONDS, SPELT, is_measured, to_si
+from wheelhop.files import quoted
 from wheelhop.formats import cells
+from wheelhop.formats.asked import answered, resample_keys, timing_keys, uneven_stamps
 from wheelhop.formats.digits import Digits
 from wheelhop.formats.error import ExchangeError, guarded
-from wheelhop.formats.labels import apart, is_unit, name_and_unit
+from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.layout import Layout, find_layout
-from wheelhop.formats.mapping import ASKED, SEPARATORS, Map, parse_mapping
-from wheelhop.formats.places import likely_points
+from wheelhop.formats.long_form import is_key
+from wheelhop.formats.mapping import ASKED, SEPARATORS
 from wheelhop.formats.registry import is_text, load
-from wheelhop.formats.stamps import SAMPLE, Stamps, of_texts
+from wheelhop.formats.stamps import Stamps, of_texts
 from wheelhop.formats.stated import stated_rates
-from wheelhop.formats.table import POINTS
 from wheelhop.formats.timing import Column, Question, Timing, find_timing
-from wheelhop.logger.recording import ACCELERATION
+from wheelhop.formats.understood import (
+    CHANNEL,
+    LEFT_OUT,
+    TIME,
+    Found,
+    Understood,
+    places_of,
+    short,
+    why_of,
+)
+from wheelhop.formats.understood_tables import of_tables
 
-FASTEST_ANSWER_HZ = 1e12
-CHANNEL, TIME, LEFT_OUT = "a channel", "time", "left out"
+ROW_EACH = "a row holds a value of one channel"
 UNNAMED = re.compile(r"[\s,\"]*[,\"][\s,\"]*")
 """What a name cannot hold in every format that is written."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """One column: how a mapping names it (`key`, as TOML), what it is called, its unit as the file
-    says, what it is taken for and why; and the place that its name means, "" for none."""
-
-    key: str
-    label: str
-    name: str
-    unit: str
-    taken_for: str
-    why: str
-    point: str = ""
-
-    @property
-    def placed(self) -> bool:
-        """Whether the place can be given: a channel in an unknown unit has none."""
-        return bool(self.point) and is_measured(self.unit)
-
-
-@dataclass(frozen=True)
-class Understood:
-    """What was understood of a file: the keys of its mapping with their comments, its columns, what
-    it does not say (`questions`), and what was taken for granted (`guesses`)."""
-
-    path: Path
-    keys: tuple[tuple[str, str, str], ...]
-    columns: tuple[Found, ...]
-    questions: tuple[Question, ...] = ()
-    guesses: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
-
-    def text(self) -> str:
-        """The mapping; keys that are asked for are blank."""
-        head = [
-            f"# How to read {self.path.name}, guessed from its look: correct it, then",
-            f"#     wheelhop import --map THIS.toml {self.path.name}",
-            "# Delete the channels that are not wanted. point is A1 … A4 (axles), B1 … B4 or body.",
-            "# A channel is column × scale + offset, in unit: add scale = … and offset = … as"
-            " needed.",
-            "format = 1",
-        ]
-        lines = [f"{k} = {v}{f'  # {note}' if note else ''}" for k, v, note in self.keys]
-        channels = [column for column in self.columns if column.taken_for == CHANNEL]
-        left_out = (c for c in self.columns if c.taken_for == LEFT_OUT)
-        notes = [f"# left out: {_short(column.label)}, {column.why}" for column in left_out]
-        entries = (line for column in channels for line in _entry(column))
-        return "\n".join([*head, *lines, *notes, *entries]) + "\n"
-
-    def words(self) -> str:
-        """How the file is laid out and sampled, in a line."""
-        said = {key: value for key, value, _ in self.keys if value not in ("0", '""')}
-        kept = (
-            *("separator", "decimal", "thousands", "header_row", "units_row", "first_row"),
-            *("last_row", "time", "time_unit", "rate_hz"),
-        )
-        return ", ".join(f"{key} {said[key]}" for key in kept if key in said)
-
-    def granted(self, places: bool = True) -> tuple[str, ...]:
-        """What was taken for granted, as a recording's history says it."""
-        placed = [c for c in self.columns if places and c.placed and c.point != c.name]
-        return (
-            *(f"taken for granted: {guess}" for guess in self.guesses),
-            *(f"{column.name}: taken for {column.point}, by its name" for column in placed),
-        )
-
-    def mapping(self, places: bool = True) -> Map:
-        """The mapping, as it is read; without `places`, those that only names mean are left open.
-        Raises `ExchangeError` if something has to be asked."""
-        if self.questions:
-            raise ExchangeError(f"{self.path}: {'; '.join(q.words for q in self.questions)}")
-        found = parse_mapping(self.text(), self.path)
-        if places:
-            return found
-        sure = tuple(
-            pick if pick.point == pick.name else replace(pick, point="") for pick in found.picks
-        )
-        return replace(found, picks=sure)
 
 
 def draft_mapping(path: Path) -> str:
@@ -129,18 +58,18 @@ def understand(path: Path, answers: Mapping[str, str] | None = None) -> Understo
         if key not in ASKED:
             raise ExchangeError(f"{key} = {answer}: only {', '.join(ASKED)} can be answered")
     if not is_text(path):
-        return _of_tables(path, answers)
+        return of_tables(path, load(path), answers)
     if not path.exists():
         raise ExchangeError(f"{path}: there is no such file")
     with guarded(path, "be understood"):
         text = cells.read_ends(path)
         layout = find_layout(text, str(path))
-        found = _of_text(path, text.lines, layout, answers)
+        found = _of_text(path, text, layout, answers)
     return replace(found, remarks=(*text.remarks, *found.remarks))
 
 
 def _of_text(
-    path: Path, lines: Sequence[str], layout: Layout, answers: Mapping[str, str]
+    path: Path, text: cells.Text, layout: Layout, answers: Mapping[str, str]
 ) -> Understood:
     questions: list[Question] = []
     digits = layout.digits
@@ -149,14 +78,24 @@ def _of_text(
     elif digits.asked:
         questions.append(Question("decimal", f"the decimal sign: {digits.asked}"))
     columns = _columns(layout, digits)
+    key = _key_column(layout, columns)
+    if key is not None:  # in long form: the rows of one channel tell the time
+        columns = _columns(_rows_of_one(layout, key), digits)
     above = [k for k in range(1, layout.first_row) if k not in layout.header_rows]
-    stated = stated_rates([lines[k - 1] if k in above else "" for k in range(1, layout.first_row)])
+    head = range(1, layout.first_row)
+    stated = stated_rates([text.lines[k - 1] if k in above else "" for k in head])
     blank = bool(questions)  # the numbers cannot be read yet, nor the time
     try:
-        timing = Timing() if blank else _answered(find_timing(columns, stated), answers)
+        timing = Timing() if blank else answered(find_timing(columns, stated), answers)
     except ExchangeError as error:
         raise ExchangeError(f"{path}: {error}") from None
     questions += timing.questions
+    words = ""
+    if timing.index is not None and not questions and key is None:
+        column = _first_rows(columns[timing.index], text.begun)
+        words = uneven_stamps(column, timing, path, layout.first_row)
+    resampling, asked = resample_keys(words, answers)
+    questions += asked
     names = _keys(layout.labels)
     mark = {text: name for name, text in SEPARATORS.items() if name not in ("\t", " ")}
     heads = layout.header_rows
@@ -176,23 +115,64 @@ def _of_text(
         ("units_row", str(layout.units_row), "the line with their units, 0: none"),
         ("first_row", str(layout.first_row), "the line of the first numbers"),
         (
-            ("last_row", str(layout.last_row), f"below it: {_short(layout.below)}")
+            ("last_row", str(layout.last_row), f"below it: {short(layout.below)}")
             if layout.last_row
             else None
         ),
-        *_timing_keys(timing, names),
+        *timing_keys(timing, names),
+        *resampling,
+        ("by", names[key], "says which channel a row is of") if key is not None else None,
     ]
+    said = tuple(item for item in keys if item is not None)
+    granted = tuple(filter(None, [timing.guess]))
+    if key is not None and not questions:
+        return replace(_in_long_form(path, said, answers), guesses=(*granted, ROW_EACH))
     return Understood(
         path,
-        tuple(key for key in keys if key is not None),
+        said,
         tuple(_found(layout, columns, timing, names)),
         tuple(questions),
-        tuple(filter(None, [timing.guess])),
+        (*granted, *_by_endings(layout, columns, timing)),
     )
 
 
-def _short(text: str) -> str:
-    return "".join(char if char.isprintable() else " " for char in text)
+def _key_column(layout: Layout, columns: Sequence[Column]) -> int | None:
+    """The column of words that say which channel a row is of, None if there is none."""
+    numbers = [column.values for column in columns if column.values is not None]
+    words = (k for k in range(len(columns)) if k not in (*layout.numeric, *layout.stamps))
+    return next((k for k in words if is_key(layout.column(k), numbers)), None)
+
+
+def _rows_of_one(layout: Layout, key: int) -> Layout:
+    """The rows of the channel that has most."""
+    most, _ = Counter(layout.column(key)).most_common(1)[0]
+    return replace(layout, rows=tuple(row for row in layout.rows if row[key] == most))
+
+
+def _in_long_form(
+    path: Path, keys: tuple[tuple[str, str, str], ...], answers: Mapping[str, str]
+) -> Understood:
+    """What is understood of a table with a row for each value, once its time is known."""
+    without = tuple(item for item in keys if item[0] != "resample_hz")
+    tables = load(path, Understood(path, without, ()).mapping())
+    return of_tables(path, tables, answers, without)
+
+
+def _by_endings(layout: Layout, columns: Sequence[Column], timing: Timing) -> Iterator[str]:
+    """Units that only the one letter behind a name's last _ says: the g of z_g may be the
+    ground."""
+    for k, column in enumerate(columns):
+        said = layout.units[k] if layout.units else ""
+        by_name = column.unit and not said and not name_and_unit(column.label, endings=False)[1]
+        if by_name and k != timing.index and re.search(r"_[A-Za-z]$", column.label):
+            yield f"{column.label} is in {column.unit}, by the end of its name"
+
+
+def _first_rows(column: Column, begun: int) -> Column:
+    """The rows of a large text's beginning, of which lines in the middle were passed over."""
+    if not begun or column.values is None:
+        return column
+    return replace(column, values=column.values[:begun])
 
 
 def _columns(layout: Layout, digits: Digits) -> list[Column]:
@@ -228,44 +208,6 @@ def _read_stamps(texts: Sequence[str]) -> Stamps | str:
         return str(error).partition(": ")[2]
 
 
-def _answered(timing: Timing, answers: Mapping[str, str]) -> Timing:
-    """Timing with the answers to what it asked; a unit that counts samples asks for the rate."""
-    unit, rate = answers.get("time_unit"), timing.rate_hz
-    if "rate_hz" in answers:
-        try:
-            rate = float(answers["rate_hz"])
-        except ValueError:
-            rate = 0.0
-        if not 0.0 < rate < FASTEST_ANSWER_HZ:
-            raise ExchangeError(f"rate_hz = {answers['rate_hz']} is no number of samples a second")
-    asked = {question.key: question for question in timing.questions}
-    if unit and "time_unit" in asked:
-        timing = replace(timing, unit=unit, why="as you said")
-        del asked["time_unit"]
-        if unit == SAMPLE and rate is None:
-            asked["rate_hz"] = Question("rate_hz", "a counter says no time")
-    if rate is not None:
-        asked.pop("rate_hz", None)
-    return replace(timing, rate_hz=rate, questions=tuple(asked.values()))
-
-
-def _timing_keys(timing: Timing, names: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    asked = {question.key: question.words for question in timing.questions}
-    if timing.index is not None:
-        yield "time", names[timing.index], ""
-        notes = {SAMPLE: "a counter of samples: its gaps are kept"}
-        note = asked.get("time_unit") or notes.get(timing.unit, "")
-        if timing.guess and timing.unit != SAMPLE:
-            note = "not said: s, ms?" if timing.unit in SECONDS else timing.why
-        if timing.guess and timing.unit == SAMPLE:
-            note = f"{timing.guess}: is it so?"
-        yield "time_unit", quoted(timing.unit), note
-    if timing.rate_hz is not None:
-        yield "rate_hz", repr(timing.rate_hz), timing.why
-    elif "rate_hz" in asked:
-        yield "rate_hz", '""', f"{asked['rate_hz']}: how many samples has a second?"
-
-
 def _found(
     layout: Layout, columns: Sequence[Column], timing: Timing, keys: Sequence[str]
 ) -> Iterator[Found]:
@@ -280,66 +222,18 @@ def _found(
         [k + 1 for k in taken],
     )
     names = dict(zip(taken, named, strict=True))
-    points = _points([(names[k], columns[k].unit) for k in taken])
+    points = places_of([(names[k], columns[k].unit) for k in taken])
     for k, column in enumerate(columns):
         if k == timing.index:
             unit = timing.unit or column.unit
             yield Found(keys[k], column.label, column.name, unit, TIME, timing.why)
         elif k in names:
             point = points[taken.index(k)]
-            name, why = names[k], _why(column.unit)
+            name, why = names[k], why_of(column.unit)
             yield Found(keys[k], column.label, name, column.unit, CHANNEL, why, point)
         else:
             why = timing.aside.get(k, "a clock, too" if column.stamps else "no numbers")
             yield Found(keys[k], column.label, column.name, column.unit, LEFT_OUT, why)
-
-
-def _why(unit: str) -> str:
-    if not unit:
-        return "its unit is not said"
-    if not is_measured(unit):
-        return f"its unit is not known{did_you_mean(unit, SPELT)}"
-    si, factor = to_si(unit)
-    return f"× {factor:g} = {si}" if factor != 1.0 else ""
-
-
-def _points(columns: Sequence[tuple[str, str]]) -> list[str]:
-    """The places that names mean, of channels that are accelerations or may be."""
-    felt = [k for k, (_, unit) in enumerate(columns) if to_si(unit)[0] in ("", ACCELERATION)]
-    guessed = dict(zip(felt, likely_points([columns[k][0] for k in felt]), strict=True))
-    return [name if name in POINTS else guessed.get(k, "") for k, (name, _) in enumerate(columns)]
-
-
-def _of_tables(path: Path, answers: Mapping[str, str]) -> Understood:
-    keys: list[tuple[str, str, str]] = []
-    tables = load(path)
-    if not tables:
-        raise ExchangeError(f"{path}: holds no channels of numbers")
-    table = tables[0]
-    if len(tables) > 1:
-        names = ", ".join(quoted(table.group) for table in tables)
-        keys.append(("group", quoted(table.group), f"one of {names}"))
-    timing = Timing()
-    if table.time_s is None and table.rate_hz is None:
-        words = table.asked or "the file has no time"
-        timing = _answered(Timing(questions=(Question("rate_hz", words),)), answers)
-        keys += _timing_keys(timing, ())
-    count = Counter(channel.name for channel in table.channels)
-    units = [channel.unit for channel in table.channels]
-    bare = [name_and_unit(channel.name) for channel in table.channels]
-    short = [
-        name if unit and unit == channel.unit else channel.name
-        for (name, unit), channel in zip(bare, table.channels, strict=True)
-    ]
-    named = apart(short, units, table.columns)
-    points = _points(list(zip(named, units, strict=True)))
-    columns = []
-    for k, (number, channel) in enumerate(zip(table.columns, table.channels, strict=True)):
-        key = quoted(channel.name) if count[channel.name] == 1 else str(number)
-        why = _why(channel.unit)
-        found = Found(key, channel.name, named[k], channel.unit, CHANNEL, why, points[k])
-        columns.append(found)
-    return Understood(path, tuple(keys), tuple(columns), timing.questions, (), table.remarks)
 
 
 def _keys(labels: Sequence[str]) -> list[str]:
@@ -349,27 +243,3 @@ def _keys(labels: Sequence[str]) -> list[str]:
         str(k) if label == f"column {k}" or count[label] > 1 else quoted(label)
         for k, label in enumerate(labels, start=1)
     ]
-
-
-def _entry(column: Found) -> Iterator[str]:
-    """The lines of a channel: how a mapping names it, its own name, its unit and its place."""
-    unit = column.unit
-    note = f"  # {column.why}" if column.why else ""
-    if not unit:
-        note = "  # not said: g, m/s²?"
-    elif not is_unit(unit):
-        note = f"  # not known here: it stays as it is{did_you_mean(unit, SPELT)}"
-    point = column.point if column.placed else ""
-    where = ""
-    if column.point and not column.placed:
-        where = f"  # {column.point} by its name, once its unit is said"
-    elif point and point != column.name:
-        where = "  # by its name: is it so?"
-    yield from (
-        "",
-        "[[channel]]",
-        f"column = {column.key}",
-        f"name = {quoted(column.name)}",
-        f"unit = {quoted(unit)}{note}",
-        f"point = {quoted(point)}{where}",
-    )

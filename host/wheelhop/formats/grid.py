@@ -19,12 +19,17 @@ FEWEST = 0.1
 """The least share of samples that must be there, beyond `FREE_GAPS`: a clock that was set anew
 must not become a billion missing samples."""
 FREE_GAPS = 100_000
+RESAMPLE = "resample_hz = … takes every channel to one rate, with a stated error"
 UNEVEN = 0.1  # share of steps that are no whole number of periods
 SURE = 5e-3
 """How coarse rounded stamps may be, as a share of the time they cover, to tell the rate."""
 FEWEST_ROUNDED = 10  # stamps that tell by their steps how they were rounded
 MANY = 8
 """So many longer steps, as evenly spread as rounding makes them, are no missing samples."""
+
+
+class UnevenError(ExchangeError):
+    """Time stamps that rise, but lie on no equal steps."""
 
 
 @dataclass(frozen=True)
@@ -90,8 +95,9 @@ def fit_grid(
 ) -> Grid:
     """Find the grid that the stamps (n >= 1) lie on, of a known rate and start if they are given.
 
-    `where(i)` tells a user where stamp i is. Raises `ExchangeError` for stamps that are not finite,
-    do not rise, or lie on no grid. Stamps that are equal, as coarse ones are, need a known rate.
+    `where(i)` tells a user where stamp i is. Raises `ExchangeError` for stamps that are not finite
+    or do not rise, `UnevenError` for those that lie on no grid. Stamps that are equal, as coarse
+    ones are, need a known rate.
     """
     if len(time_s) < 2 and rate_hz is None:
         raise ExchangeError(f"{where(0)}: a single time stamp has no rate: give rate_hz")
@@ -104,22 +110,26 @@ def fit_grid(
         return rounded
     if (steps <= 0).any():
         row = int(np.argmax(steps <= 0)) + 1
-        raise ExchangeError(
+        falls = bool((steps < 0).any())
+        raise (ExchangeError if falls else UnevenError)(
             f"{where(row)}: time does not rise, from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s"
+            f"{'' if falls else f': {RESAMPLE}'}"
         )
     period = 1.0 / rate_hz if rate_hz else typical_step(steps)
     counts = np.round(steps / period)
     off = np.abs(steps / period - counts)
     if len(steps) >= FEWEST_ROUNDED and (off > STRAY).mean() > UNEVEN:
-        raise ExchangeError(
-            f"{where(0)}: time goes on in uneven steps, {steps.min():.3g} to {steps.max():.3g} s:"
-            " resample it, or if the samples are equally spaced, leave time out and say rate_hz"
+        raise UnevenError(
+            f"{where(0)}: time goes on in uneven steps, {steps.min():.3g} to {steps.max():.3g} s,"
+            f" about {1 / steps.mean():.3g} Hz: {RESAMPLE}; if the samples are equally spaced,"
+            " leave time out and say rate_hz"
         )
     if (counts < 1).any() or (off > STRAY).any():
         row = int(np.argmax((counts < 1) | (off > STRAY))) + 1
-        raise ExchangeError(
+        raise UnevenError(
             f"{where(row)}: time jumps from {time_s[row - 1]:.9g} to {time_s[row]:.9g} s, "
-            f"{steps[row - 1] / period:.3g} steps of {period:.6g} s: cut the file there"
+            f"{steps[row - 1] / period:.3g} steps of {period:.6g} s: cut the file there, or"
+            f" {RESAMPLE}"
         )
     if too_few(len(time_s), counts.sum() + 1):
         row = int(np.argmax(counts)) + 1
@@ -140,9 +150,10 @@ def fit_grid(
         places = index / rate_hz
     jitter = np.abs(time_s - start_s - places)
     if jitter.max() > 2 * STRAY / rate_hz:
-        raise ExchangeError(
+        raise UnevenError(
             f"{where(int(np.argmax(jitter)))}: time is {jitter.max():.3g} s off equal steps at "
-            f"{rate_hz:.6g} Hz; on the whole the stamps go at {_rate(time_s, index):.6g} Hz"
+            f"{rate_hz:.6g} Hz; on the whole the stamps go at {_rate(time_s, index):.6g} Hz:"
+            f" {RESAMPLE}"
         )
     return Grid(start_s, rate_hz, index, float(jitter.max()))
 

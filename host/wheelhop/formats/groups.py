@@ -38,6 +38,37 @@ def only_recordings(tables: list[Table], refused: Sequence[str], file: Path) -> 
     return [replace(table, remarks=(*table.remarks, *said)) for table in tables]
 
 
+def together(tables: Sequence[Table]) -> list[Table]:
+    """Tables with the same time stamps as one, called like the first of them."""
+    found: list[list[Table]] = []
+    for table in tables:
+        same = next((group for group in found if _same_stamps(group[0], table)), None)
+        if same is None:
+            found.append([table])
+        else:
+            same.append(table)
+    return [_beside(group) for group in found]
+
+
+def _same_stamps(one: Table, other: Table) -> bool:
+    if one.time_s is None or other.time_s is None:
+        return False
+    return np.array_equal(one.time_s, other.time_s)
+
+
+def _beside(tables: Sequence[Table]) -> Table:
+    count = Counter(channel.name for table in tables for channel in table.channels)
+    channels = [
+        channel
+        if count[channel.name] == 1 or table.group == channel.name
+        else replace(channel, name=f"{table.group}/{channel.name}")
+        for table in tables
+        for channel in table.channels
+    ]
+    values = np.column_stack([table.values for table in tables])
+    return replace(tables[0], channels=tuple(channels), values=values)
+
+
 def on_one_clock(tables: Sequence[Table]) -> list[Table]:
     """Tables of one rate whose starts are known, and whole steps apart, are one: each begins in its
     own row. The others stay as they are."""

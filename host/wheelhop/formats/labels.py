@@ -10,6 +10,8 @@ from wheelhop.files.units import is_measured, seconds_in
 
 BEHIND = re.compile(r"(?P<name>.*?\S)\s*(?:\[(?P<b>[^][]*)\]|\((?P<p>[^()]*)\))\s*$")
 BEHIND_WORD = re.compile(r"(?P<name>.*?\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)(?P<unit>\S+)\s*$")
+RACECAPTURE = re.compile(r'(?P<name>[^|]+)\|"?(?P<unit>[^|"]*)"?(?:\|[-+.\d]*){3}')
+"""Name, unit, least, most and rate: `"AccelX"|"G"|-2.0|2.0|25`."""
 UNDERSCORED = {
     "_m_s2": "m/s²",
     "_mm_s2": "mm/s²",
@@ -51,19 +53,22 @@ UNDERSCORED = {
 """Endings of names, those first that end in another one."""
 
 
-def name_and_unit(label: str) -> tuple[str, str]:
-    """Split "Acc FL [g]", "Acc FL (g)", "Acc FL / g", "Acc FL, g", "Acc FL in g" or "acc_fl_m_s2";
-    the unit may be empty.
+def name_and_unit(label: str, endings: bool = True) -> tuple[str, str]:
+    """Split "Acc FL [g]", "Acc FL (g)", "Acc FL / g", "Acc FL, g", "Acc FL in g", "acc_fl_m_s2" or
+    what RaceCapture writes; the unit may be empty.
 
-    But for square brackets, only a unit that is known is taken for one.
+    But for square brackets and RaceCapture's, only a unit that is known is taken for one; without
+    `endings`, none behind an underscore.
     """
+    if match := RACECAPTURE.fullmatch(label):
+        return match["name"].strip('" '), match["unit"].strip()
     match = BEHIND.match(label)
     if match and (match["b"] is not None or is_unit(match["p"])):
         return match["name"], (match["b"] or match["p"] or "").strip()
     match = BEHIND_WORD.match(label)
     if match and is_unit(match["unit"]):
         return match["name"], match["unit"]
-    for tail, known in UNDERSCORED.items():
+    for tail, known in UNDERSCORED.items() if endings else ():
         if label.endswith(tail) and len(label) > len(tail):
             return label.removesuffix(tail), known
     return label, ""

@@ -19,6 +19,7 @@ ASKED = {
     "decimal": 'the decimal sign, "." or ","',
     "time_unit": f"the unit of the time stamps: {', '.join(UNITS)}",
     "rate_hz": "how many samples a second has, a number",
+    "resample_hz": "to how many samples a second all channels shall be taken, a number",
 }
 """Keys that a draft leaves blank where the file does not say them."""
 THOUSANDS = ("", ".", ",", "'", "’", " ", "\u00a0", "\u202f")
@@ -27,7 +28,7 @@ LARGEST = 1e300
 KEYS = (
     *("format", "separator", "decimal", "thousands", "encoding"),
     *("header_row", "units_row", "first_row", "last_row"),
-    *("time", "time_unit", "rate_hz", "group", "channel"),
+    *("time", "time_unit", "rate_hz", "resample_hz", "by", "group", "channel"),
 )
 CHANNEL_KEYS = (
     "column",
@@ -65,6 +66,8 @@ class Map:
     `separator` is None for any run of blanks; rows are lines from 1, a `header_row` or `units_row`
     of 0 means there is none, a `last_row` of 0 that all lines are rows; names may stand in several
     lines. Time is a column (name or number) in `time_unit`, empty: as the file says; or `rate_hz`.
+    With `resample_hz` all channels are taken to that rate. Words in the column `by` say which
+    channel a row is of.
     A `group` is chosen where a file has several. Without `picks` every column is a channel.
     """
 
@@ -81,6 +84,8 @@ class Map:
     picks: tuple[Pick, ...] = ()
     thousands: str = ""
     last_row: int = 0
+    resample_hz: float | None = None
+    by: str | int = ""
 
     @property
     def header_rows(self) -> tuple[int, ...]:
@@ -133,9 +138,10 @@ def parse_mapping(text: str, file: Path) -> Map:
     if unit not in ("", *SECONDS, CLOCK, MINUTES, DIGITS, SAMPLE):
         known = ", ".join(UNITS)
         raise ExchangeError(f'{file}: time_unit = "{unit}" is not known: {known}')
-    rate = keys.number("rate_hz", 0.0)
-    if rate < 0.0:
-        raise ExchangeError(f"{file}: rate_hz must be above 0")
+    rate, resample = (keys.number(key, 0.0) for key in ("rate_hz", "resample_hz"))
+    for key, value in (("rate_hz", rate), ("resample_hz", resample)):
+        if value < 0.0:
+            raise ExchangeError(f"{file}: {key} must be above 0")
     entries = table.get("channel", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise ExchangeError(f"{file}: begin each channel with [[channel]]")
@@ -156,6 +162,8 @@ def parse_mapping(text: str, file: Path) -> Map:
         ),
         thousands=thousands,
         last_row=keys.row("last_row", 0),
+        resample_hz=resample or None,
+        by=keys.column("by"),
     )
 
 

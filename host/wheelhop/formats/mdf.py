@@ -12,7 +12,6 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from numpy.typing import NDArray
 from wheelhop.files import NUMBERS, check_room
 from wheelhop.files.units import seconds_in
 from wheelhop.formats.error import ExchangeError, need
-from wheelhop.formats.groups import only_recordings
+from wheelhop.formats.groups import only_recordings, together
 from wheelhop.formats.header import Header, from_text, to_text
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, plain_channel
@@ -49,7 +48,7 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
             _check_layout(group, path)
         check_room(path, sum(map(_room, mdf.groups)), ExchangeError)
         header = _header(mdf, path)
-        together: list[list[Table]] = []
+        groups: list[Table] = []
         refused: list[str] = []
         for number in range(len(mdf.groups)):
             if reason := _no_time(mdf.groups[number]):
@@ -57,8 +56,8 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
                 continue
             table = _group(mdf, number, path)
             if table is not None:
-                _sort_in(together, table)
-        tables = list(map(_joined, together))
+                groups.append(table)
+        tables = together(groups)
     if header is None:
         return only_recordings(tables, refused, path)
     if len(tables) != 1 or [c.name for c in tables[0].channels] != [
@@ -179,25 +178,6 @@ def _group(mdf: Any, number: int, path: Path) -> Table | None:
         asked="" if size else f"the samples of group {number} are only counted",
         start_unix_s=mdf.header.start_time.timestamp(),
         group=str(number),
-    )
-
-
-def _sort_in(together: list[list[Table]], table: Table) -> None:
-    """Put a group beside those with the same time stamps."""
-    for others in together:
-        one, other = others[0].time_s, table.time_s
-        if one is not None and other is not None and np.array_equal(one, other):
-            others.append(table)
-            return
-    together.append([table])
-
-
-def _joined(tables: list[Table]) -> Table:
-    """One group of several with the same time stamps."""
-    return replace(
-        tables[0],
-        channels=tuple(channel for table in tables for channel in table.channels),
-        values=np.column_stack([table.values for table in tables]),
     )
 
 

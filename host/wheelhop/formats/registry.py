@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -20,6 +20,7 @@ from wheelhop.files import check_plain, replacing, write_text
 from wheelhop.formats.error import ExchangeError, guarded
 from wheelhop.formats.header import read_sidecar, sidecar, to_text
 from wheelhop.formats.mapping import Map
+from wheelhop.formats.resample import onto_rate
 from wheelhop.formats.table import Table, choose, to_recording
 from wheelhop.logger.recording import Recording
 
@@ -56,8 +57,14 @@ FORMATS = {
     ".unv": UFF,
     ".tdms": Format("National Instruments TDMS", "tdms"),
     ".lvm": Format("LabVIEW measurement", "lvm", own_time=True),
+    ".mat": Format("MATLAB", "matlab"),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf"), Format("HDF5", "hdf5")),
+    ".ide": Format("enDAQ", "ide", own_time=True),
+    **dict.fromkeys((".mcap", ".bag", ".db3"), Format("ROS bag or MCAP", "bags", own_time=True)),
+    **dict.fromkeys((".xrk", ".xrz"), Format("AiM", "aim", own_time=True)),
+    ".vbo": Format("VBOX", "vbo", own_time=True),
     ".hop": Format("the logger's own", "hop", own_time=True),
-    **dict.fromkeys((".txt", ".tsv", ".dat", ".asc"), TEXT),
+    **dict.fromkeys((".txt", ".tsv", ".dat", ".asc", ".log"), TEXT),
 }
 
 
@@ -87,6 +94,13 @@ def _format_of(path: Path) -> Format:
 
 
 SHEETS = (".xlsx", ".xls", ".xlsm", ".ods")
+EXPORTS = {
+    ".ld": "MoTeC's own log: in i2 choose File, Export Data, CSV file, all channels at their rate",
+    ".drk": "AiM's old log: in RaceStudio choose Export, CSV file",
+    ".vbb": "VBOX's binary log: in VBOX Test Suite choose Export, VBO file",
+    ".dxd": "DEWESoft's own log: in DewesoftX choose Export, MDF4 or MATLAB",
+}
+"""What is not read, and how its program writes something that is."""
 
 
 def load(path: Path, mapping: Map | None = None) -> list[Table]:
@@ -118,7 +132,13 @@ def read(path: Path, mapping: Map | None = None, guess: bool = True) -> Recordin
     where their names mean; without `guess` nothing is guessed, and refused what would have to be.
     """
     tables = load(path, mapping)
-    table = choose(tables, mapping.group if mapping else "", path)
+    group = mapping.group if mapping else ""
+    if mapping is not None and mapping.resample_hz is not None:
+        wanted = [choose(tables, group, path)] if group or not tables else tables
+        table = onto_rate(wanted, mapping)
+        mapping = replace(mapping, rate_hz=None)
+    else:
+        table = choose(tables, group, path)
     return to_recording(table, mapping, guess)
 
 
@@ -183,6 +203,8 @@ def _format(path: Path) -> Format:
             f"{path}: is a spreadsheet: save the sheet as CSV (UTF-8) in the program it comes from,"
             " and import that; wheelhop import FILE.csv --draft begins a mapping"
         )
+    if suffix in EXPORTS:
+        raise ExchangeError(f"{path}: is {EXPORTS[suffix]}, and import what that writes")
     raise ExchangeError(f"{path}: '{suffix}' is no format known here: {', '.join(FORMATS)}")
 
 

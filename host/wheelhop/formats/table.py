@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.files.units import is_measured, to_si
+from wheelhop.formats.cells import is_number
 from wheelhop.formats.error import ExchangeError
-from wheelhop.formats.grid import Grid, fit_grid
+from wheelhop.formats.grid import RESAMPLE, Grid, fit_grid
 from wheelhop.formats.header import Header
 from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.mapping import Map, Pick
@@ -23,6 +24,19 @@ POINTS = (*(f"A{k}" for k in range(1, 5)), *(f"B{k}" for k in range(1, 5)), "bod
 """The places of the campaign format that have a name."""
 
 
+BETWEEN = "rms between samples: "
+"""How a recording's notes begin that say how uncertain a channel is that was resampled, in its
+unit."""
+
+
+@dataclass(frozen=True)
+class Between:
+    """A channel's own samples a second, and how uncertain it is midway between them, rms."""
+
+    rate_hz: float
+    rms: float
+
+
 @dataclass(frozen=True, eq=False)
 class Table:
     """Columns (n, c) of one group of channels that were sampled together.
@@ -31,7 +45,10 @@ class Table:
     rounded and the rate is exact. `header` is there if wheelhop wrote the file. `lines` are the
     lines of the rows in a text file, empty: rows are counted from 1. `numbers` says which columns
     of the file the channels are, if not all of them; `remarks` are what else the history has to
-    say, `asked` is why there is no time, and `granted` what of it is taken for granted.
+    say, `asked` is why there is no time, and `granted` what of it is taken for granted. Tables of
+    a file are on the `same_clock` if their `time_s` count from one instant. `between` is of
+    channels that were resampled. What is `spare` nobody else holds: its values may be converted
+    where they are.
     """
 
     file: Path
@@ -50,6 +67,9 @@ class Table:
     remarks: tuple[str, ...] = ()
     asked: str = ""
     granted: str = ""
+    same_clock: bool = False
+    between: tuple[Between, ...] = ()
+    spare: bool = False
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -60,6 +80,13 @@ class Table:
         """How a user finds a row."""
         place = f"line {self.lines[row]}" if self.lines else f"row {row + 1}"
         return f"{self.file}: {place}"
+
+
+def clocks_are_known(tables: Sequence[Table]) -> bool:
+    """Whether it is known how far apart the tables' clocks began."""
+    return all(table.same_clock for table in tables) or all(
+        table.start_unix_s is not None for table in tables
+    )
 
 
 def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
@@ -74,7 +101,10 @@ def choose(tables: Sequence[Table], group: str, file: Path) -> Table:
         raise ExchangeError(f"{file}: holds no channels of numbers")
     names = ", ".join(f'"{table.group}" ({len(table.channels)} channels)' for table in tables)
     wrong = f'has no group "{group}"' if group else "holds groups that were not sampled together"
-    raise ExchangeError(f"{file}: {wrong}: choose with group = … in a mapping from {names}")
+    together = f", or {RESAMPLE}" if not group and clocks_are_known(tables) else ""
+    raise ExchangeError(
+        f"{file}: {wrong}: choose with group = … in a mapping from {names}{together}"
+    )
 
 
 def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recording:
@@ -94,9 +124,10 @@ def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recor
         )
     picks = mapping.picks if mapping is not None else ()
     grid = _grid(table, mapping)
-    channels, values, steps = _converted(
-        table, picks or tuple(Pick(number) for number in table.columns)
-    )
+    picks = picks or tuple(Pick(number) for number in table.columns)
+    channels, values, steps = _converted(table, picks)
+    uncertain = _uncertain(table, picks, channels)
+    steps += [words for words, _ in uncertain.values()]
     if table.granted:
         steps.append(f"taken for granted: {table.granted}")
     if mapping is None and guess:
@@ -112,7 +143,7 @@ def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recor
         start_s=grid.start_s,
         start_unix_s=table.start_unix_s,
         history=(origin, *table.remarks, *steps, *grid.remarks()),
-        notes=table.notes,
+        notes={**table.notes, **{BETWEEN + name: rms for name, (_, rms) in uncertain.items()}},
     )
     return imported if table.header is None else _described(imported, table.header.bare)
 
@@ -133,14 +164,16 @@ def _converted(
     table: Table, picks: Sequence[Pick]
 ) -> tuple[tuple[Channel, ...], NDArray[np.float64], list[str]]:
     """The channels that were picked, their samples (n, c) in SI, and what was done to them."""
-    channels, steps, values = [], [], np.empty((len(table.values), len(picks)))
-    chosen = _chosen(table, picks)
+    channels, steps = [], []
+    chosen = columns_of(table, picks)
+    in_place = table.spare and chosen == list(range(table.values.shape[1]))
+    values = table.values if in_place else np.empty((len(table.values), len(picks)), order="F")
     found = [table.channels[column] for column in chosen]
     numbers = [table.columns[column] for column in chosen]
     names = apart([_name(old) for old in found], [old.unit for old in found], numbers)
     for k, (pick, old, column) in enumerate(zip(picks, found, chosen, strict=True)):
         unit, factor = to_si(pick.unit or old.unit)
-        values[:, k] = (table.values[:, column] * pick.scale + pick.offset) * factor
+        _convert(table.values[:, column], values[:, k], pick, factor)
         channels.append(
             Channel(
                 name=pick.name or names[k],
@@ -152,15 +185,53 @@ def _converted(
         )
         steps += _conversion(pick, old, channels[-1], factor)
     _check_names(table.file, channels)
-    missing = np.isnan(values)
-    whole = missing.all(axis=1, keepdims=True)
-    own = (missing & ~whole).sum(axis=0)
-    if own.any():
-        _check_dead(table.file, channels, values)
-    for channel, count in zip(channels, own.tolist(), strict=True):
+    missing = [int(np.isnan(column).sum()) for column in values.T]
+    if any(missing):
+        whole = np.logical_and.reduce([np.isnan(column) for column in values.T])
+        own = [count - int(whole.sum()) for count in missing]
+        if any(own):
+            _check_dead(table.file, channels, values)
+    else:
+        own = missing
+    for channel, count in zip(channels, own, strict=True):
         if count:
             steps.append(f"{channel.name}: rows without a value of its own: {count}; left empty")
     return tuple(channels), values, steps
+
+
+def _convert(old: NDArray[np.float64], new: NDArray[np.float64], pick: Pick, factor: float) -> None:
+    """Write (old × scale + offset) × factor to `new`, which may be where `old` is."""
+    np.multiply(old, pick.scale, out=new)
+    if pick.offset:
+        new += pick.offset
+    if factor != 1.0:
+        new *= factor
+
+
+def _uncertain(
+    table: Table, picks: Sequence[Pick], channels: Sequence[Channel]
+) -> dict[str, tuple[str, str]]:
+    """How uncertain each channel is that was resampled, by its name: in words, and rms in its
+    unit."""
+    found = {}
+    if table.between:
+        for pick, channel, column in zip(picks, channels, columns_of(table, picks), strict=True):
+            own = table.between[column]
+            unit = pick.unit or table.channels[column].unit
+            if rms := own.rms * abs(pick.scale) * to_si(unit)[1]:
+                words = f"{own.rate_hz:.4g} samples a second, between which it is uncertain by"
+                words = f"{channel.name}: {words} {rms:.2g} {channel.unit} rms"
+                found[channel.name] = words, f"{rms:.3g}"
+    return found
+
+
+def uncertain_between(recording: Recording) -> dict[str, float]:
+    """How uncertain channels are that were resampled, rms in their units, by their names."""
+    found = {}
+    for key, text in recording.notes.items():
+        if key.startswith(BETWEEN) and is_number(text) and float(text) > 0.0:
+            found[key.removeprefix(BETWEEN)] = float(text)
+    return found
 
 
 def _name(old: Channel) -> str:
@@ -221,8 +292,9 @@ def _restored(table: Table, header: Header) -> Recording:
     )
 
 
-def _chosen(table: Table, picks: Sequence[Pick]) -> list[int]:
-    """Which column of the values each pick means."""
+def columns_of(table: Table, picks: Sequence[Pick]) -> list[int]:
+    """Which column of a table's values each pick means. Raises `ExchangeError` for one that means
+    none, or several."""
     places: dict[str | int, list[int]] = {}
     for k, (number, channel) in enumerate(zip(table.columns, table.channels, strict=True)):
         for key in (number, channel.name):

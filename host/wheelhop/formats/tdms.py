@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelhop.files import NUMBERS, check_room
 from wheelhop.files.units import seconds_in
@@ -35,8 +36,11 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     facts = nptdms.TdmsFile.read_metadata(str(path))
     count = sum(len(channel) for group in facts.groups() for channel in group.channels())
     check_room(path, NUMBERS * count, ExchangeError)
-    with _Listener() as listener:
-        file = nptdms.TdmsFile.read(str(path))
+    with _Listener() as listener, nptdms.TdmsFile.open(str(path)) as file:
+        return _all(file, mapping, path, listener)
+
+
+def _all(file: Any, mapping: Map | None, path: Path, listener: _Listener) -> list[Table]:
     names = [channel.name for group in file.groups() for channel in group.channels()]
     if mapping is not None and mapping.time != "" and str(mapping.time) not in names:
         raise ExchangeError(
@@ -76,32 +80,20 @@ def _tables(
 ) -> list[Table]:
     """The channels of a group, those of one length, timing and start together; those that are not
     sampled over time are `refused`."""
-    clock = str(mapping.time) if mapping is not None else ""
-    time: Any = None
-    gathered: dict[tuple[int, float, float, float | None], list[Any]] = {}
-    for channel in group.channels():
-        if not len(channel) or channel.dtype.kind not in "iufM":
-            continue
-        if clock and channel.name == clock:
-            time = channel
-            continue
-        unit = str(channel.properties.get("wf_xunit_string", "")).strip() or "s"
-        if seconds_in(unit) is None:
-            refused.append(f"{channel.name}: its x axis is in {unit}, not in time: {no_time(unit)}")
-            continue
-        timing = (*_timing(channel, path), _start(channel))
-        gathered.setdefault((len(channel), *timing), []).append(channel)
+    time, gathered = _gathered(group, str(mapping.time) if mapping else "", path, refused)
     tables = []
     for (count, step, start, since), items in gathered.items():
-        columns = [_column(item) for item in items]
+        by_steps = step and time is None  # and what is only dates is no channel
+        items = [i for i in items if i.dtype.kind != "M"] if by_steps else items
+        columns = [_bare(item) if by_steps else _column(item) for item in items]
         timed = _Time()
-        if not step or time is not None:
+        if not by_steps:
             fits = time is not None and len(time) == count
             timed = _time(columns, time if fits else None, mapping, path)
         measured = [
             k
             for k, column in enumerate(columns)
-            if column.values is not None and k not in timed.aside
+            if (by_steps or column.values is not None) and k not in timed.aside
         ]
         if not measured:
             continue
@@ -113,9 +105,8 @@ def _tables(
                 file=path,
                 kind="TDMS",
                 channels=tuple(map(plain_channel, names, units)),
-                values=np.column_stack(
-                    [v for k in measured if (v := columns[k].values) is not None]
-                ),
+                values=_values(items, columns, measured, count),
+                spare=True,
                 time_s=None if timed.stamps is None else timed.stamps.time_s,
                 rate_hz=1.0 / step if step else None,
                 start_s=start,
@@ -137,6 +128,27 @@ def _tables(
         named = enumerate(tables, start=1)
         tables = [replace(table, group=f"{group.name} {number}") for number, table in named]
     return tables
+
+
+def _gathered(
+    group: Any, clock: str, path: Path, refused: list[str]
+) -> tuple[Any, dict[tuple[int, float, float, float | None], list[Any]]]:
+    """The channel that is called `clock`, None if none is, and the others by length and timing."""
+    time: Any = None
+    gathered: dict[tuple[int, float, float, float | None], list[Any]] = {}
+    for channel in group.channels():
+        if not len(channel) or channel.dtype.kind not in "iufM":
+            continue
+        if clock and channel.name == clock:
+            time = channel
+            continue
+        unit = str(channel.properties.get("wf_xunit_string", "")).strip() or "s"
+        if seconds_in(unit) is None:
+            refused.append(f"{channel.name}: its x axis is in {unit}, not in time: {no_time(unit)}")
+            continue
+        timing = (*_timing(channel, path), _start(channel))
+        gathered.setdefault((len(channel), *timing), []).append(channel)
+    return time, gathered
 
 
 @dataclass(frozen=True)
@@ -169,6 +181,23 @@ def _time(columns: list[Column], time: Any, mapping: Map | None, path: Path) -> 
     aside = dates | timing.aside.keys() | {timing.index}
     said = (f"time is {chosen.label}, {timing.why}", *stamps.remarks)
     return _Time(stamps, aside, said, granted=timing.guess)
+
+
+def _bare(channel: Any) -> Column:
+    """A channel without its samples, which are read once there is room for them."""
+    return Column(channel.name, channel.name, _unit(channel))
+
+
+def _values(
+    items: list[Any], columns: list[Column], measured: list[int], count: int
+) -> NDArray[np.float64]:
+    """The samples (count, c) of the channels that are measured, one after the other read from the
+    file."""
+    values = np.empty((count, len(measured)), order="F")
+    for at, k in enumerate(measured):
+        held = columns[k].values
+        values[:, at] = items[k][:] if held is None else held
+    return values
 
 
 def _column(channel: Any) -> Column:

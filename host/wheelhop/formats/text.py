@@ -15,6 +15,7 @@ from wheelhop.formats import cells
 from wheelhop.formats.bulk import parse_body, plain_body
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.labels import bare_unit, joined_heads, name_and_unit
+from wheelhop.formats.long_form import split
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.stamps import CLOCK, MINUTES, UNITS, Stamps, of_numbers, of_texts
 from wheelhop.formats.table import Table, plain_channel
@@ -28,11 +29,15 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
             f"{path}: what its columns are must be said in a mapping: "
             f"wheelhop import {path.name} --draft proposes one"
         )
-    return [_in_bulk(path, mapping) or _line_by_line(path, mapping)]
+    if mapping.by == "" and (table := _in_bulk(path, mapping)) is not None:
+        return [table]
+    table, words = _line_by_line(path, mapping)
+    return split(table, words) if words else [table]
 
 
-def _line_by_line(path: Path, mapping: Map) -> Table:
-    """The table of any text; raises `ExchangeError` that says which line is wrong."""
+def _line_by_line(path: Path, mapping: Map) -> tuple[Table, list[str]]:
+    """The table of any text, and the words that say which channel each row is of; raises
+    `ExchangeError` that says which line is wrong."""
     text = cells.read_lines(path, mapping.encoding)
     lines, first = text.lines, mapping.first
     if len(lines) < first:
@@ -61,7 +66,10 @@ def _line_by_line(path: Path, mapping: Map) -> Table:
     def parsed(k: int) -> NDArray[np.float64]:
         return cells.parse(column(k), mapping.decimal, where, names[k], mapping.thousands)
 
-    wanted = [k for k in _wanted(names, mapping, body, path) if k != clock]
+    by = _find(names, mapping.by, path)
+    words = column(by) if by is not None else []
+    picked = mapping if by is None else replace(mapping, picks=())  # they mean the words
+    wanted = [k for k in _wanted(names, picked, body, path) if k not in (clock, by)]
     if not wanted:
         raise ExchangeError(f"{path}: has no columns of numbers beside time: {', '.join(names)}")
     table = Table(
@@ -74,10 +82,10 @@ def _line_by_line(path: Path, mapping: Map) -> Table:
         remarks=(*text.remarks, *dropped),
     )
     if clock is None:
-        return table
+        return table, words
     if _are_numbers(column(clock), mapping):
-        return _timed(table, names[clock], units[clock], parsed(clock), mapping)
-    return _dated(table, column(clock), mapping)
+        return _timed(table, names[clock], units[clock], parsed(clock), mapping), words
+    return _dated(table, column(clock), mapping), words
 
 
 def _in_bulk(path: Path, mapping: Map) -> Table | None:
@@ -120,6 +128,7 @@ def _in_bulk(path: Path, mapping: Map) -> Table | None:
         remarks=(f"lines from {mapping.last_row + 1} on, below the table: left out",)
         if body.cut
         else (),
+        spare=True,
     )
     if clock is None:
         return table

@@ -83,7 +83,8 @@ class Timing:
 
 @dataclass(frozen=True)
 class _Clock:
-    """A column that may be time: in which unit, at what rate, why, and what is asked."""
+    """A column that may be time: in which unit, at what rate, why, and what is asked. It is `whole`
+    if it stands in every row and never begins again, as the time of a lap does."""
 
     index: int
     unit: str
@@ -93,11 +94,12 @@ class _Clock:
     asked: str = ""
     absolute: bool = False
     jitter: float = 0.0
+    whole: bool = True
 
     @property
-    def rank(self) -> tuple[bool, bool, bool]:
-        """The best one comes first: sure, even, and one that says the date."""
-        return bool(self.guess), self.jitter > 0.1, not self.absolute
+    def rank(self) -> tuple[bool, bool, bool, bool]:
+        """The best one comes first: sure, whole, even, and one that says the date."""
+        return bool(self.guess), not self.whole, self.jitter > 0.1, not self.absolute
 
 
 def find_timing(columns: Sequence[Column], stated: Mapping[float, int]) -> Timing:
@@ -166,12 +168,16 @@ def _clock(index: int, column: Column) -> _Clock | None:
     if column.values is None:
         return None
     named, timed = is_time_name(column.label), seconds_in(column.unit) is not None
-    if not (named or timed) or (column.unit and not timed and not named):
-        return None
     there = column.values[~np.isnan(column.values)]
+    nameless = not column.unit and NAMELESS.fullmatch(column.label) is not None
+    since_1970 = nameless and any(is_epoch(there, SECONDS[unit]) for unit in PLAIN)
+    if not (named or timed or since_1970) or (column.unit and not timed and not named):
+        return None
     if not len(there) or (len(there) > 1 and not _rises(there)):
         return None
-    return _numbers(index, replace(column, values=there), named)
+    whole = len(there) == len(column.values) and bool((np.diff(there) >= 0).all())
+    found = replace(_numbers(index, replace(column, values=there), named), whole=whole)
+    return replace(found, guess=f"{column.label} is {found.why}") if since_1970 else found
 
 
 def _dated(index: int, stamps: Stamps | str) -> _Clock:
@@ -292,7 +298,8 @@ def _agreeing(
                 f"columns {best.index + 1} and {other.index + 1} are both called {one.label} and"
                 " differ: channels with times of their own cannot be one table: save it on one time"
             )
-        if abs(other.rate_hz / best.rate_hz - 1) > AGREE and not other.guess:
+        belies = other.whole and not other.guess
+        if abs(other.rate_hz / best.rate_hz - 1) > AGREE and belies:
             words = " and ".join(
                 f"{columns[clock.index].label} goes at {clock.rate_hz:.6g} Hz"
                 for clock in (best, other)
@@ -300,7 +307,8 @@ def _agreeing(
             question = Question("rate_hz", f"{words}: which is right?")
             return Timing(best.index, best.unit, None, best.why, best.guess, (question,))
     if best.jitter >= 1.0:
-        words = f"several rows share a stamp: it is about {best.rate_hz:.4g} Hz"
+        words = f"several rows share a stamp: it is about {best.rate_hz:.4g} Hz, if the rows are"
+        words += " equally spaced (if not, say resample_hz)"
         question = Question("rate_hz", words)
         return Timing(best.index, best.unit, None, best.why, best.guess, (question,))
     wrong = {r: line for r, line in stated.items() if abs(r / best.rate_hz - 1) > AGREE}
@@ -325,7 +333,8 @@ def _lines(stated: Mapping[float, int]) -> str:
 def _counts(column: Column) -> bool:
     """Whether a column counts by ones, but for gaps and places where it begins again."""
     values = column.values
-    if values is None or column.unit or is_time_name(column.label) or len(values) < 3:
+    named = is_time_name(column.label) or words_in(column.name) & FREQUENCIES
+    if values is None or column.unit or named or len(values) < 3:
         return False
     steps = np.diff(values)
     return bool((values == np.round(values)).all() and (steps == 1).mean() > 0.8)

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import InputError
 from wheelhop.files.words import ending_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+    from xarray import Dataset
 
 CODE = "code"
 """Unit of a raw sample: mean code of the converter, 0 … 1023, whose reference is code 1024."""
@@ -76,6 +78,18 @@ class Recording:
         """(n,) True where a sample of any channel is missing."""
         return np.asarray(np.isnan(self.values).any(axis=1))
 
+    def __getitem__(self, channel: str) -> NDArray[np.float64]:
+        """(n,) the samples of one channel, by its name, in its unit.
+
+        Raises
+        ------
+        InputError
+            The recording has no such channel.
+        """
+        from wheelhop.logger.spectra import values_of
+
+        return values_of(self, channel)
+
     @staticmethod
     def from_dataframe(
         table: "DataFrame",
@@ -109,6 +123,75 @@ class Recording:
         names = [f"{channel.name}{ending_of(channel.unit)}" for channel in self.channels]
         index = pandas.Index(self.time_s, name="time_s")
         return pandas.DataFrame(self.values.copy(), index=index, columns=names)
+
+    def to_xarray(self) -> "Dataset":
+        """An xarray Dataset: a variable (n,) per channel over the coordinate `time_s`, each with
+        the attribute `units`.
+
+        Raises
+        ------
+        InputError
+            xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise InputError("xarray is not installed: pip install xarray") from None
+        columns = zip(self.channels, self.values.T, strict=True)
+        variables = {c.name: ("time_s", values, {"units": c.unit}) for c, values in columns}
+        time = ("time_s", self.time_s, {"units": "s"})
+        return xarray.Dataset(variables, {"time_s": time}, {"history": "; ".join(self.history)})
+
+    def psd(self, resolution_hz: float | None = None) -> "DataFrame":
+        """Power spectral density of every channel, one-sided, by Welch's method: half-overlapping
+        Hann segments, means removed.
+
+        Parameters
+        ----------
+        resolution_hz
+            Distance of the lines, Hz, the reciprocal of a segment's length; by default that of
+            about eight segments.
+
+        Returns
+        -------
+        DataFrame
+            (k, n_channels), index `frequency_hz` without 0; each column's name ends in its unit
+            ("A1_m_s2_2_Hz": (m/s²)²/Hz). A channel with missing samples is NaN.
+
+        Raises
+        ------
+        InputError
+            The recording is too short, or does not resolve what is asked for.
+        """
+        from wheelhop.logger.spectra import power_density
+
+        return power_density(self, resolution_hz)
+
+    def frf(self, cause: str, effect: str, resolution_hz: float | None = None) -> "DataFrame":
+        """Frequency response from one channel to another, H1: noise is on the effect alone.
+
+        Parameters
+        ----------
+        cause, effect
+            Names of two channels, such as "A1" and "B1".
+        resolution_hz
+            As for `psd`.
+
+        Returns
+        -------
+        DataFrame
+            (k, 2), index `frequency_hz` without 0: `response`, complex, in the effect's unit per
+            the cause's, and `coherence`, 0 … 1.
+
+        Raises
+        ------
+        InputError
+            There is no such channel, or the recording is too short, or does not resolve what is
+            asked for.
+        """
+        from wheelhop.logger.spectra import response
+
+        return response(self, cause, effect, resolution_hz)
 
     def _repr_html_(self) -> str:
         table = self.to_dataframe().describe().drop("count")

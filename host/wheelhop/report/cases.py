@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Channel
 from wheelhop.compare import Comparison, Record
 from wheelhop.diagnose import Rung, Step
+from wheelhop.files import InputError, did_you_mean
 from wheelhop.fit import RunFit
 
 Array = NDArray[np.float64]
@@ -54,6 +55,34 @@ def cases(channels: Sequence[Channel], steps: Sequence[Step]) -> list[Case]:
     return found
 
 
+def case_of(
+    channels: Sequence[Channel], steps: Sequence[Step], run_id: str | None, channel: str | None
+) -> Case:
+    """One channel of one run; of what is not named that where the first model fails worst.
+
+    Raises
+    ------
+    InputError
+        No such run or channel was compared.
+    """
+    first, last = records_of(steps[0].rung), records_of(steps[-1].rung)
+    names = [each.name for each in channels]
+    for what, asked, known in (("run", run_id, list(first)), ("channel", channel, names)):
+        if asked is not None and asked not in known:
+            near = did_you_mean(asked, known) or f"; there are {', '.join(known)}"
+            raise InputError(f'there is no {what} "{asked}"{near}')
+    comparison = steps[0].comparison
+    runs = [run_id] if run_id else list(first)
+    named = range(len(names)) if channel is None else [names.index(channel)]
+    order = _by_ratio(comparison, list(first))
+    found = [(run, column) for run, column in order if run in runs and column in named]
+    if not found:
+        raise InputError(f'the model predicts no "{channel}" in run "{run_id or "any"}"')
+    run, column = found[-1]
+    pair = first[run], last[run]
+    return _case(f"{names[column]} in {run}", channels[column], column, *pair, comparison)
+
+
 def records_of(rung: Rung) -> Mapping[str, Record]:
     """Measured and modelled runs of a fitted model, by run id."""
     runs = rung.fit.runs + (() if rung.validation is None else rung.validation.runs)
@@ -72,11 +101,13 @@ def _record(run: RunFit) -> Record:
     )
 
 
-def _by_ratio(comparison: Comparison) -> list[tuple[str, int]]:
-    """Runs and columns in the order of residual over noise, runs held out alone if there are
-    any."""
+def _by_ratio(comparison: Comparison, among: Sequence[str] = ()) -> list[tuple[str, int]]:
+    """Runs and columns in the order of residual over noise, of the runs `among` which is asked; by
+    default of the runs held out, if there are any."""
     grid = comparison.breakdown.runs_channels
-    eligible = [run for run in grid.rows if comparison.roles[run] == "validate"] or grid.rows
+    eligible = (
+        among or [run for run in grid.rows if comparison.roles[run] == "validate"] or grid.rows
+    )
     # Without any noise to compare with, the residual itself counts.
     size = grid.ratio if np.isfinite(grid.ratio).any() else grid.residual
     cells = [

@@ -31,33 +31,38 @@ WIDTH = 8.0  # inches, the page's text width
 def ladder_figure(steps: Sequence[Step]) -> Drawing:
     """Error on fitted and on held-out runs, rung by rung, down to the noise floor."""
     with mpl.rc_context(STYLE):
-        several = len(steps) > 1
-        figure = Drawing(figsize=(WIDTH, 2.9 if several else 1.9), layout="constrained")
-        axes = figure.add_subplot()
-        floor = 100 * steps[-1].floor
-        errors = [100 * step.rung.error for step in steps]
-        fitted = [100 * step.rung.error_fit for step in steps]
-        x = range(len(steps))
-        held_out = steps[0].rung.validation is not None
-        if held_out:
-            axes.plot(x, fitted, "o", ms=6, mfc="none", mec=SOFT, label="runs fitted", zorder=3)
-        label = "runs held out" if held_out else "runs fitted"
-        axes.plot(x, errors, "-", color=MEASURED, linewidth=2.0)
-        axes.plot(x, errors, "o", ms=6, color=INK, label=label, zorder=4)
-        for i, error in enumerate(errors):
-            place: dict[str, Any] = {"xytext": (9, 5), "textcoords": "offset points"}
-            axes.annotate(f"{significant(error, 2)} %", (i, error), **place)
-        values = [value for value in (*errors, *fitted, floor) if value > 0]
-        log_axis(axes, min(values) / 1.7, max(values) * (1.6 if several else 2.6))
-        _draw_floor(axes, floor)
-        axes.set_ylabel("error E, %")
-        before = [None, *steps[:-1]]
-        axes.set_xticks(x, [_rung_name(a, b) for a, b in zip(before, steps, strict=True)])
-        axes.tick_params(axis="x", length=0, colors=INK)
-        axes.grid(axis="x", visible=False)
-        axes.set_xlim(-0.4, max(len(steps) - 1, 1) + 0.6)
-        axes.legend(loc="upper right", ncols=2, borderaxespad=0.0)
+        height = 2.9 if len(steps) > 1 else 1.9
+        figure = Drawing(figsize=(WIDTH, height), layout="constrained")
+        draw_ladder(figure.add_subplot(), steps)
     return figure
+
+
+def draw_ladder(axes: Axes, steps: Sequence[Step]) -> None:
+    """The same into axes that are there."""
+    several = len(steps) > 1
+    floor = 100 * steps[-1].floor
+    errors = [100 * step.rung.error for step in steps]
+    fitted = [100 * step.rung.error_fit for step in steps]
+    x = range(len(steps))
+    held_out = steps[0].rung.validation is not None
+    if held_out:
+        axes.plot(x, fitted, "o", ms=6, mfc="none", mec=SOFT, label="runs fitted", zorder=3)
+    label = "runs held out" if held_out else "runs fitted"
+    axes.plot(x, errors, "-", color=MEASURED, linewidth=2.0)
+    axes.plot(x, errors, "o", ms=6, color=INK, label=label, zorder=4)
+    for i, error in enumerate(errors):
+        place: dict[str, Any] = {"xytext": (9, 5), "textcoords": "offset points"}
+        axes.annotate(f"{significant(error, 2)} %", (i, error), **place)
+    values = [value for value in (*errors, *fitted, floor) if value > 0]
+    log_axis(axes, min(values) / 1.7, max(values) * (1.6 if several else 2.6))
+    _draw_floor(axes, floor)
+    axes.set_ylabel("error E, %")
+    before = [None, *steps[:-1]]
+    axes.set_xticks(x, [_rung_name(a, b) for a, b in zip(before, steps, strict=True)])
+    axes.tick_params(axis="x", length=0, colors=INK)
+    axes.grid(axis="x", visible=False)
+    axes.set_xlim(-0.4, max(len(steps) - 1, 1) + 0.6)
+    axes.legend(loc="upper right", ncols=2, borderaxespad=0.0)
 
 
 def _draw_floor(axes: Axes, floor: float) -> None:
@@ -91,46 +96,64 @@ def case_figure(case: Case, added: str) -> Drawing:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.75, 1), height_ratios=(2.1, 1))
         upper = figure.add_subplot(grid[0, 0])
         lower = figure.add_subplot(grid[1, 0], sharex=upper)
-        _draw_time(upper, lower, case, added)
-        _draw_spectrum(figure.add_subplot(grid[:, 1]), case, bool(added))
+        draw_signal(upper, case, added)
+        draw_residual(lower, case, added)
+        upper.tick_params(axis="x", labelbottom=False, length=0)
+        upper.set_xlabel("")
+        lower.yaxis.set_major_locator(MaxNLocator(3))
+        draw_spectrum(figure.add_subplot(grid[:, 1]), case, added)
         figure.align_ylabels([upper, lower])
         handles, labels = upper.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=3)
     return figure
 
 
-def _draw_time(upper: Axes, lower: Axes, case: Case, added: str) -> None:
+def draw_signal(axes: Axes, case: Case, added: str) -> None:
+    """Measured and modelled against time, of the stretch that is shown."""
     part = case.shown
     time = case.time_s[part]
-    upper.plot(time, case.measured[part], color=MEASURED, linewidth=2.4, label="measured")
-    upper.plot(time, case.before[part], color=BEFORE, label="baseline")
-    lower.plot(time, (case.measured - case.before)[part], color=BEFORE)
+    axes.plot(time, case.measured[part], color=MEASURED, linewidth=2.4, label="measured")
+    axes.plot(time, case.before[part], color=BEFORE, label="baseline")
     if added:
-        upper.plot(time, case.after[part], color=AFTER, label=f"with {added}")
-        lower.plot(time, (case.measured - case.after)[part], color=AFTER)
-    lower.axhspan(-2 * case.noise_rms, 2 * case.noise_rms, color=RULE, linewidth=0)
-    upper.tick_params(axis="x", labelbottom=False, length=0)
-    upper.set_ylabel(f"{case.quantity}, {case.unit}")
-    lower.set_ylabel(f"residual, {case.unit}")
-    lower.set_xlabel("time, s")
-    lower.set_xlim(time[0], time[-1])
-    for axes, count in ((upper, 5), (lower, 3)):
-        axes.yaxis.set_major_locator(MaxNLocator(count))
+        axes.plot(time, case.after[part], color=AFTER, label=f"with {added}")
+    axes.set_ylabel(f"{case.quantity}, {case.unit}")
+    _along_time(axes, time)
 
 
-def _draw_spectrum(axes: Axes, case: Case, compared: bool) -> None:
-    lines = [(case.measured, MEASURED, 2.4), (case.before, BEFORE, 1.1)]
-    if compared:
-        lines.append((case.after, AFTER, 1.1))
+def draw_residual(axes: Axes, case: Case, added: str) -> None:
+    """Measured minus modelled of the same stretch, and twice the noise on either side of 0."""
+    part = case.shown
+    time = case.time_s[part]
+    axes.plot(time, (case.measured - case.before)[part], color=BEFORE, label="baseline")
+    if added:
+        after = (case.measured - case.after)[part]
+        axes.plot(time, after, color=AFTER, label=f"with {added}")
+    band = 2 * case.noise_rms
+    axes.axhspan(-band, band, color=RULE, linewidth=0, label="noise, ± 2 σ")
+    axes.set_ylabel(f"residual, {case.unit}")
+    _along_time(axes, time)
+
+
+def _along_time(axes: Axes, time: Array) -> None:
+    axes.set_xlabel("time, s")
+    axes.set_xlim(time[0], time[-1])
+    axes.yaxis.set_major_locator(MaxNLocator(5))
+
+
+def draw_spectrum(axes: Axes, case: Case, added: str) -> None:
+    """Power spectral densities of measurement and models, and that of the noise."""
+    lines = [(case.measured, MEASURED, 2.4, "measured"), (case.before, BEFORE, 1.1, "baseline")]
+    if added:
+        lines.append((case.after, AFTER, 1.1, f"with {added}"))
     lowest = np.inf
-    for values, colour, width in lines:
+    for values, colour, width, label in lines:
         frequency, power = _spectrum(values, case.rate_hz)
-        axes.plot(frequency, power, color=colour, linewidth=width)
+        axes.plot(frequency, power, color=colour, linewidth=width, label=label)
         lowest = min(lowest, float(power[1:].min()))
     bandwidth = _bandwidth(case)
     if case.noise_rms > 0:
         level = case.noise_rms**2 / bandwidth[1]
-        axes.axhline(level, **DASHED)
+        axes.axhline(level, **DASHED, label="noise")
         lowest = 0.2 * level
     top = float(_spectrum(case.measured, case.rate_hz)[1].max())
     axes.set_xscale("log")
@@ -142,6 +165,27 @@ def _draw_spectrum(axes: Axes, case: Case, compared: bool) -> None:
     axes.set_ylim(lowest, 3 * top)
     axes.set_xlabel("frequency, Hz")
     axes.set_ylabel(f"power density, {squared(case.unit)}/Hz")
+
+
+ONE_PANEL = {"signal": draw_signal, "residual": draw_residual, "psd": draw_spectrum}
+"""What shows one channel of one run in one panel."""
+
+
+def panel_figure(case: Case, kind: str, added: str) -> Drawing:
+    """One channel of one run in one panel of a kind of `ONE_PANEL`."""
+    with mpl.rc_context(STYLE):
+        figure = Drawing(figsize=(WIDTH, 3.0), layout="constrained")
+        axes = figure.add_subplot()
+        draw_panel(axes, case, kind, added)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.0)
+    return figure
+
+
+def draw_panel(axes: Axes, case: Case, kind: str, added: str) -> None:
+    """The same into axes that are there, with its legend, and a title that says which run."""
+    ONE_PANEL[kind](axes, case, added)
+    axes.set_title(f"{case.channel} in {case.run_id}")
+    axes.legend(loc="best")
 
 
 def _spectrum(values: Array, rate_hz: float) -> tuple[Array, Array]:
@@ -158,21 +202,29 @@ def _bandwidth(case: Case) -> tuple[tuple[float, float], float]:
     return (float(inside[0]), float(inside[-1])), float(inside[-1] - inside[0])
 
 
-def recording_figure(recording: Recording) -> Drawing:
-    """Every channel against time, one above the other, those of one unit on one scale."""
+def recording_figure(recording: Recording, columns: Sequence[int] = ()) -> Drawing:
+    """Every channel, or those in some columns, against time, one above the other, those of one unit
+    on one scale."""
     with mpl.rc_context(STYLE):
-        count = len(recording.channels)
+        columns = columns or range(len(recording.channels))
+        count = len(columns)
         figure = Drawing(figsize=(WIDTH, 0.5 + 0.85 * count), layout="constrained")
         panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
-        units = [channel.unit for channel in recording.channels]
-        for axes, channel, column in zip(panels, recording.channels, range(count), strict=True):
-            axes.plot(recording.time_s, recording.values[:, column], color=AFTER, linewidth=0.8)
-            axes.set_ylabel(f"{channel.name}, {channel.unit}" if channel.unit else channel.name)
+        units = [recording.channels[column].unit for column in columns]
+        for axes, unit, column in zip(panels, units, columns, strict=True):
+            draw_recorded(axes, recording, column)
             axes.yaxis.set_major_locator(MaxNLocator(3))
-            axes.sharey(panels[units.index(channel.unit)])
-            axes.margins(x=0.0)
+            axes.sharey(panels[units.index(unit)])
         panels[-1].set_xlabel("time, s")
     return figure
+
+
+def draw_recorded(axes: Axes, recording: Recording, column: int) -> None:
+    """One channel against time."""
+    channel = recording.channels[column]
+    axes.plot(recording.time_s, recording.values[:, column], color=AFTER, linewidth=0.8)
+    axes.set_ylabel(f"{channel.name}, {channel.unit}" if channel.unit else channel.name)
+    axes.margins(x=0.0)
 
 
 def where_figure(before: Breakdown, after: Breakdown | None) -> Drawing:

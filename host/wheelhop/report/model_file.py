@@ -2,24 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from wheelhop.campaign import Campaign, ComponentCampaign
+from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign
 from wheelhop.diagnose import Step
-from wheelhop.effects import Effect, form_of
-from wheelhop.files import Document, to_toml, write_text
+from wheelhop.effects import Effect, form_of, pick
+from wheelhop.files import Document, Table, dotted, read_toml, to_toml, write_text
+from wheelhop.simulate import Model
 from wheelhop.vehicle import Vehicle
 
 FORMAT = 1
+TOP_KEYS = (
+    *("format", "campaign", "vehicle_name", "written_by", "floor", "ladder", "effect"),
+    *("vehicle", "component", "rig", "mount", "channel", "run"),
+)
+UNCERTAINTY = "_uncertainty"
+"""How the name of a standard deviation ends, behind that of its number."""
 
 
 def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> None:
     """Write the last model of a ladder; a file that is there is replaced whole or not at all."""
-    write_text(path, to_toml(_document(campaign, vehicle, steps)))
+    write_text(path, model_text(campaign, vehicle, steps))
+
+
+def model_text(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> str:
+    """The same as a text."""
+    return to_toml(_document(campaign, vehicle, steps))
 
 
 def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Document:
@@ -72,7 +84,7 @@ def _with_sd(values: Mapping[str, tuple[float, float]]) -> dict[str, float]:
     for name, (value, deviation) in values.items():
         found[name] = value
         if isfinite(deviation) and deviation > 0:
-            found[f"{name}_uncertainty"] = deviation
+            found[f"{name}{UNCERTAINTY}"] = deviation
     return found
 
 
@@ -115,3 +127,58 @@ def _run(step: Step, run_id: str) -> dict[str, Any]:
         else:
             found[own] = value
     return found
+
+
+def read_model(path: Path, library: Mapping[str, Effect]) -> Model:
+    """Read a file that `write_model` has written: numbers, effects in their forms, and what every
+    run left free.
+
+    Raises
+    ------
+    CampaignError
+        The file is missing or wrong, or names an effect or a form that the library does not have.
+    """
+    top = read_toml(path, CampaignError)
+    top.format()
+    top.only(TOP_KEYS)
+    values: dict[str, float] = {}
+    for name in ("component", "rig", "mount"):
+        values |= _numbers(top.table_if_any(name), f"{name}.")
+    values |= _numbers(top.table_if_any("vehicle"))
+    if not values:
+        raise top.error("holds no numbers: give the tables of [vehicle], or [component]")
+    for name in (channels := top.table_if_any("channel")).values:
+        values |= _numbers(channels.table(name), f"channel.{dotted(name)}.")
+    effects = []
+    for table in top.tables("effect", "id") if "effect" in top else []:
+        table.only(("id", "form", "parameters"))
+        effect = _of_library(table, library)
+        effects.append(effect)
+        values |= _numbers(table.table_if_any("parameters"), f"{effect.id}.")
+    runs: dict[str, dict[str, float]] = {}
+    for run in top.tables("run", "id") if "run" in top else []:
+        about = {key: value for key, value in run.values.items() if key != "id"}
+        runs[run.text("id")] = _numbers(Table(about, path, run.heading, kind=CampaignError))
+    return Model(values, tuple(effects), runs)
+
+
+def _of_library(table: Table, library: Mapping[str, Effect]) -> Effect:
+    """An effect of the file, in its form."""
+    try:
+        (effect,) = pick(table.text("id"), library)
+    except CampaignError as error:
+        raise table.error(str(error)) from None
+    return effect.with_choice(table.text("form")) if "form" in table else effect
+
+
+def _numbers(table: Table, prefix: str = "") -> dict[str, float]:
+    """Every number of a table and of those in it by its dotted name, without the uncertainties."""
+    return dict(_each(table, prefix))
+
+
+def _each(table: Table, prefix: str) -> Iterator[tuple[str, float]]:
+    for key, value in table.values.items():
+        if isinstance(value, dict):
+            yield from _each(table.table(key), f"{prefix}{key}.")
+        elif not key.endswith(UNCERTAINTY):
+            yield f"{prefix}{key}", table.number(key)

@@ -49,6 +49,10 @@ class RigSimulator:
         self._motions: dict[int, Array] = {}
         self._forces: dict[int, Array] = {}
 
+    def __getstate__(self) -> dict[str, object]:
+        """All but what it remembers of models it has simulated."""
+        return vars(self) | {"_motions": {}, "_forces": {}}
+
     def acts(self, effect: Effect) -> bool:
         """Whether the effect can act on a component."""
         return effect.acts_in(self.setting)

@@ -124,6 +124,10 @@ class RunSimulator:
         self._instants: dict[int, Array] = {}
         self._motions: dict[tuple[object, ...], tuple[Array, Array]] = {}
 
+    def __getstate__(self) -> dict[str, object]:
+        """All but what it remembers of models it has simulated, compiled laws among it."""
+        return vars(self) | {"_done": [], "_instants": {}, "_motions": {}}
+
     def _series(self) -> HeightSeries | None:
         """Heights for as long a way as the record shows."""
         if not self.setting.on_road or self.run.speed_m_s <= 0:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import interpolate
 
 from wheelhop.campaign import Run
 from wheelhop.simulate.model import Model
+from wheelhop.track.table import periodic_cubic
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -58,13 +58,12 @@ class HeightSeries:
         points = POINTS_PER_WAVE * self.count
         lines = np.zeros((2, points // 2 + 1), dtype=np.complex128)
         lines[:, 1 : self.count + 1] = coefficients * (points / 2)
-        slopes = lines * (1j * self.step_rad_m * np.arange(lines.shape[1]))
-        table = np.fft.irfft(lines, points)[:, np.arange(points + 1) % points]
-        rise = np.fft.irfft(slopes, points)[:, np.arange(points + 1) % points]
-        place = np.linspace(0.0, self.length_m, points + 1)
+        step = self.length_m / points
+        slopes = lines * (1j * self.step_rad_m * step * np.arange(lines.shape[1]))
+        table, rise = np.fft.irfft(lines, points), np.fft.irfft(slopes, points)
         height, slope = np.empty_like(way_m), np.empty_like(way_m)
         for side in (0, 1):
-            spline = interpolate.CubicHermiteSpline(place, table[side], rise[side])
-            way = way_m[:, side::2] % self.length_m
-            height[:, side::2], slope[:, side::2] = spline(way), spline(way, 1)
-        return height, slope
+            place = (way_m[:, side::2] / step).ravel()
+            found = periodic_cubic(table[side], rise[side], place)
+            height[:, side::2], slope[:, side::2] = (part.reshape(-1, 2) for part in found)
+        return height, slope / step

@@ -82,3 +82,23 @@ def looked_up(cubic: Array, row: NDArray[np.intp], t: Array) -> tuple[Array, Arr
         slope[i] = (3.0 * c3 * t[i] + 2.0 * c2) * t[i] + c1
         area[i] = (((c3 / 4.0 * t[i] + c2 / 3.0) * t[i] + c1 / 2.0) * t[i] + c0) * t[i]
     return value, slope, area
+
+
+@_compiled
+def periodic_cubic(value: Array, slope: Array, place: Array) -> tuple[Array, Array]:
+    """Cubic Hermite interpolation of a periodic function that is known at equal distances, with its
+    slope per distance, at places counted in them; and the slope there (C. de Boor, A Practical
+    Guide to Splines, 1978, chapter IV)."""
+    n = len(value)
+    at, rate = np.empty(len(place)), np.empty(len(place))
+    for i in range(len(place)):
+        below = np.floor(place[i])
+        t = place[i] - below
+        k = int(below) % n
+        after = (k + 1) % n
+        rise = value[after] - value[k]
+        c2 = 3.0 * rise - 2.0 * slope[k] - slope[after]
+        c3 = slope[k] + slope[after] - 2.0 * rise
+        at[i] = ((c3 * t + c2) * t + slope[k]) * t + value[k]
+        rate[i] = (3.0 * c3 * t + 2.0 * c2) * t + slope[k]
+    return at, rate

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import tempfile
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
 from wheelhop.files import InputError, remove
 from wheelhop.files.units import to_si
 from wheelhop.formats import Map, Pick, read, understand
+from wheelhop.formats.timing import Question
 from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
@@ -80,6 +82,8 @@ class Draft:
     those of the logger's sensors, None: nominal ones. `answers` are to `QUESTIONS`, `better` are
     numbers of the vehicle known better than estimated, by their dotted names, `recorder` those of
     the instrument, by their keys in campaign.toml; None: not known.
+    `waiting` is a recording of which something is `asked`, as import asks it; `said` are the
+    answers by the questions' keys.
     `title` and `target` are the campaign's, the latter a folder. `trouble` says why the recordings
     cannot be read as their columns are named now. Files that arrive together are added by threads
     of their own: one at a time.
@@ -97,6 +101,10 @@ class Draft:
         self.recorder: dict[str, float | None] = dict.fromkeys(RECORDER_WORDS)
         self.title, self.target = "My campaign", ""
         self.trouble = self.kept = ""
+        self.waiting: Path | None = None
+        self.asked: tuple[Question, ...] = ()
+        self.said: dict[str, str] = {}
+        self._later: list[Path] = []
         self._map: Map | None = None
         self._one_at_a_time = threading.Lock()
 
@@ -104,22 +112,39 @@ class Draft:
         """Begin anew with other recordings; what is known of the vehicle stays."""
         self.files, self.columns, self.pieces, self.recordings = [], [], [], {}
         self.trouble, self._map = "", None
+        self.waiting, self.asked, self.said, self._later = None, (), {}, []
 
     def add(self, file: Path) -> None:
-        """One more recording; the first one says what the columns are. Raises InputError."""
+        """One more recording; the first one says what the columns are, and waits if it does not say
+        all that has to be known. Raises InputError."""
         with self._one_at_a_time:
+            if self.waiting not in (None, file):
+                self._later.append(file)
+                return
             if self._map is None and file.suffix.lower() != ".hop":
                 self._look_at(file)
-            self.files = sorted({*self.files, file})
+            if not self.asked:
+                self.files = sorted({*self.files, file})
+
+    def answer(self, said: Mapping[str, str]) -> None:
+        """Add the recording that waits, with these answers to what is asked of it. Raises
+        InputError for one that is none, and then it waits on."""
+        assert self.waiting is not None
+        before = self.said
+        self.said = {**before, **{key: text for key, text in said.items() if text}}
+        try:
+            self.add(self.waiting)
+        except InputError:
+            self.said = before
+            raise
+        while self._later and not self.asked:
+            self.add(self._later.pop())
 
     def _look_at(self, file: Path) -> None:
-        found = understand(file)
+        found = understand(file, self.said)
+        self.asked, self.waiting = found.questions, file if found.questions else None
         if found.questions:
-            asked = "; ".join(f"{question.key}: {question.words}" for question in found.questions)
-            raise CampaignError(
-                f"{file}: {asked}: import it first, with the answer (wheelhop import asks), and"
-                " take what that writes"
-            )
+            return
         self._map = found.mapping()
         points = {column.name: column.point for column in found.columns}
         self.columns = [_column(pick, points.get(pick.name, "")) for pick in self._map.picks]

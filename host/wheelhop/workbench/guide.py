@@ -16,6 +16,7 @@ from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.files import InputError, make_folder
 from wheelhop.files.words import label_of, unit_of
 from wheelhop.vehicle.estimate import estimate
+from wheelhop.workbench.asked_view import show_asked
 from wheelhop.workbench.draft import PLACES, TRACKS, Draft, Piece
 from wheelhop.workbench.kept import drop, keep
 from wheelhop.workbench.questions import (
@@ -33,11 +34,12 @@ LOOK_S = 0.5
 """What was filled in longer ago is kept."""
 ENDINGS = (
     *(".csv", ".txt", ".tsv", ".dat", ".asc", ".mf4", ".tdms", ".uff", ".unv", ".lvm", ".hop"),
-    ".parquet",
+    *(".parquet", ".mdf", ".log", ".vbo", ".mat", ".h5", ".hdf5", ".ide", ".mcap", ".bag", ".db3"),
+    *(".xrk", ".xrz"),
 )
 TAKEN = (
-    "CSV or text of any layout, MDF4, TDMS, UFF, LVM, Parquet, or the logger's .HOP. They must hold"
-    " vertical accelerations of axles or body."
+    "CSV or text of any layout, MDF, TDMS, UFF, LVM, Parquet, MATLAB, HDF5, VBOX, AiM, enDAQ, ROS"
+    " bags, MCAP, or the logger's .HOP. They must hold vertical accelerations of axles or body."
 )
 DROPPED = "(event) => runMethod(ID, 'addFiles', [event.dataTransfer.files])"
 CORNERS = ("front left", "front right", "rear left", "rear right")
@@ -72,6 +74,7 @@ class Guide:
         self._busy = ui.label("Reading the recordings.").classes("soft").props('role="status"')
         self._anew = ui.button("Begin anew", on_click=self._forget)
         self._anew.props("flat dense no-caps").tooltip("forget these recordings and begin anew")
+        self._asked = ui.element("div")
         self._columns = ui.element("div")
         self._runs = ui.element("div")
         self._vehicle = ui.element("div")
@@ -92,9 +95,26 @@ class Guide:
         except InputError as error:
             self._say(str(error))
             return
+        if draft.asked:
+            self._say("")
+            self._show()
+            return
         await self._read()
         if not begun:
             self._columns.run_method("scrollIntoView", {"behavior": "smooth", "block": "start"})
+
+    async def _answer(self, said: dict[str, str]) -> None:
+        """What the recording that waits does not say."""
+        try:
+            await run.io_bound(self._draft.answer, said)
+        except InputError as error:
+            self._say(str(error))
+            return
+        self._say("")
+        if self._draft.asked:
+            self._show()
+        else:
+            await self._read()
 
     async def _upload(self, event: UploadEventArguments) -> None:
         name = re.sub(r"[^\w.,() -]+", "_", Path(event.file.name).name)[-100:] or "recording.csv"
@@ -148,7 +168,9 @@ class Guide:
         columns = tuple((column.key, column.name) for column in draft.columns)
         pieces = tuple(id(piece) for piece in draft.pieces)
         there = bool(draft.recordings)
+        due = {self._asked: bool(draft.asked), self._columns: bool(draft.columns)}
         for part, state, show in (
+            (self._asked, (draft.waiting, draft.asked), self._show_asked),
             (self._columns, columns, self._show_columns),
             (self._runs, (id(draft.recordings), pieces, there), self._show_runs),
             (self._vehicle, there and draft.into is None, self._show_vehicle),
@@ -157,13 +179,17 @@ class Guide:
             if self._shown.get(part, False) != state:
                 self._shown[part] = state
                 part.clear()
-                if draft.columns if part is self._columns else there:
+                if due.get(part, there):
                     show()
 
     async def _forget(self) -> None:
         await run.io_bound(drop, self._draft)
         self._say("")
         self._show()
+
+    def _show_asked(self) -> None:
+        with self._asked:
+            show_asked(self._draft, self._answer)
 
     def _show_columns(self) -> None:
         draft = self._draft

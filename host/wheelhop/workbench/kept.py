@@ -69,6 +69,7 @@ def _text(draft: Draft) -> str:
         "constants": None if draft.constants is None else str(draft.constants),
         "columns": [asdict(column) for column in draft.columns],
         "pieces": [{**asdict(piece), "file": str(piece.file)} for piece in draft.pieces],
+        "said": draft.said,
         "answers": draft.answers,
         "better": {key: value for key, value in draft.better.items() if value is not None},
         "recorder": draft.recorder,
@@ -80,6 +81,7 @@ def _text(draft: Draft) -> str:
 
 def _fill(draft: Draft, document: dict[str, Any]) -> None:
     """What the file says, as far as its recordings are still there."""
+    draft.said = dict(document.get("said", {}))
     for file in map(Path, document["files"]):
         if file.is_file():
             draft.add(file)

@@ -7,7 +7,6 @@ noise although no physics is missing. Nor is it better than the simulation that 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
@@ -105,17 +104,25 @@ class Incumbent:
         return replace(self.rung, update=update(self.workshop, self.rung.fit, start, benches))
 
 
-def _inexact(workshop: Workshop, judging: Fit) -> Callable[[], float]:
-    """What finds the power by which a simulation may be wrong, in units of the noise's."""
-    judging = judging.without_derivatives  # as long as the model is remembered
+@dataclass(frozen=True, eq=False)
+class SimulatedWrong:
+    """Finds the power by which a simulation may be wrong, in units of the noise's."""
 
-    def found() -> float:
-        if workshop.noise == 0.0:
+    workshop: Workshop
+    judging: Fit
+
+    def __call__(self) -> float:
+        """That power."""
+        noise, judging = self.workshop.noise, self.judging
+        if noise == 0.0:
             return 0.0
-        power = _of_effects(workshop, judging) + _of_axles(workshop, judging)
-        return power / (judging.size * workshop.noise**2)
+        power = _of_effects(self.workshop, judging) + _of_axles(self.workshop, judging)
+        return power / (judging.size * noise**2)
 
-    return found
+
+def _inexact(workshop: Workshop, judging: Fit) -> SimulatedWrong:
+    """Of a fit, without derivatives: as long as the model is remembered."""
+    return SimulatedWrong(workshop, judging.without_derivatives)
 
 
 def _of_axles(workshop: Workshop, judging: Fit) -> float:

@@ -8,7 +8,7 @@ recorded that. The model itself says so: begun earlier, it moves otherwise.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,6 +38,18 @@ def begun_otherwise(workshop: Workshop, rung: Rung, run: RunFit) -> float:
     return most / float(np.sqrt(bench.energy))
 
 
+@dataclass(frozen=True, eq=False)
+class Widened:
+    """Power by which a rung may be wrong, and so much more."""
+
+    rung: Rung
+    more: float
+
+    def __call__(self) -> float:
+        """That power."""
+        return self.rung.inexact + self.more
+
+
 def never_forgotten(workshop: Workshop, rung: Rung) -> list[Finding]:
     """The runs of which more is left than laws differ by, and whose beginning decides as much."""
     runs = [*rung.fit.runs, *(() if rung.validation is None else rung.validation.runs)]
@@ -57,7 +69,7 @@ def beginning_allowed_for(workshop: Workshop, rung: Rung) -> Rung:
     told = zip(judging.runs, shares, strict=True)
     power = sum(share**2 * run.bench.energy for run, share in told)
     more = power / (judging.size * workshop.noise**2)
-    return replace(rung, simulated_wrong=lambda: rung.inexact + more)
+    return replace(rung, simulated_wrong=Widened(rung, more))
 
 
 def remaining(campaign: Campaign, bounced: Collection[Finding]) -> tuple[Run, ...]:

@@ -11,7 +11,7 @@ from math import inf
 from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
-from wheelhop.diagnose.baseline import Baseline, Progress, axle_driven, fit_baseline
+from wheelhop.diagnose.baseline import Baseline, axle_driven, fit_baseline
 from wheelhop.diagnose.confirm.in_full import confirm, refit
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Diagnosis, EndedBy, Step
@@ -46,6 +46,7 @@ from wheelhop.diagnose.verdict.critic import criticism, refuted, upheld
 from wheelhop.diagnose.verdict.ranking import why_not
 from wheelhop.diagnose.verdict.stability import unstable
 from wheelhop.effects import Effect, Place, beliefs
+from wheelhop.files import Progress
 from wheelhop.fit import OutOfBudget, Workshop
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import linearity

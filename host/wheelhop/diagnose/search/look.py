@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot, inf
 
-from wheelhop.diagnose.baseline import Progress, comparison_of
+from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.confirm.in_full import (
     best_form,
     confirm,
@@ -36,6 +36,7 @@ from wheelhop.diagnose.score import (
 from wheelhop.diagnose.screen.first_order import Screened, screen
 from wheelhop.diagnose.search.scored import BASELINE, Candidate, Scored, Search, ids_of, remembered
 from wheelhop.effects import Effect, OwnValues
+from wheelhop.files import Progress
 from wheelhop.files.words import percent
 from wheelhop.fit import Workshop
 

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from wheelhop.diagnose.baseline import Progress
 from wheelhop.diagnose.confirm.in_full import refit
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import Rung, enough_held_out, p_value
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.effects import Effect, form_of
+from wheelhop.files import Progress
 from wheelhop.fit import Workshop
 
 SAME = 1e-3
