@@ -26,7 +26,7 @@ from wheelhop.campaign import ComponentCampaign, RigRun, read_campaign
 FRICTION = {"coulomb_N": 60.0, "joint_N_m": 4e5}
 NAMES = ("offset", "rack", "rack-unknown", "display", "cycles", "reversed")
 BELIEVED = "mass_kg = {}\nstiffness_N_m = {}\ndamping_N_s_m = {}"
-TO_SUPPRESS = 1e-300
+NO_SPRING = 1e-300
 
 
 def campaign(name: str, folder: Path, rng: np.random.Generator, seed: int) -> ComponentCampaign:
@@ -36,11 +36,11 @@ def campaign(name: str, folder: Path, rng: np.random.Generator, seed: int) -> Co
     drive, nominal = "displacement", ""
     if name == "offset":
         drive = "force"
-        component = replace(OSCILLATOR, stiffness_N_m=TO_SUPPRESS, damping_N_s_m=200.0)
+        component = replace(OSCILLATOR, stiffness_N_m=NO_SPRING, damping_N_s_m=200.0)
         component = replace(component, mass_kg=90.0, hidden="dry-friction", numbers=friction)
         nominal = BELIEVED.format(80.0, '"unknown"', 250.0)
     if name.startswith("rack"):
-        component = replace(component, stiffness_N_m=TO_SUPPRESS, damping_N_s_m=250.0)
+        component = replace(component, stiffness_N_m=NO_SPRING, damping_N_s_m=250.0)
         spring = '"none"' if name == "rack" else "0.0"
         nominal = BELIEVED.format('"none"', spring, 200.0)
     rig.make_campaign(
