@@ -16,9 +16,8 @@ from wheelhop.effects import Effect, Given, More, beliefs, load_effects, pick
 from wheelhop.files import Progress, Watching
 from wheelhop.files.progress import shown
 from wheelhop.gate import gate
+from wheelhop.predict.known_car import MODEL_FILE
 from wheelhop.vehicle import Vehicle, read_nominal
-
-MODEL_FILE = "model.toml"
 
 BUDGET_S = 60.0
 """What a person waits for who would rather have most of the answer."""

@@ -12,6 +12,7 @@ from wheelhop.files.words import percent, significant
 from wheelhop.gate import Finding
 from wheelhop.report import sections
 from wheelhop.report.axle_to_body import axle_to_body
+from wheelhop.report.dynamometer import dynamometer
 from wheelhop.report.page import facts, paragraph, title, write_page
 from wheelhop.report.words import comparison_headline, headline, over_floor
 
@@ -32,6 +33,7 @@ def write_diagnosis_report(
         facts([("confidence", confidence), *_key_numbers(campaign, steps)], "key"),
         sections.findings(diagnosis.findings),
         sections.loops(campaign, steps),
+        dynamometer(campaign, steps),
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),
@@ -64,6 +66,7 @@ def write_comparison_report(
         facts(_key_numbers(campaign, steps), "key"),
         sections.findings(findings),
         sections.loops(campaign, steps),
+        dynamometer(campaign, steps),
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),

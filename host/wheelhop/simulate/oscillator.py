@@ -49,7 +49,8 @@ def displacements(
     systems
         Their equations of motion, each of one degree of freedom.
     starts
-        Displacement, m, and velocity, m/s, of each at the first step.
+        Displacement, m, and velocity, m/s, of each at the first step, and what the law of every
+        port then remembers.
     force : (2 T + 1,)
         The force, N, at every half step.
     weights : (p, 2 T + 1)
@@ -69,8 +70,10 @@ def displacements(
     for begin in range(0, len(systems), LANES):
         some = systems[begin : begin + LANES]
         out = aligned((len(force) // 2 // stride + 1, LANES))
-        state = side_by_side([np.array(start) for start in starts[begin : begin + LANES]])
+        own = side_by_side([np.array(start) for start in starts[begin : begin + LANES]])
+        state = own[:2]
         port = aligned((6 * len(some[0].port_law), LANES)).reshape(6, -1, LANES)
+        port[MEMORY] = own[2:]
         _integrate(
             out,
             state,
