@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         simulate,
         tune,
     )
+    from wheelhop.api.effect_kit import check_effect
     from wheelhop.api.fleet import diagnose_fleet
     from wheelhop.api.settings import SettingsResult, compare_settings
     from wheelhop.campaign import Campaign, CampaignError, Run
@@ -90,6 +91,7 @@ __all__ = [
     "__version__",
     "add",
     "add_run",
+    "check_effect",
     "compare",
     "compare_settings",
     "detectable",
@@ -119,6 +121,7 @@ _PACKAGE_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
     "detectable": "api",
     **dict.fromkeys((*_VERBS, "load"), "api"),
+    "check_effect": "api.effect_kit",
     "diagnose_fleet": "api.fleet",
     **dict.fromkeys(("SettingsResult", "compare_settings"), "api.settings"),
     **dict.fromkeys(("read", "read_log", "read_model", "read_recording", "read_vehicle"), "api"),
