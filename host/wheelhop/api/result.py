@@ -96,19 +96,6 @@ class Result:
         """
         return self.comparison.residuals(by)
 
-    def struts(self) -> DataFrame:
-        """What every strut did, at the wheel, in band, positive in rebound.
-
-        Returns
-        -------
-        DataFrame
-            A row for each strut, as measured if its travel is and as modelled: shares of the time
-            in bump and rebound at low and high speed, velocity, travel, in SI.
-        """
-        from wheelhop.report.strut_motion import struts_frame
-
-        return struts_frame(self.campaign, self.steps)
-
     def agreement(self) -> DataFrame:
         """The field's figures of agreement by run and channel.
 
@@ -118,6 +105,13 @@ class Result:
             As of `Comparison.agreement`.
         """
         return self.comparison.agreement()
+
+    def struts(self) -> DataFrame:
+        """What every strut did, measured and modelled: shares of the time in bump and rebound at
+        low and high speed, velocity, travel; at the wheel, in band, positive in rebound."""
+        from wheelhop.report.strut_motion import struts_frame
+
+        return struts_frame(self.campaign, self.steps)
 
     def __getitem__(self, run_id: str) -> RunSignals:
         """Measured and modelled signals of one run, in band; see `Comparison`.

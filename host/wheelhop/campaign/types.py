@@ -399,11 +399,12 @@ def no_such(campaign: Campaign, what: str, name: str, known: Collection[str]) ->
 class ComponentCampaign(Campaign):
     """One component on a rig: there is one channel, what the rig does not impose; `nominal` holds
     the numbers of [component] and `uncertainty` one standard deviation of each (0 for a nominal
-    0: nothing is believed of it, unless it is the mass of a `massless` component). `mount_file` is
-    the specimen the component may stand on."""
+    0: nothing is believed of it). `without` names those that are 0 because the component has no
+    such part: "stiffness_N_m" without a spring. `mount_file` is the specimen the component may
+    stand on."""
 
     drive: RigDrive
     nominal: Mapping[str, float]
     uncertainty: Mapping[str, float]
     mount_file: Path | None = None
-    massless: bool = False
+    without: frozenset[str] = frozenset()

@@ -12,6 +12,7 @@ from wheelhop.compare.comparison import (
 )
 from wheelhop.compare.describe import describe, explains_nothing
 from wheelhop.compare.floor import (
+    QUIETEST,
     Floor,
     estimate_noise,
     estimate_noise_between_samples,
@@ -26,6 +27,7 @@ from wheelhop.compare.terminal import print_comparison
 from wheelhop.compare.weights import weighed, with_noise
 
 __all__ = [
+    "QUIETEST",
     "Breakdown",
     "ChannelFigures",
     "Comparison",

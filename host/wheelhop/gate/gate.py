@@ -23,6 +23,7 @@ from wheelhop.gate.records import (
 )
 from wheelhop.gate.runs import run_findings
 from wheelhop.gate.sensors import Seen, examined, sensor_findings
+from wheelhop.gate.signs import sign_findings
 from wheelhop.gate.spectra import Spectra, spectra_of
 from wheelhop.gate.units import gravity_findings, unit_findings
 from wheelhop.vehicle import Vehicle
@@ -47,7 +48,8 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     the recordings alone are judged.
     """
     if isinstance(campaign, ComponentCampaign):
-        return Gated(tuple(copy_findings(find_copies(campaign))), campaign)
+        found = (*copy_findings(find_copies(campaign)), *sign_findings(campaign))
+        return Gated(found, campaign)
     symptoms = tuple(examined(campaign))
     findings, sound = sensor_findings(campaign, symptoms)
     findings += gravity_findings(sound)

@@ -273,15 +273,13 @@ def method(campaign: Campaign, steps: Sequence[Step]) -> str:
     floor = comparison.floor
     noise = [f"{significant(q.noise_rms)} {q.unit}" for q in comparison.by_quantity]
     said = ", ".join(noise) or f"{floor.pooled_rms:.3g} {floor.unit}"
-    estimated = "estimated from the quietest parts of records and residuals"
-    source = "stated in campaign.toml" if floor.is_stated else estimated
     pairs = [
         ("Campaign", campaign.title),
         ("Runs", f"{len(campaign.fit_runs)} fitted, {len(campaign.validate_runs)} held out"),
         ("Channels", ", ".join(channel.name for channel in campaign.channels)),
         ("Samples", campaign.sampling),
         ("Band", f"{low:g} to {high:g} Hz"),
-        ("Noise floor", f"{said} rms per channel in band, {source}"),
+        ("Noise floor", f"{said} rms per channel in band, {floor.origin}"),
         ("Floor as E", f"{percent(floor.error)} over all runs"),
         ("Computed by", f"wheelhop {version('wheelhop')}"),
     ]
