@@ -178,7 +178,8 @@ def _one(schema: Json) -> str:
     if "enum" in schema:
         return ", ".join(_shown(word) for word in schema["enum"])
     kind = {"object": "table", "array": "list", "string": "text", "boolean": "true or false"}
-    said: str = kind.get(schema.get("type", ""), schema.get("type", "any"))
+    name = str(schema.get("type", "any"))
+    said = kind.get(name, name)
     if "items" in schema and "minItems" in schema:
         said = f"{schema['minItems']} {schema['items']['type']}s in brackets"
     if schema.get("format") == "date":

@@ -41,6 +41,11 @@ def export(
     effects
         The library, as for `compare`.
 
+    Returns
+    -------
+    Plant
+        What was exported: equations, and signals of the car, in SI.
+
     Raises
     ------
     CampaignError

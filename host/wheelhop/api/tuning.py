@@ -60,6 +60,11 @@ def tune(
     progress
         As for `compare`.
 
+    Returns
+    -------
+    Tuning
+        The present setting, the front of those tried, and what each gains, in SI.
+
     Raises
     ------
     CampaignError

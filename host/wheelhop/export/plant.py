@@ -101,7 +101,18 @@ class Linear:
     laws: tuple[tuple[str, Array], ...]
 
     def to_control(self) -> control.StateSpace:
-        """As python-control's state space. Raises CampaignError where that is not installed."""
+        """The linear part for python-control.
+
+        Returns
+        -------
+        control.StateSpace
+            In SI, with the names of states, inputs and outputs.
+
+        Raises
+        ------
+        CampaignError
+            python-control is not installed.
+        """
         try:
             import control
         except ImportError:
@@ -112,7 +123,15 @@ class Linear:
     def write_mat(self, file: Path) -> None:
         """Write A, B, C, D, all names, and the laws' names and numbers for MATLAB.
 
-        Raises CampaignError if the file cannot be written.
+        Parameters
+        ----------
+        file
+            Such as "car.mat"; what stood there is replaced.
+
+        Raises
+        ------
+        CampaignError
+            The file cannot be written.
         """
         from scipy.io import savemat
 

@@ -93,8 +93,14 @@ class Tuning:
     count: int
 
     def to_dataframe(self) -> DataFrame:
-        """The present setting and those of the front, the proposed or best compromise first after
-        it: variables, objectives, and what they gain with half of the 95 % interval; SI."""
+        """The settings as a table.
+
+        Returns
+        -------
+        DataFrame
+            The present setting and those of the front, the proposed or best compromise first after
+            it: variables, objectives, and what they gain with half of the 95 % interval; SI.
+        """
         import pandas
 
         rows = []
