@@ -176,3 +176,33 @@ def test_the_example_of_an_own_effect_is_found_where_it_is_missing(own_effects, 
     first, *others = screen(base.workshop, base.rung.fit, list(own_effects.values()))
     assert first.variant.effect.id == effect.id
     assert first.score > 1.2 * max(other.score for other in others)
+
+
+def test_every_figure_and_table_of_the_thesis_is_on_its_page():
+    """They are numbered through in each chapter; none is missing, none is twice."""
+    last = {
+        "Figure": {
+            "1": 9,
+            "2": 21,
+            "3": 15,
+            "4": 75,
+            "5": 25,
+            "6": 1,
+            "A": 2,
+            "B": 5,
+            "C": 4,
+            "D": 3,
+        },
+        "Table": {"2": 5, "3": 3, "4": 8, "5": 4, "A": 2, "D": 1},
+    }
+    found = []
+    line = re.compile(r"^\| (Figure|Table)s? (\w)\.(\d+)(?: to \w\.(\d+))? \|", re.M)
+    for kind, chapter, first, end in line.findall(text_of(DOCS / "thesis.md")):
+        found += [(kind, chapter, n) for n in range(int(first), int(end or first) + 1)]
+    wanted = [
+        (kind, chapter, n)
+        for kind, chapters in last.items()
+        for chapter, count in chapters.items()
+        for n in range(1, count + 1)
+    ]
+    assert sorted(found) == sorted(wanted)

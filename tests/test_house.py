@@ -15,7 +15,8 @@ PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_si
 ROOMS = (
     *("files", "logger", "formats", "calibration", "campaign", "track"),
     *("material", "frame", "vehicle", "effects", "simulate", "compare", "gate", "fit", "identify"),
-    *("diagnose", "law", "hil_sim", "predict", "report", "api", "workbench", "cli"),
+    *("diagnose", "law", "hil_sim", "predict", "tune", "export"),
+    *("report", "api", "workbench", "cli"),
 )
 DOOR = ROOT / "host/wheelhop/__init__.py"  # opens rooms when they are asked for
 # A method of a room that a guest calls may hand over to a room downstream, when it is called.
@@ -58,6 +59,7 @@ READ_OWN_WAY = {
     "logger/live.py": "of the package",
     "logger/recovery.py": "in pieces, after the survey refused",
     "logger/survey.py": "in pieces",
+    "export/fmu.py": "of the package",
     "predict/identity.py": "of the package",
     "report": "of the package, or what was just printed",
     "workbench/app.py": "of the package",

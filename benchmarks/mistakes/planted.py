@@ -190,7 +190,7 @@ def out_of_step(c: Campaign, v: Vehicle, rng: np.random.Generator) -> Asked:
 
 def sample_file(c: Campaign, v: Vehicle, rng: np.random.Generator) -> Asked:
     """Numbers of vehicle.toml left as `wheelhop campaign new` wrote them, all but the weight."""
-    from wheelhop.campaign.write import VEHICLE
+    from wheelhop.campaign.sample import VEHICLE
     from wheelhop.vehicle import read_vehicle
 
     with tempfile.TemporaryDirectory() as folder:

@@ -10,8 +10,8 @@
 
 docs/python.md lists what is public: `__all__`. Everything loads when it is first used. Packages of
 their own, `wheelhop.campaign`, `wheelhop.fit` and so on, are in three folders of the repository.
-`wheelhop.compare`, `diagnose`, `predict` and `simulate` are functions; from the packages of the
-same names take what you need by `from wheelhop.compare import …`.
+`wheelhop.compare`, `diagnose`, `export`, `predict`, `simulate` and `tune` are functions; from the
+packages of the same names take what you need by `from wheelhop.compare import …`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ if TYPE_CHECKING:
         DiagnosisResult,
         add,
         compare,
+        detectable,
         diagnose,
+        export,
         load,
         plan,
         plot,
@@ -43,16 +45,21 @@ if TYPE_CHECKING:
         read_recording,
         read_vehicle,
         simulate,
+        tune,
     )
+    from wheelhop.api.effect_kit import check_effect
     from wheelhop.api.fleet import diagnose_fleet
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
     from wheelhop.compare import Comparison, RunSignals
     from wheelhop.effects import Effect, Parameter, load_effects
+    from wheelhop.export.plant import Linear, Plant
     from wheelhop.files import InputError
     from wheelhop.logger import Channel, Log, Recording
+    from wheelhop.predict.detectable import Detectable
     from wheelhop.predict.plan import Plan
     from wheelhop.simulate import Model
+    from wheelhop.tune.tuning import Tuning
     from wheelhop.vehicle import Vehicle
     from wheelhop.vehicle.rates import WheelRates, wheel_rates
 
@@ -62,25 +69,32 @@ __all__ = [
     "Channel",
     "Comparison",
     "ComparisonResult",
+    "Detectable",
     "DiagnosisResult",
     "Effect",
     "InputError",
+    "Linear",
     "Log",
     "Model",
     "NewRun",
     "Parameter",
     "Plan",
+    "Plant",
     "Recording",
     "Run",
     "RunSignals",
+    "Tuning",
     "Vehicle",
     "WheelRates",
     "__version__",
     "add",
     "add_run",
+    "check_effect",
     "compare",
+    "detectable",
     "diagnose",
     "diagnose_fleet",
+    "export",
     "load",
     "load_effects",
     "new_campaign",
@@ -93,15 +107,18 @@ __all__ = [
     "read_recording",
     "read_vehicle",
     "simulate",
+    "tune",
     "wheel_rates",
 ]
 
-_VERBS = ("compare", "diagnose", "predict", "simulate")
+_VERBS = ("compare", "diagnose", "export", "predict", "simulate", "tune")
 """Functions that are called like a package with the parts they are made of."""
 
 _PACKAGE_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
+    "detectable": "api",
     **dict.fromkeys((*_VERBS, "load"), "api"),
+    "check_effect": "api.effect_kit",
     "diagnose_fleet": "api.fleet",
     **dict.fromkeys(("read", "read_log", "read_model", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
@@ -109,9 +126,12 @@ _PACKAGE_OF = {
     **dict.fromkeys(("Comparison", "RunSignals"), "compare"),
     **dict.fromkeys(("Effect", "Parameter", "load_effects"), "effects"),
     "InputError": "files",
+    **dict.fromkeys(("Linear", "Plant"), "export.plant"),
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
     "Model": "simulate",
+    "Detectable": "predict.detectable",
     "Plan": "predict.plan",
+    "Tuning": "tune.tuning",
     "Vehicle": "vehicle",
     **dict.fromkeys(("WheelRates", "wheel_rates"), "vehicle.rates"),
 }

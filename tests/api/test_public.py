@@ -67,7 +67,7 @@ def test_reading_a_campaign_loads_no_tables_and_no_figures():
     assert not {"pandas", "matplotlib", "nicegui"} & set(re.findall(r"\w+", after))
 
 
-@pytest.mark.parametrize("name", ["compare", "diagnose", "predict", "simulate"])
+@pytest.mark.parametrize("name", ["compare", "diagnose", "export", "predict", "simulate", "tune"])
 def test_a_verb_stays_a_function_when_the_package_of_its_name_is_imported(name):
     code = f"""
 import inspect, pickle

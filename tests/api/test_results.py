@@ -244,3 +244,14 @@ def test_models_are_read_back_with_forms_and_what_runs_left_free(fitted, tmp_pat
     (tmp_path / "model.toml").write_text(text.replace('"dry-friction"', '"dry-fiction"'))
     with pytest.raises(wh.CampaignError, match='did you mean "dry-friction"'):
         wh.read_model(tmp_path / "model.toml")
+
+
+@pytest.mark.parametrize("name", ["compare", "diagnose"])
+def test_what_is_written_for_programs_fits_its_schema(fitted, found, name):
+    import jsonschema
+
+    from wheelhop.files.schemas import schema
+
+    document = {"compare": fitted, "diagnose": found}[name].to_json()
+    plain = json.loads(json.dumps(document))
+    jsonschema.validate(plain, json.loads(schema(f"{name}-output")))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from wheelhop.campaign import read_campaign
-from wheelhop.campaign.write import VEHICLE
+from wheelhop.campaign.sample import VEHICLE
 from wheelhop.cli.main import main
 from wheelhop.formats import write
 from wheelhop.logger.recording import Channel, Recording

@@ -14,7 +14,7 @@ Law = Callable[[float, float], float]
 STEP_S = 1.0 / 8192.0  # of the rig
 
 
-def _changes() -> Callable[[float], float]:
+def changes() -> Callable[[float], float]:
     """A function that returns how far its argument has come since the last call."""
     last: float | None = None
 
@@ -35,7 +35,7 @@ def lugre(
     stribeck_m_s: float,
 ) -> Law:
     """Bristles of length z: z' = v - joint |v| z / g(v)."""
-    bend, since = 0.0, _changes()
+    bend, since = 0.0, changes()
 
     def force(x: float, v: float) -> float:
         nonlocal bend
@@ -50,7 +50,7 @@ def lugre(
 
 def bouc_wen(k: float, c: float, force_N: float, yield_m: float, shape: float) -> Law:
     """z' = v (1 - |z| (shape sgn(v z) + 1 - shape)) / yield."""
-    z, since = 0.0, _changes()
+    z, since = 0.0, changes()
 
     def force(x: float, v: float) -> float:
         nonlocal z

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.component import hysteresis
+from tests.component import dampers, hysteresis
 
 RATE_HZ = 256.0
 FINE = 32  # steps per sample
@@ -136,6 +136,7 @@ HIDDEN = {
         *(choking_damper, bypass_damper),
         *(hysteresis.lugre, hysteresis.bouc_wen, hysteresis.friction_with_play),
         *(hysteresis.mr_damper, hysteresis.payne_effect),
+        *(dampers.compliant_damper, dampers.hardening, dampers.stribeck, dampers.seal),
     )
 }
 

@@ -77,6 +77,14 @@ def test_a_matrix_without_time_is_asked_for_its_rate(tmp_path):
     assert read(path, Map(time="tt", time_unit="s")).rate_hz == 200.0
 
 
+def test_pictures_and_single_numbers_in_a_workspace_are_no_channels(tmp_path):
+    wide, picture = np.zeros((ROWS, 256)), np.zeros((ROWS, 257))
+    found = read(matlab(tmp_path, t=TIME_S, wide=wide, picture=picture, gains=np.ones(2)))
+    assert len(found.channels) == 256
+    path = matlab(tmp_path, three=np.array([1.0, 5.0, 2.0]), gains=np.ones(2))
+    assert read(path, Map(rate_hz=10.0)).values.shape == (3, 1)
+
+
 def test_spectra_in_a_workspace_are_no_recordings(tmp_path):
     path = matlab(tmp_path, frf={"frequency": np.arange(50.0), "h": np.arange(50.0) ** 2})
     with pytest.raises(ExchangeError, match="frequency rises evenly, in Hz: this is a spectrum"):
@@ -279,12 +287,14 @@ def test_mcap_of_json_messages(tmp_path):
         schema = writer.register_schema("pot", "jsonschema", b'{"type": "object"}')
         pot = writer.register_channel("/pot", "json", schema)
         for k, value in enumerate(WAVE):
-            data = json.dumps({"travel": value, "name": "fl", "raw": [k, 2 * k]}).encode()
+            lists = {"raw": [k, 2 * k], "few": 32 * [0.0], "scan": 33 * [0.0]}
+            data = json.dumps({"travel": value, "name": "fl", **lists}).encode()
             writer.add_message(pot, 10**18 + 5_000_000 * k, data, 10**18 + 5_000_000 * k)
         writer.finish()
     found = read(path)
     assert found.rate_hz == 200.0
-    assert [c.name for c in found.channels] == ["travel", "raw[0]", "raw[1]"]
+    names = [c.name for c in found.channels]
+    assert names == ["travel", "raw[0]", "raw[1]", *(f"few[{k}]" for k in range(32))]
     assert np.array_equal(found.values[:, 0], WAVE)
     assert "time is the time of logging" in found.history
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.formats.foreign import save
-from wheelhop.formats import ExchangeError, Map, Pick, parse_mapping, read, understand, write
+from wheelhop.formats import ExchangeError, Map, Pick, cells, parse_mapping, read, understand, write
 from wheelhop.formats.resample import onto_rate
 from wheelhop.formats.table import BETWEEN, Table
 from wheelhop.logger.recording import Channel
@@ -100,6 +100,12 @@ def test_rows_that_share_a_stamp_are_their_mean_and_it_is_said():
     assert any("samples that share a stamp with another: 50" in line for line in found.remarks)
 
 
+def test_a_clock_that_is_set_anew_makes_no_billion_empty_rows():
+    time_s = np.concatenate([np.arange(100) * 0.01, 1e9 + np.arange(100) * 0.01])
+    with pytest.raises(ExchangeError, match="is a clock set anew in between"):
+        one(time_s, np.zeros(200), 100.0)
+
+
 def test_stamps_that_fall_are_not_sorted():
     with pytest.raises(ExchangeError, match=r"row 3: time does not rise, from 0\.1 to 0\.05 s"):
         one(np.array([0.0, 0.1, 0.05, 0.2]), np.zeros(4), 10.0)
@@ -183,3 +189,14 @@ def test_an_answer_that_is_no_rate_is_a_line(tmp_path):
     for wrong in ("fast", "0", "-1", "nan"):
         with pytest.raises(ExchangeError, match="is no number of samples a second"):
             understand(path, {"resample_hz": wrong})
+
+
+def test_the_ends_of_a_large_file_are_not_held_to_be_next_to_each_other(tmp_path, monkeypatch):
+    """Time stops for half a step in between, which only reading sees."""
+    stamps = [0.01 * k + 0.005 * (k > 2000) for k in range(4000)]
+    rows = "\n".join(f"{t:.3f},{k % 7},{'x' * 60}" for k, t in enumerate(stamps))
+    path = save(tmp_path, "run.csv", f"# a\n# b\nTime [s],z [m],note\n{rows}\n")
+    monkeypatch.setattr(cells, "BEGIN_BYTES", 20_000)
+    monkeypatch.setattr(cells, "END_BYTES", 10_000)
+    assert cells.read_ends(path).passed_over > 1000
+    assert not understand(path).questions

@@ -251,3 +251,70 @@ def test_a_column_of_row_numbers_is_no_channel(tmp_path):
     found = drafted(tmp_path, table(lambda k: f"{k},{k / 100:.2f}", ",Time [s],az [g]"))
     assert_right(found)
     assert len(found.channels) == 1
+
+
+def racecapture(rows=400):
+    """A log of RaceCapture's own layout: rates of 100, 10 and 1 a second, and a lap's time."""
+    head = (
+        '"Interval"|"ms"|0|0|1,"AccelZ"|"G"|-3.0|3.0|100,"Speed"|"MPH"|0.0|150.0|10,'
+        '"Battery"|"Volts"|0.0|20.0|1,"LapTime"|"Min"|0.0|0.0|10'
+    )
+    lines = [
+        f"{1000 + 10 * k},{WAVE[k % ROWS]:.4f},{30 + k / 100 if k % 10 == 0 else ''},"
+        f"{12.5 if k % 100 == 0 else ''},{k % 150 / 6000 + 1 if k % 10 == 0 else ''}"
+        for k in range(rows)
+    ]
+    return "\n".join([head, *lines]) + "\n"
+
+
+def test_racecapture_says_units_and_rates_in_its_first_line(tmp_path):
+    found = drafted(tmp_path, racecapture(), "run.log")
+    assert not isinstance(found, str), found
+    assert found.rate_hz == 100.0 and len(found.values) == 400
+    assert {channel.name: channel.unit for channel in found.channels} == {
+        "AccelZ": "m/s²",
+        "Speed": "m/s",
+        "Battery": "V",
+        "LapTime": "Min",
+    }
+    assert found.values[:ROWS, 0] == pytest.approx(np.round(WAVE, 4) * G)
+    assert int((~np.isnan(found.values[:, 1])).sum()) == 40
+    whole = understand(tmp_path / "run.log", {"resample_hz": "100"})
+    taken = read(tmp_path / "run.log", whole.mapping())
+    exact = (30 + np.arange(391) / 100) * 0.44704
+    assert taken.values[:391, 1] == pytest.approx(exact)
+    assert np.isnan(taken.values[391:, 1]).all()  # behind its last sample
+
+
+def test_a_clock_that_begins_again_belies_no_other(tmp_path):
+    """The time of a lap goes at the same rate, and that of a sector at none."""
+    text = table(lambda k: f"{k / 100:.2f},{k % 100 / 30:.3f}", "Time [s],Lap time [s],az [g]")
+    assert_right(drafted(tmp_path, text))
+    text = table(lambda k: f"{k / 100:.2f},{k / 30:.3f}", "Time [s],Lap time [s],az [g]")
+    assert "still to be answered: rate_hz" in drafted(tmp_path, text)
+
+
+def test_rows_that_share_a_stamp_now_and_then_are_asked_about(tmp_path):
+    text = table(lambda k: f"{(k - (k > 200)) / 100:.2f}", "Time [s],az [g]")
+    assert "still to be answered: resample_hz" in drafted(tmp_path, text)
+    asked = understand(tmp_path / "run.csv").questions[0].words
+    assert "time stamps are rounded to 0.01 s, too coarse to tell the rate" in asked
+    text = table(lambda k: f"{(k - (k > 200)) * 0.0123:.4f}", "Time [s],az [g]")
+    assert "still to be answered: resample_hz" in drafted(tmp_path, text)
+    asked = understand(tmp_path / "run.csv").questions[0].words
+    assert "line 203: time does not rise, from 2.46 to 2.46 s" in asked
+
+
+def test_a_column_without_a_name_that_counts_since_1970_is_time_by_guess(tmp_path):
+    text = table(lambda k: START + 10 * k, head="", rows=ROWS)
+    assert drafted(tmp_path, text).rate_hz == 100.0
+    assert understand(tmp_path / "run.csv").guesses == ("column 1 is ms since 1970",)
+
+
+@pytest.mark.parametrize(
+    ("name", "guessed"), [("z_g", True), ("acc_m_s2", False), ("az [g]", False)]
+)
+def test_a_unit_of_one_letter_behind_a_name_is_a_guess(name, guessed, tmp_path):
+    drafted(tmp_path, table(lambda k: f"{k / 100:.2f}", f"Time [s],{name}"))
+    said = understand(tmp_path / "run.csv").guesses
+    assert said == ((f"{name} is in g, by the end of its name",) if guessed else ())

@@ -27,8 +27,9 @@ from wheelhop.identify.equivalent import (
     equivalent_vehicle,
     ground_to_body,
 )
+from wheelhop.identify.row import KINDS
 from wheelhop.identify.simple_modes import component_stiffness, implied_body, simple_modes
-from wheelhop.identify.thesis import KINDS, peaks_hz, table_5_2
+from wheelhop.identify.thesis import peaks_hz, table_5_2
 from wheelhop.identify.thesis_figures import racing_car
 from wheelhop.simulate import Model
 

@@ -8,7 +8,7 @@ from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.search.look import step_of
 from wheelhop.report.cases import records_of, seconds_of
-from wheelhop.report.loops import _loop, loops_figure, shown_runs
+from wheelhop.report.loops import loop_of, loops_figure, shown_runs
 from wheelhop.report.sections import loops
 from wheelhop.vehicle import read_nominal
 
@@ -30,7 +30,7 @@ def test_the_loops_are_those_of_spring_and_damper(fitted):
     record = records_of(step.rung)[run.id]
     mass = step.rung.model.values["component.mass_kg"]
     for answer in (record.measured, record.model):
-        x, v, force = _loop(campaign, run, record, answer, mass)
+        x, v, force = loop_of(campaign, run, record, answer, mass)
         basis = np.stack([x, v, np.ones_like(x)], axis=1)
         stiffness, damping, _ = np.linalg.lstsq(basis, force, rcond=None)[0]
         assert stiffness == pytest.approx(20000.0, rel=0.03)

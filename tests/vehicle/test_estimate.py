@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wheelhop.campaign import CampaignError
-from wheelhop.campaign.write import marked_numbers
+from wheelhop.campaign.sample import marked_numbers
 from wheelhop.vehicle import read_vehicle
 from wheelhop.vehicle.estimate import ESTIMATED, Axle, Known, estimate, vehicle_toml
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wheelhop.campaign.write import VEHICLE
+from wheelhop.campaign.sample import VEHICLE
 from wheelhop.cli.main import main
 from wheelhop.vehicle import read_vehicle
 from wheelhop.vehicle.rates import wheel_rates

@@ -1,14 +1,17 @@
 """What users call from Python, and the commands call too: read, compare, diagnose, add, predict,
-plan, plot, simulate, load."""
+detectable, plan, plot, simulate, tune, export, load."""
 
-from wheelhop.api.planning import plan
+from wheelhop.api.exporting import export
+from wheelhop.api.planning import detectable, plan
 from wheelhop.api.plot import plot
 from wheelhop.api.predicting import predict
 from wheelhop.api.reading import read, read_log, read_model, read_recording, read_vehicle
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.api.saving import load
 from wheelhop.api.simulating import simulate
-from wheelhop.api.verbs import MODEL_FILE, add, compare, diagnose
+from wheelhop.api.tuning import tune
+from wheelhop.api.verbs import add, compare, diagnose
+from wheelhop.predict.known_car import MODEL_FILE
 
 __all__ = [
     "MODEL_FILE",
@@ -16,7 +19,9 @@ __all__ = [
     "DiagnosisResult",
     "add",
     "compare",
+    "detectable",
     "diagnose",
+    "export",
     "load",
     "plan",
     "plot",
@@ -27,4 +32,5 @@ __all__ = [
     "read_recording",
     "read_vehicle",
     "simulate",
+    "tune",
 ]

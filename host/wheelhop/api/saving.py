@@ -31,7 +31,8 @@ from wheelhop.simulate import HeightSeries, RigSimulator, RunSimulator
 from wheelhop.track import Track
 
 if TYPE_CHECKING:
-    from wheelhop.api.results import ComparisonResult, DiagnosisResult, Result
+    from wheelhop.api.result import Result
+    from wheelhop.api.results import ComparisonResult, DiagnosisResult
 
 FORMAT = 1
 PICKLE = 5

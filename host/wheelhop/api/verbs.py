@@ -17,9 +17,8 @@ from wheelhop.files import Progress, Watching
 from wheelhop.files.progress import shown
 from wheelhop.gate import gate
 from wheelhop.law import last_rungs
+from wheelhop.predict.known_car import MODEL_FILE
 from wheelhop.vehicle import Vehicle, read_nominal
-
-MODEL_FILE = "model.toml"
 
 BUDGET_S = 60.0
 """What a person waits for who would rather have most of the answer."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelhop.campaign.common import frozen
-from wheelhop.campaign.types import Campaign, CampaignError, Run
+from wheelhop.campaign.types import Campaign, CampaignError, Run, no_such
 
 if TYPE_CHECKING:
     from wheelhop.campaign.types import Role
@@ -42,7 +42,7 @@ def of_channels(campaign: Campaign, names: Sequence[str]) -> dict[str, Any]:
         raise CampaignError('channels: give a list of names, such as ["B1", "B2"]')
     for name in names:
         if name not in known:
-            raise campaign.lacks("channel", name, known)
+            raise no_such(campaign, "channel", name, known)
     columns = [i for i, name in enumerate(known) if name in names]
     channels = tuple(campaign.channels[i] for i in columns)
     runs = tuple(replace(run, record=frozen(run.record[:, columns])) for run in campaign)

@@ -230,7 +230,18 @@ class Campaign:
         return said if self.low_pass is None else f"{said}, after a {self.low_pass}"
 
     def recorded(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """What the recorder makes of a sine (f,) before it is sampled: filter and averaging."""
+        """What the recorder makes of sines before they are sampled: filter and averaging.
+
+        Parameters
+        ----------
+        frequency_hz
+            (f,) their frequencies, Hz.
+
+        Returns
+        -------
+        array
+            (f,) complex gains, with exp(+iωt).
+        """
         kept = self.averaging.kept(frequency_hz).astype(np.complex128)
         return kept if self.low_pass is None else kept * self.low_pass.response(frequency_hz)
 
@@ -273,7 +284,7 @@ class Campaign:
         """
         known = {run.id: run for run in self.runs}
         if run_id not in known:
-            raise self.lacks("run", run_id, known)
+            raise no_such(self, "run", run_id, known)
         return known[run_id]
 
     def select(
@@ -311,13 +322,18 @@ class Campaign:
         found = replace(self, runs=of_runs(self, ids, role, track))
         return found if channels is None else replace(found, **of_channels(found, channels))
 
-    def lacks(self, what: str, name: str, known: Collection[str]) -> CampaignError:
-        """What is raised for a run or a channel that is not there."""
-        near = did_you_mean(name, known) or f"; there are {', '.join(known)}"
-        return CampaignError(f'{self.folder / "campaign.toml"}: there is no {what} "{name}"{near}')
-
     def recording(self, run_id: str) -> Recording:
-        """The samples (n, n_channels) of one run, in the channels' units.
+        """The samples of one run as they were recorded.
+
+        Parameters
+        ----------
+        run_id
+            Its id.
+
+        Returns
+        -------
+        Recording
+            (n, n_channels), in the channels' units.
 
         Raises
         ------
@@ -331,8 +347,14 @@ class Campaign:
         )
 
     def to_dataframe(self) -> DataFrame:
-        """The runs, one a row: role, track, nominal speed, duration, samples, and the rms of the
-        channels of the leading quantity without their means, in its unit."""
+        """The runs, one a row.
+
+        Returns
+        -------
+        DataFrame
+            By run: role, track, nominal `speed_m_s`, `duration_s`, samples, and the rms of the
+            channels of the leading quantity without their means, in its unit (`rms_m_s2`).
+        """
         import pandas
 
         leading = [c.quantity == self.leading.quantity for c in self.channels]
@@ -363,6 +385,12 @@ class Campaign:
 
     def _repr_html_(self) -> str:
         return f"<p>{escape(repr(self))}</p>{self.to_dataframe().to_html(float_format='%.4g')}"
+
+
+def no_such(campaign: Campaign, what: str, name: str, known: Collection[str]) -> CampaignError:
+    """What is raised for a run or a channel that is not there."""
+    near = did_you_mean(name, known) or f"; there are {', '.join(known)}"
+    return CampaignError(f'{campaign.folder / "campaign.toml"}: there is no {what} "{name}"{near}')
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,6 +14,7 @@ from wheelhop.campaign.channels import Place, place_of, units_of, with_noise
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
+from wheelhop.campaign.sample import VEHICLE
 from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
 from wheelhop.files import (
     locked,
@@ -33,71 +34,6 @@ from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 DEFAULT_BAND_HZ = (0.5, 30.0)
 TOP_OF_BAND = 0.4  # of the sample rate, where 30 Hz is too much
 FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
-
-VEHICLE = """\
-format = 1
-name = {title}
-# Numbers marked "sample" are those of a student-built ATV: put in yours and delete the mark.
-relative_uncertainty = 0.30    # one standard deviation; KEY_uncertainty beside a KEY overrides it
-
-[geometry]
-wheelbase_m = 1.42             # sample
-track_width_m = 1.18           # sample: between the left and right contact points
-cg_to_front_axle_m = 0.80      # sample
-cg_height_m = 0.52             # sample
-
-[body]                         # sprung: driver, engine and battery included
-mass_kg = 228.0                # sample
-pitch_inertia_kg_m2 = 62.0     # sample
-roll_inertia_kg_m2 = 25.0      # sample
-
-[suspension.front]             # per wheel, acting vertically at the wheel
-stiffness_N_m = 10500.0        # sample
-damping_N_s_m = 630.0          # sample
-[suspension.rear]
-stiffness_N_m = 6500.0         # sample
-damping_N_s_m = 590.0          # sample
-
-[wheel.front]
-unsprung_mass_kg = 15.0        # sample
-tyre_stiffness_N_m = 40000.0   # sample
-tyre_damping_N_s_m = 200.0     # sample
-radius_m = 0.279               # sample
-[wheel.rear]
-unsprung_mass_kg = 12.5        # sample
-tyre_stiffness_N_m = 40000.0   # sample
-tyre_damping_N_s_m = 200.0     # sample
-radius_m = 0.279               # sample
-
-[driver]
-mass_kg = 70.0                 # sample
-x_m = -0.10                    # sample: ahead of the body's centre of mass
-y_m = 0.0                      # sample
-[engine]
-mass_kg = 40.0                 # sample
-x_m = -0.45                    # sample
-y_m = 0.0                      # sample
-"""
-
-
-SAMPLE = "sample"
-MARKED = re.compile(r"(?P<key>\w+)\s*=.*#\s*(?P<mark>\w+)")
-TABLE = re.compile(r"\[(?P<name>[\w.]+)\]")
-
-
-def marked_numbers(vehicle: Path, mark: str) -> list[str]:
-    """The numbers of a vehicle.toml, by their dotted names, whose comment begins with this word:
-    "sample" for those of our sample, "estimated" for guesses.
-
-    Raises CampaignError for a file that cannot be read.
-    """
-    table, found = "", []
-    for line in _text(vehicle).splitlines():
-        if heading := TABLE.match(line.strip()):
-            table = f"{heading['name']}."
-        elif (number := MARKED.match(line.strip())) and number["mark"] == mark:
-            found.append(table + number["key"])
-    return found
 
 
 @dataclass(frozen=True)
@@ -121,14 +57,31 @@ def new_campaign(
     constants: str | Path | None = None,
     noise_rms: float | None = None,
 ) -> None:
-    """Begin a campaign in `folder`: campaign.toml without runs, and vehicle.toml.
+    """Begin a campaign in a folder: campaign.toml without runs, and vehicle.toml. If anything
+    fails, nothing is left behind.
 
-    Sample rate, averaging and channels are those of the recording `like`; `places` says where
-    channels sit, or what they measure (`channels.place_of`), that its points do not tell.
-    `vehicle`, the files of mount and frame that it names, and the sensors' `constants` are copied;
-    without `vehicle`, one that is there stays, or else a sample file is written. If anything fails,
-    nothing is left behind. Raises CampaignError if there is a campaign already, or a channel has no
-    place.
+    Parameters
+    ----------
+    folder
+        A new one, or one that holds vehicle.toml alone.
+    title
+        What reports call it.
+    like
+        A recording whose sample rate, averaging and channels those to come have.
+    places
+        Where channels sit, or what they measure (`channels.place_of`), that its points do not tell.
+    vehicle
+        vehicle.toml; it and the files of mount and frame that it names are copied. Without, one
+        that is there stays, or else a sample file is written.
+    constants
+        calibration.toml of the sensors, which is copied.
+    noise_rms
+        Of one accelerometer in band, m/s²; without, it is estimated later.
+
+    Raises
+    ------
+    CampaignError
+        There is a campaign already, or a channel has no place.
     """
     if not title.strip() or not title.isprintable() or len(title) > LONGEST_TEXT:
         raise CampaignError(f"title {title[:40]!r}: give a line of text with --title")
@@ -181,8 +134,28 @@ def new_campaign(
 
 
 def add_run(folder: str | Path, recording: Recording, run: NewRun) -> Path:
-    """Write a recording into `folder`/runs and its [[run]] into campaign.toml, as `add_runs` does;
-    return the file."""
+    """Write a recording into a campaign as a run.
+
+    Parameters
+    ----------
+    folder
+        The campaign's folder.
+    recording
+        Its samples, in the units of the campaign's channels.
+    run
+        What it is called, and how it was driven.
+
+    Returns
+    -------
+    Path
+        The file, in `folder`/runs.
+
+    Raises
+    ------
+    CampaignError
+        There is such a run already, a sample is missing or in codes, or the campaign would not be
+        right any more; then everything is as before.
+    """
     return add_runs(folder, [(recording, run)])[0]
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 BAD_INPUT = 2
 INTERRUPTED = 130
-COMPUTING = ("compare", "diagnose", "law", "add", "demo", "simulate", "plan")
+COMPUTING = ("compare", "diagnose", "law", "add", "demo", "simulate", "plan", "tune")
 SETTINGS = ".numba_config.yaml"
 """numba takes its settings from such a file in the folder it is started in, and code: that of its
 cache, or of a module named there. It may be somebody else's campaign."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from argparse import Namespace
 
+from wheelhop.campaign.sample import marked_numbers
 from wheelhop.campaign.types import CampaignError
-from wheelhop.campaign.write import marked_numbers
 from wheelhop.files import made_folder, write_text
 from wheelhop.vehicle import read_vehicle
 from wheelhop.vehicle.estimate import ESTIMATED, vehicle_toml

@@ -1,10 +1,9 @@
 """The commands of `wheelhop` and what each of them takes."""
 
 import argparse
-import re
 from pathlib import Path
-from typing import NoReturn
 
+from wheelhop.cli.one_line import OneLineParser
 from wheelhop.cli.parser_formats import add_formats
 from wheelhop.cli.parser_identify import add_identify
 from wheelhop.cli.parser_new import add_new
@@ -12,32 +11,13 @@ from wheelhop.cli.parser_parts import add_bushing, add_frame, add_rates
 from wheelhop.cli.parser_simulate import add_prediction
 from wheelhop.cli.parser_workbench import add_workbench
 
-BAD_INPUT = 2
 BUDGET_S = 60.0
 """What `diagnose` may spend unless told otherwise, as in `wheelhop.diagnose`."""
-NO_CHOICE = re.compile(
-    r"argument (?P<what>.*): invalid choice: '(?P<word>.*)' \(choose from (?P<choices>.*)\)"
-)
-"""As argparse says it."""
-
-
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line instead of printing the usage first."""
-
-    def error(self, message: str) -> NoReturn:
-        if match := NO_CHOICE.match(message):
-            from wheelhop.files import did_you_mean  # not for who makes no mistake
-
-            choices = match["choices"].replace("'", "")
-            near = did_you_mean(match["word"], choices.split(", "))
-            message = f"{match['what']}: there is no '{match['word']}'"
-            message += near.rstrip("?") or f": choose from {choices}"
-        self.exit(BAD_INPUT, f"wheelhop: {message}; see {self.prog} --help\n")
 
 
 def make_parser() -> argparse.ArgumentParser:
     """What `wheelhop` understands; makes it without loading any room."""
-    parser = _Parser(
+    parser = OneLineParser(
         prog="wheelhop",
         description="Find out which physics a suspension model is missing.",
     )
@@ -86,13 +66,17 @@ def make_parser() -> argparse.ArgumentParser:
     _make_campaign(commands.add_parser("campaign", help="make a campaign of recordings"))
     completion = commands.add_parser("completion", help="print what a shell needs to complete")
     completion.add_argument("shell", choices=("bash", "zsh", "tcsh"))
+    schema = commands.add_parser("schema", help="print the JSON Schema of a file, or of --json")
+    schema.add_argument("name", metavar="NAME", nargs="?", help="such as vehicle (default: list)")
     commands.add_parser("version", help="print the version")
     return parser
 
 
-def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
+def _make_analysis(commands: "argparse._SubParsersAction[OneLineParser]") -> None:
     check = commands.add_parser("check", help="read a campaign and show what is in it")
     _campaign(check)
+    _library(check)
+    _json(check)
 
     compare = commands.add_parser("compare", help="compare the model with the measurements")
     _campaign(compare)
@@ -147,7 +131,7 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
         help="effects that are part of the model",
     )
     law.add_argument("--save", metavar="FILE.py", type=Path, help="keep the formula as an effect")
-    law.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+    _json(law)
     law.add_argument(
         "--report", metavar="FILE", type=Path, help="write a page to read: .html, or .pdf"
     )
@@ -158,9 +142,10 @@ def _make_analysis(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _campaign(add)
     add.add_argument("effects", metavar="EFFECT", nargs="+", help="an effect, such as dry-friction")
     _library(add, "effects_file")  # "effects" are those to add
+    _json(add)
 
 
-def _make_recording(commands: "argparse._SubParsersAction[_Parser]") -> None:
+def _make_recording(commands: "argparse._SubParsersAction[OneLineParser]") -> None:
     logger = commands.add_parser("logger", help="ask the logger, and set it up")
     logger.add_argument(
         "action",
@@ -213,9 +198,10 @@ def _make_recording(commands: "argparse._SubParsersAction[_Parser]") -> None:
         )
 
 
-def _make_logs(commands: "argparse._SubParsersAction[_Parser]") -> None:
+def _make_logs(commands: "argparse._SubParsersAction[OneLineParser]") -> None:
     info = commands.add_parser("info", help="tell all about a log of the logger")
     info.add_argument("files", metavar="LOG", nargs="+", type=Path, help="a .HOP file")
+    _json(info)
     decode = commands.add_parser("decode", help="turn a log into CSV, Parquet, MDF4 or UFF")
     decode.add_argument("files", metavar="LOG", nargs="+", type=Path, help="a .HOP file")
     decode.add_argument(
@@ -246,7 +232,7 @@ def _make_logs(commands: "argparse._SubParsersAction[_Parser]") -> None:
         )
 
 
-def _make_checks(commands: "argparse._SubParsersAction[_Parser]") -> None:
+def _make_checks(commands: "argparse._SubParsersAction[OneLineParser]") -> None:
     calibrate = commands.add_parser("calibrate", help="find what turns codes into m/s²")
     calibrate.add_argument(
         "session", metavar="SESSION", nargs="?", type=Path, help="SESSION.toml; or, turned, a log"
@@ -286,7 +272,7 @@ def _make_checks(commands: "argparse._SubParsersAction[_Parser]") -> None:
     )
     for command in (health, sync):
         command.add_argument("--figure", metavar="FILE.png", type=Path, help="draw what was found")
-        command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+        _json(command)
 
 
 def _make_campaign(command: argparse.ArgumentParser) -> None:
@@ -347,8 +333,12 @@ def _library(command: argparse.ArgumentParser, name: str = "effects") -> None:
     )
 
 
-def _outputs(command: argparse.ArgumentParser) -> None:
+def _json(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
+
+
+def _outputs(command: argparse.ArgumentParser) -> None:
+    _json(command)
     command.add_argument(
         "--report", metavar="FILE", type=Path, help="write a report: .html, or .pdf by a browser"
     )

@@ -74,7 +74,7 @@ def add_identify(commands: Any) -> None:
         "thesis", help="the thesis's tables, recomputed beside the printed"
     )
     thesis.add_argument(
-        "--figures", metavar="FOLDER", type=Path, help="draw figures 2.15 to 2.20 and 5.24"
+        "--figures", metavar="FOLDER", type=Path, help="draw its figures, and make a page of them"
     )
     for command in (identify, thesis):
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")

@@ -3,8 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from wheelhop.cli.parser_export import add_export
 from wheelhop.cli.parser_modes import add_modes
 from wheelhop.cli.parser_plan import add_plan
+from wheelhop.cli.parser_tune import add_tune
 
 
 def add_prediction(commands: Any) -> None:
@@ -13,6 +15,8 @@ def add_prediction(commands: Any) -> None:
     add_road(commands)
     add_modes(commands)
     add_plan(commands)
+    add_tune(commands)
+    add_export(commands)
 
 
 def add_simulate(commands: Any) -> None:
@@ -116,4 +120,5 @@ def add_road(commands: Any) -> None:
     road.add_argument(
         "--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg or .rdf (Adams)"
     )
+    road.add_argument("--json", metavar="FILE", type=Path, help="write what was found as JSON")
     road.add_argument("--grid", action="store_true", help="write a grid as .csv, too")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from dataclasses import asdict
 from math import inf, isfinite, isinf
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.output import open_console
+from wheelhop.cli.output import open_console, write_json
 from wheelhop.files import check_new
 from wheelhop.predict import read_drives
 from wheelhop.track import Track, make_track
@@ -57,6 +58,9 @@ def run(arguments: Namespace) -> int:
         f" {found.rms_m * 1e3:.3g} mm rms",
         markup=False,
     )
+    if arguments.json:
+        about = {"format": 1, "track": arguments.track, "road_class": found.road_class}
+        write_json(arguments.json, {**about, **asdict(found)})
     if arguments.out is not None:
         y = np.linspace(-half, half, max(round(width / GRID_M), 1) + 1)
         if arguments.width is None and isinstance(track, SurveyedGrid):

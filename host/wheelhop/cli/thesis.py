@@ -10,8 +10,7 @@ from rich.table import Table
 
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import Row, thesis_rows
-from wheelhop.identify.thesis import KINDS
-from wheelhop.identify.thesis_figures import draw_thesis
+from wheelhop.identify.row import KINDS
 
 
 def run(arguments: Namespace) -> int:
@@ -36,7 +35,9 @@ def run(arguments: Namespace) -> int:
         plain = [{**vars(row), "ours": None if isnan(row.ours) else row.ours} for row in rows]
         write_json(arguments.json, {"format": 1, "rows": plain})
     if arguments.figures:
-        for path in draw_thesis(arguments.figures):
+        from wheelhop.report.thesis import write_thesis
+
+        for path in write_thesis(arguments.figures, rows):
             console.print(f"drawn: {path}", markup=False, soft_wrap=True)
     return 0
 

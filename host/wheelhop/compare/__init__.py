@@ -24,7 +24,7 @@ from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
 from wheelhop.compare.signals import RunSignals
 from wheelhop.compare.terminal import print_comparison
-from wheelhop.compare.weights import weighed
+from wheelhop.compare.weights import weighed, with_noise
 
 __all__ = [
     "QUIETEST",
@@ -57,4 +57,5 @@ __all__ = [
     "to_json",
     "weighed",
     "where_to_json",
+    "with_noise",
 ]

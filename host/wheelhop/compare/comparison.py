@@ -92,11 +92,20 @@ class Comparison:
 
     def residuals(self, by: Literal["band", "run"] = "band") -> DataFrame:
         """What the model leaves in each channel, by third-octave band (its nominal centre, Hz) or
-        by run, a row for each pair.
+        by run.
 
-        Rms of residual, measurement and expected noise over all samples, in the channel's unit,
-        which stands beside them where channels differ in it; `error` is E of the pair, residual
-        over measurement, `over_floor` residual over noise.
+        Parameters
+        ----------
+        by
+            "band" or "run".
+
+        Returns
+        -------
+        DataFrame
+            A row for each band or run, and channel: rms of residual, measurement and expected noise
+            over all samples, in the channel's unit, which stands beside them where channels differ
+            in it; `error` is E of the pair, residual over measurement, `over_floor` residual over
+            noise.
         """
         import pandas
 
@@ -122,8 +131,14 @@ class Comparison:
         return pandas.DataFrame(columns, index=index)
 
     def agreement(self) -> DataFrame:
-        """The field's figures of agreement, a row for each run and channel the model predicts: see
-        `ChannelFigures`, and the ISO/TS 18571 rating."""
+        """The field's figures of agreement.
+
+        Returns
+        -------
+        DataFrame
+            A row for each run and channel the model predicts: E and that of noise alone, NRMSE,
+            coherence, spectral peaks (Hz, and height in the channel's unit), ISO/TS 18571 rating.
+        """
         import pandas
 
         mixed = len(set(self.units)) > 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import sqrt, tanh
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
 from wheelhop.effects.hysteresis import bouc_wen, bristles
-from wheelhop.vehicle import COMPONENT, Assembly, Law, ends, is_component, struts
+from wheelhop.vehicle import COMPONENT, Assembly, Law, Usual, ends, is_component, struts
 
 LONGEST_STEP_S = {"elastic": 0.00125, "creeping": 0.000625, "sticking": 0.00125, "smooth": 0.00125}
 """What a joint does before it slips, and the step that takes: its stiffness against the unsprung
@@ -42,6 +43,10 @@ def creeping_slip(
     return p[0] * tanh(v / p[1]), z
 
 
+LEAST = 1e-3
+"""Of the usual speed, a third of the fastest, or of the longest way: joints that creep more slowly
+or yield on less slip at once, as far as the record of a rig shows."""
+
 KERNELS: dict[str, tuple[Law, *tuple[str, ...]]] = {
     "elastic": (elastic_slip, "presliding_N_m"),
     "creeping": (creeping_slip, "creep_m_s"),
@@ -59,46 +64,65 @@ CREEP = Parameter(
     upper=0.04,
     starts=(0.004, 0.012),
 )
-STICKS = (
-    Parameter(
-        "sticking",
-        "1",
-        "force that holds at rest over the force that slides",
-        0.3,
-        lower=1.0,
-        upper=3.0,
-        starts=(1.4,),
+"""What is believed of a vehicle's joints."""
+
+ON_RIG = {
+    "creeping": (replace(CREEP, scale=0.08, lower=LEAST, upper=0.3, starts=(0.03, 0.1)),),
+    "sticking": (
+        Parameter(
+            "sticking",
+            "1",
+            "force that holds at rest over the force that slides",
+            0.3,
+            lower=1.0,
+            upper=3.0,
+            starts=(1.4,),
+        ),
+        Parameter(
+            "stribeck_m_s",
+            "m/s",
+            "speed over which the force falls from the one to the other",
+            0.15,
+            lower=LEAST,
+            upper=3.0,
+            starts=(0.04, 0.3),
+        ),
     ),
-    Parameter(
-        "stribeck_m_s",
-        "m/s",
-        "speed over which the force falls from the one to the other",
-        0.02,
-        lower=0.001,
-        upper=0.3,
-        starts=(0.005, 0.04),
+    "smooth": (
+        Parameter(
+            "yield_m",
+            "m",
+            "way on which first loading would reach the slip force at its first slope",
+            0.06,
+            lower=LEAST,
+            upper=3.0,
+            starts=(0.015, 0.12),
+        ),
+        Parameter(
+            "roundness",
+            "1",
+            "0.5: unloading is straight, 1: it is as round as loading",
+            0.2,
+            lower=0.5,
+            upper=1.0,
+            starts=(0.7,),
+        ),
     ),
-)
-YIELDS = (
-    Parameter(
-        "yield_m",
-        "m",
-        "way on which first loading would reach the slip force at its first slope",
-        0.002,
-        lower=1e-5,
-        upper=0.1,
-        starts=(0.0005, 0.004),
-    ),
-    Parameter(
-        "roundness",
-        "1",
-        "0.5: unloading is straight, 1: it is as round as loading",
-        0.2,
-        lower=0.5,
-        upper=1.0,
-        starts=(0.7,),
-    ),
-)
+}
+"""What each form has beside the slip force and a joint's stiffness; speeds and ways are shares of
+what is usual on the rig, as records of a press creep at other speeds than those of a shaker."""
+
+
+def _on(usual: Usual, share: Parameter) -> Parameter:
+    """A parameter in units of its own instead of in shares of what is usual."""
+    by = {"m/s": usual.speed_m_s, "m": usual.travel_m}.get(share.unit, 1.0)
+    return replace(
+        share,
+        scale=by * share.scale,
+        lower=by * share.lower,
+        upper=by * share.upper,
+        starts=tuple(by * start for start in share.starts),
+    )
 
 
 class DryFriction(Effect):
@@ -170,7 +194,7 @@ class DryFriction(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Slip force per axle; stiffness before slip, or the speed at which sliding sets in."""
         found = ends(vehicle)
-        spring = next(iter(found.values())).usual.stiffness_N_m
+        usual = next(iter(found.values())).usual
         return (
             *(
                 Parameter(
@@ -182,29 +206,33 @@ class DryFriction(Effect):
                 )
                 for end, strut in found.items()
             ),
-            *self._before_slip(COMPONENT not in found, spring),
+            *self._before_slip(usual, COMPONENT not in found),
         )
 
-    def _before_slip(self, on_car: bool, spring_N_m: float) -> tuple[Parameter, ...]:
-        if self.form == "creeping":
+    def _before_slip(self, usual: Usual, on_car: bool) -> tuple[Parameter, ...]:
+        if on_car and self.form == "creeping":
             return (CREEP,)
-        if self.form == "smooth":
-            return YIELDS
+        more = tuple(_on(usual, share) for share in ON_RIG.get(self.form, ()))
+        return more if self.form in ("creeping", "smooth") else (self._spring(usual, on_car), *more)
+
+    def _spring(self, usual: Usual, on_car: bool) -> Parameter:
+        spring = usual.stiffness_N_m
         starts = {"sticking": (5, 40), "elastic": (20, 150) if on_car else (2, 20, 150)}[self.form]
-        presliding = Parameter(
+        return Parameter(
             "presliding_N_m",
             "N/m",
             "stiffness of the joint before it slips",
-            100 * spring_N_m,
-            lower=spring_N_m,
-            upper=300 * spring_N_m if on_car else np.inf,  # a rig may hold it rigidly
-            starts=tuple(start * spring_N_m for start in starts),
+            100 * spring,
+            lower=spring,
+            upper=300 * spring if on_car else np.inf,  # a rig may hold it rigidly
+            starts=tuple(start * spring for start in starts),
         )
-        return (presliding, *STICKS) if self.form == "sticking" else (presliding,)
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the element to each strut."""
         for strut in struts(vehicle):
-            slip = theta[f"{strut.end}_N"]
             kernel, *names = KERNELS[self.form]
-            parts.add_law(strut.row, kernel, (slip, *(theta[name] for name in names)))
+            numbers = tuple(theta[name] for name in (f"{strut.end}_N", *names))
+            if self.form == "smooth":
+                numbers = (*numbers[:2], 1.0, 2.0 * numbers[2] - 1.0)
+            parts.add_law(strut.row, kernel, numbers)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import atanh, copysign, cosh, exp, log, tanh
+from math import atanh, copysign, cosh, exp, expm1, log1p, tanh
 
 from wheelhop.effects.base import Array, law
 
 ALMOST = 1.0 - 1e-12
+STRAIGHT = 1e-9
 PARTS = 4
 """Of a step, in which a yielding fluid follows the rate: it may relax much faster than that."""
 
@@ -30,24 +31,24 @@ def bristles(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tu
 
 @law
 def bouc_wen(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
-    """p[0] z with dz/dx = (1 − |z| (β sgn(z dx) + 1 − β)) / p[1], β = p[2]: Bouc and Wen's law of
-    exponent 1, solved exactly along the way dx."""
+    """p[0] z with dz/dx = (1 − p[2] |z|) / p[1] where it loads, (1 + p[3] |z|) / p[1] where it
+    unloads: Bouc and Wen's law of exponent 1, α = p[0] / p[1], β (γ + δ) = p[2] / p[1] and
+    β (γ − δ) = p[3] / p[1], solved exactly along the way dx."""
     way = abs(dx) / p[1]
     along = copysign(1.0, dx) * z  # seen so that the way is forwards
     if along < 0.0:
-        # d along = 1 + (1 − 2β) along, until it has come to 0.
-        slope = 1.0 - 2.0 * p[2]
-        if abs(slope) < 1e-9:
-            until, after = -along, along + way
+        # d along = 1 − p[3] along, until it has come to 0.
+        if abs(p[3]) < STRAIGHT:
+            grown, until = way, -along
         else:
-            until = log(1.0 / (1.0 + slope * along)) / slope
-            after = ((1.0 + slope * along) * exp(slope * way) - 1.0) / slope
+            grown, until = -expm1(-p[3] * way) / p[3], log1p(-p[3] * along) / p[3]
         if way <= until:
-            along, way = after, 0.0
+            along, way = along + grown * (1.0 - p[3] * along), 0.0
         else:
             along, way = 0.0, way - until
-    along = 1.0 + (along - 1.0) * exp(-way)
-    z = copysign(1.0, dx) * along
+    # d along = 1 − p[2] along.
+    grown = way if abs(p[2]) < STRAIGHT else -expm1(-p[2] * way) / p[2]
+    z = copysign(1.0, dx) * (along + grown * (1.0 - p[2] * along))
     return p[0] * z, z
 
 

@@ -15,6 +15,7 @@ from wheelhop.effects.asymmetric_damper import AsymmetricDamper
 from wheelhop.effects.backlash import Backlash
 from wheelhop.effects.base import Effect, Place
 from wheelhop.effects.bump_stop import BumpStop
+from wheelhop.effects.compliant_damper import CompliantDamper
 from wheelhop.effects.corner_asymmetry import CornerAsymmetry
 from wheelhop.effects.cornering_roll import CorneringRoll
 from wheelhop.effects.digressive_damper import DigressiveDamper
@@ -39,6 +40,7 @@ from wheelhop.effects.sensor_mount import SensorMount
 from wheelhop.effects.sensor_polarity import SensorPolarity
 from wheelhop.effects.sensor_skew import SensorSkew
 from wheelhop.effects.small_scale_roughness import SmallScaleRoughness
+from wheelhop.effects.smooth_hysteresis import SmoothHysteresis
 from wheelhop.effects.speed_fluctuation import SpeedFluctuation
 from wheelhop.effects.tyre_envelope import TyreEnvelope
 from wheelhop.effects.tyre_lift_off import TyreLiftOff
@@ -61,8 +63,10 @@ BUILT_IN: tuple[type[Effect], ...] = (
     Backlash,
     MountBushing,
     QuadraticDamper,
+    CompliantDamper,
     FrictionWithPlay,
     MrDamper,
+    SmoothHysteresis,
     PayneEffect,
     AntiRollBar,
     CornerAsymmetry,

@@ -1,4 +1,4 @@
-"""A magnetorheological damper: its fluid gives way elastically, yields, and creeps."""
+"""A force that yields and stores: elastic first, then creeping, then sliding."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from wheelhop.vehicle import Assembly, ends, inputs_of, struts
 
 
 class MrDamper(Effect):
-    """A fluid with a yield force: before it yields it is a spring, beyond it flows at a force that
-    hardly grows. Where inputs are recorded, a coil's voltage or current, the yield force may be a
-    constant plus so much times each."""
+    """A force with a limit: below it gives way as a spring does and stores, near it creeps, beyond
+    it slides at a force that hardly grows. The fluid of a magnetorheological damper does so, and
+    any joint that both creeps and is elastic. Where inputs are recorded, a coil's voltage or
+    current, the limit may be a constant plus so much times each."""
 
     id = "mr-damper"
     place = "suspension"
     on_rig = True
     on_vehicle = False
-    title = "a fluid that yields: elastic before, creeping at, sliding beyond its yield force"
+    title = "a force that yields and stores: elastic before, creeping at, sliding beyond its limit"
     equation = (
         r"f = (F_y + \sum_u F_u u)\,\zeta,\quad d\,\dot\zeta = \dot x - w\,\mathrm{artanh}\,\zeta"
     )
@@ -50,7 +51,7 @@ class MrDamper(Effect):
             Parameter(
                 "yield_m",
                 "m",
-                "way the fluid gives before it yields",
+                "way it gives before it yields",
                 0.05 * usual.travel_m,
                 lower=1e-3 * usual.travel_m,
                 upper=usual.travel_m,
@@ -59,7 +60,7 @@ class MrDamper(Effect):
             Parameter(
                 "creep_m_s",
                 "m/s",
-                "speed at which it flows with three quarters of the yield force",
+                "speed at which it creeps with three quarters of the yield force",
                 0.1 * usual.speed_m_s,
                 lower=2e-3 * usual.speed_m_s,
                 upper=usual.speed_m_s,

@@ -1,6 +1,7 @@
 """Strict reading of TOML: every mistake becomes one line that names file, key and remedy."""
 
 import math
+import re
 import tomllib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,6 +16,8 @@ from wheelhop.files.units import UNITS, beyond, split_unit
 
 LONGEST_WORD = 200  # that may be a misspelt one
 LONGEST_TEXT = 4000  # that somebody means to read
+COMMA = re.compile(r"[=\[,{]\s*([+-]?\d+,\d+)\s*(?:#|[\]},]|$)")
+SLIP = 0.8  # likeness of two keys of which one is the other, misspelt
 
 
 @contextmanager
@@ -59,7 +62,8 @@ def parse_toml(text: str, path: Path, kind: type[InputError] = InputError) -> "T
     try:
         return Table(tomllib.loads(text), path, kind=kind)
     except (ValueError, RecursionError) as error:
-        raise kind(f"{path}: not valid TOML: {_one_line(error)}") from None
+        said = _decimal_comma(text, str(error)) or f"not valid TOML: {_one_line(error)}"
+        raise kind(f"{path}: {said}") from None
 
 
 class Table:
@@ -98,8 +102,11 @@ class Table:
 
     def needs(self, keys: Collection[str]) -> list[str]:
         """Those of these keys that are missing, as the user would write them: "[body] mass_kg"."""
-        missing = [f"{self.prefix}{key}" for key in keys if key not in self.values]
-        return [f"{self.heading} {key}".lstrip() for key in missing]
+        missing = [key for key in keys if key not in self.values]
+        others = [key for key in self.values if key not in keys]
+        return [
+            f"{self.heading} {self.prefix}{key}{_written(key, others)}".lstrip() for key in missing
+        ]
 
     def number(
         self,
@@ -203,6 +210,17 @@ class Table:
             found.append(Table(item, self.file, f"[[{key}]] {label}", kind=self.kind))
         return found
 
+    def all_numbers(self, prefix: str = "", but: str | None = None) -> dict[str, float]:
+        """Every number of this table and of those in it, by its dotted name behind a prefix; left
+        out are those whose names end with `but`."""
+        found: dict[str, float] = {}
+        for key, value in self.values.items():
+            if isinstance(value, dict):
+                found |= self.table(key).all_numbers(f"{prefix}{key}.", but)
+            elif but is None or not key.endswith(but):
+                found[f"{prefix}{key}"] = self.number(key)
+        return found
+
     def format(self) -> None:
         """Check the format version at the top of the file."""
         version = self._required("format", "1")
@@ -236,6 +254,28 @@ class Table:
             return wrong_unit
         guess = did_you_mean(key, known) or hint or f"; known here: {', '.join(sorted(known))}"
         return f"unknown key '{self.prefix}{key}'{guess}"
+
+
+def _decimal_comma(text: str, error: str) -> str:
+    """What is wrong with the line that the parser stopped at, if that is a number with a decimal
+    comma; else empty."""
+    place = re.search(r"at line (\d+)", error)
+    lines = text.split("\n")
+    if place is None or int(place[1]) > len(lines):
+        return ""
+    found = COMMA.search(lines[int(place[1]) - 1])
+    if found is None:
+        return ""
+    point = found[1].replace(",", ".")
+    return f"line {place[1]}: {found[1]} has a decimal comma: TOML takes a point, {point}"
+
+
+def _written(key: str, others: Sequence[str]) -> str:
+    """How a key that is missing was written, if that is another unit or a slip of the pen."""
+    stem, _ = split_unit(key)
+    alike = [other for other in others if split_unit(other)[0] == stem]
+    near = alike or get_close_matches(key, others, n=1, cutoff=SLIP)
+    return f" (not {near[0]})" if near else ""
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:

@@ -12,7 +12,7 @@ Document = Mapping[str, Any]
 
 
 def to_toml(document: Document) -> str:
-    """A document of texts, numbers, lists of texts, tables and lists of tables as TOML."""
+    """A document of texts, numbers, lists of them, tables and lists of tables as TOML."""
     return "".join(f"{line}\n" for line in _lines(document))
 
 
@@ -48,7 +48,9 @@ def dotted(name: str) -> str:
     return quoted(name) if set(name) & set('."') else name
 
 
-def _value(value: str | float | list[str]) -> str:
+def _value(value: str | float | list[str] | list[float]) -> str:
     if isinstance(value, list):
-        return f"[{', '.join(map(quoted, value))}]"
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, float):
+        return repr(float(value))  # what numpy calls a float prints as np.float64(…)
     return quoted(value) if isinstance(value, str) else repr(value)

@@ -148,6 +148,18 @@ class Bench:
             found = found / self.doubt[:, self.predicted]
         return np.where(np.isfinite(found), found, np.inf).ravel()
 
+    def seen_by(self, columns: Array, channels: Sequence[int]) -> Array:
+        """Columns of data (size, k) as they would be, had only some `channels` been recorded beside
+        those that drive the run."""
+        of_predicted = np.cumsum(self.predicted) - 1
+        kept = [int(of_predicted[i]) for i in channels if self.predicted[i]]
+        data = columns.reshape(self.band.count, -1, columns.shape[1])
+        if self.shared_error is None:
+            seen = data[:, kept]
+        else:
+            seen = self.shared_error.among(kept).white(self.shared_error.recorded(data)[:, kept])
+        return np.asarray(seen.reshape(-1, columns.shape[1]))
+
     def undoubted(self, data: Array) -> Array:
         """Data (size,) as they were recorded, with the errors of what drives the run."""
         return self.recorded(data.reshape(self.band.count, -1)).ravel()

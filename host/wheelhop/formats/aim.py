@@ -14,13 +14,12 @@ from wheelhop.formats.table import Table, plain_channel
 
 MILLISECONDS = 1e-3
 TIMECODES = "timecodes"
-PACKED = 20  # times as large as packed, at most, an .xrz of the library's own tests is 4
 
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read every channel; those with the same stamps are one group."""
     libxrk = need("libxrk", "aim", path)
-    check_room(path, PACKED * NUMBERS * path.stat().st_size / 4, ExchangeError)
+    check_room(path, NUMBERS * path.stat().st_size, ExchangeError)
     log = libxrk.aim_xrk(str(path))
     tables = []
     for name, channel in log.channels.items():

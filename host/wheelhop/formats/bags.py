@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from wheelhop.files import check_room
+from wheelhop.files import NUMBERS, check_room
 from wheelhop.formats.error import ExchangeError, need
 from wheelhop.formats.groups import only_recordings
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table, plain_channel
 
-ROOM = 40.0
-"""Bytes of memory for each byte of a bag, whose numbers become Python's before they are columns."""
 NANOSECONDS, BILLION = 1e-9, 10**9
 LONGEST_LIST = 32  # numbers of a field that are channels; longer ones are pictures and scans
 ROS = ("sensor_msgs/", "geometry_msgs/", "nav_msgs/")
@@ -44,7 +42,7 @@ class _Topic:
 
 def load(path: Path, mapping: Map | None) -> list[Table]:
     """Read the numbers of every topic, without covariances, pictures and scans."""
-    check_room(path, ROOM * path.stat().st_size, ExchangeError)
+    check_room(path, NUMBERS * path.stat().st_size, ExchangeError)
     topics: dict[str, _Topic] = {}
     refused: dict[str, str] = {}
     for name, kind, logged_ns, message in _messages(path, refused):

@@ -189,9 +189,9 @@ def _rounded(
         return None
     if equal or unit_s > SURE * (time_s[-1] - time_s[0]) or (gaps and longer < MANY):
         row = int(np.argmax(counts == counts.max())) + 1
-        raise ExchangeError(
+        raise UnevenError(
             f"{where(row)}: time stamps are rounded to {unit_s:.6g} s, too coarse to tell the rate,"
-            f" about {rate:.4g} Hz: say rate_hz"
+            f" about {rate:.4g} Hz: say rate_hz, or {RESAMPLE}"
         )
     return _on_steps(time_s, index, _rate(time_s, index), unit_s)
 

@@ -11,12 +11,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.files import NUMBERS, check_room
 from wheelhop.formats.error import ExchangeError
-from wheelhop.formats.grid import SILENT, STRAY
+from wheelhop.formats.grid import SILENT, STRAY, too_few
 from wheelhop.formats.mapping import Map, Pick
 from wheelhop.formats.table import Between, Table, clocks_are_known, columns_of
 
@@ -26,8 +28,6 @@ steps in turn."""
 LONGEST_GAP = 4.0
 """In usual steps: over more than that a straight line says nothing, for the error of a smooth
 signal is 16 times as large by then. It is left empty."""
-SMOOTH = 2.0
-"""The largest power with which a straight line's error grows with the step (Taylor)."""
 FEWEST = 10
 """Samples that tell how uncertain a channel is between them."""
 LATEST_S = 1e15  # beyond it a number is no time
@@ -50,7 +50,9 @@ def onto_rate(tables: Sequence[Table], mapping: Map) -> Table:
     series = [_series(tables[n], clocks[n], k) for n, k in (source[column] for column in wanted)]
     first = min(float(one.time_s[0]) for one in series)
     last = max(float(one.time_s[-1]) for one in series)
-    rows_s = first + np.arange(int((last - first) * rate_hz + SILENT) + 1) / rate_hz
+    count = int((last - first) * rate_hz + SILENT) + 1
+    _check_rows(count, max(one.lasts_s for one in series) * rate_hz, len(series), whole.file)
+    rows_s = first + np.arange(count) / rate_hz
     values, between = np.empty((len(rows_s), len(series))), []
     for at, (column, one) in enumerate(zip(wanted, series, strict=True)):
         if rate_hz < (1 - STRAY) * one.rate_hz:
@@ -85,11 +87,16 @@ class _Series:
     merged: int
 
     @property
+    def lasts_s(self) -> float:
+        """How long the channel was recorded, gaps apart, s."""
+        steps = np.diff(self.time_s)
+        return float(steps[steps <= self.gap_s].sum())
+
+    @property
     def rate_hz(self) -> float:
         """Samples a second, gaps apart."""
-        steps = np.diff(self.time_s)
-        kept = steps[steps <= self.gap_s]
-        return 1.0 / float(kept.mean()) if len(kept) else 0.0
+        kept = int((np.diff(self.time_s) <= self.gap_s).sum())
+        return kept / self.lasts_s if kept else 0.0
 
     def at(self, rows_s: NDArray[np.float64]) -> tuple[NDArray[np.float64], bool]:
         """The channel at these instants (m,), and whether all of them are its samples'."""
@@ -111,7 +118,7 @@ class _Series:
         if min(len(near), len(far)) < FEWEST:
             return float(np.std(self.values))
         one, two = (float(np.sqrt(np.mean(np.square(off)))) for off in (near, far))
-        return 0.0 if one == 0.0 else one / float(np.clip(two / one, 1.0, 2.0**SMOOTH))
+        return 0.0 if one == 0.0 else one / max(1.0, two / one)
 
     def _left_out(self, reach: int) -> NDArray[np.float64]:
         """How far samples are off the line between those `reach` before and after, without gaps."""
@@ -121,6 +128,16 @@ class _Series:
         line = x[a] + (x[c] - x[a]) * (t[b] - t[a]) / (t[c] - t[a])
         off: NDArray[np.float64] = (x[b] - line)[gaps[a] == gaps[c]]
         return off
+
+
+def _check_rows(count: int, filled: float, columns: int, file: Path) -> None:
+    """Raise for a clock that was set anew, which makes more rows than memory, nearly all empty."""
+    if too_few(int(filled) + 1, count):
+        raise ExchangeError(
+            f"{file}: {count} rows, of which only {filled:.0f} would be filled: is a clock set anew"
+            " in between? cut the file there"
+        )
+    check_room(file, NUMBERS * count * columns, ExchangeError)
 
 
 def _series(table: Table, clock_s: NDArray[np.float64], column: int) -> _Series:

@@ -220,7 +220,9 @@ def _uncertain(
             unit = pick.unit or table.channels[column].unit
             if rms := own.rms * abs(pick.scale) * to_si(unit)[1]:
                 words = f"{own.rate_hz:.4g} samples a second, between which it is uncertain by"
-                words = f"{channel.name}: {words} {rms:.2g} {channel.unit} rms"
+                words = (
+                    f"{channel.name}: {words} {' '.join((f'{rms:.2g}', channel.unit)).strip()} rms"
+                )
                 found[channel.name] = words, f"{rms:.3g}"
     return found
 

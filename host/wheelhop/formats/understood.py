@@ -107,6 +107,8 @@ def why_of(unit: str) -> str:
     """What becomes of values in this unit."""
     if not unit:
         return "its unit is not said"
+    if is_unit(unit) and not is_measured(unit):
+        return "a time"
     if not is_measured(unit):
         return f"its unit is not known{did_you_mean(unit, SPELT)}"
     si, factor = to_si(unit)

@@ -8,7 +8,7 @@ from math import pi, sqrt
 
 from scipy.special import bdtrc
 
-from wheelhop.campaign.write import VEHICLE
+from wheelhop.campaign.sample import VEHICLE
 from wheelhop.gate.finding import FALSE_ALARM, Finding
 from wheelhop.vehicle import Vehicle, axles, wheels
 

@@ -22,6 +22,7 @@ from wheelhop.identify.quarter_car import (
     rigid_inertia,
     wheel_hop_hz,
 )
+from wheelhop.identify.row import Row
 from wheelhop.identify.sections import Sections
 from wheelhop.identify.select import Candidate, best, candidate, of_orders, relaxed
 from wheelhop.identify.spectra import Measured, Spectra, measure, not_excited, spectra
@@ -30,7 +31,7 @@ from wheelhop.identify.steps import DampedSinusoids, fit_damped_sinusoids, incre
 from wheelhop.identify.steps_file import StepResponses, read_steps
 from wheelhop.identify.structure import Structure, Suspensions, suspensions
 from wheelhop.identify.study import Car, Variant, WheelHop, car_of, car_of_steps, study
-from wheelhop.identify.thesis import Row, thesis_rows
+from wheelhop.identify.thesis import thesis_rows
 
 __all__ = [
     "Candidate",

@@ -3,6 +3,8 @@ characterization of vehicle suspensions), in SI: what ours are held against."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from wheelhop.identify.sections import Sections
@@ -100,3 +102,83 @@ H_N_11_STATIC = (-4.2e105, 7.9e105)
 TABLE_D_1 = {"pitch": 3.03, "bounce": 4.93, "roll": 4.95, "wheel hop": 10.56, "twist": 26.49}
 """Simple estimates of the modes, Hz, under the names that they have there: `thesis.simple_modes`
 has others."""
+
+TABLE_2_5 = {
+    "sprung_kg": 137.0,
+    "unsprung_kg": 45.0,
+    "strut_N_m": 23.6e3,
+    "tyre_N_m": 250e3,
+    "strut_N_s_m": 620.0,
+    "tyre_N_s_m": 50.0,
+}
+"""The usual quarter car of figures 1.4 and 2.21."""
+
+FIGURE_2_21 = {"usual": (1.68, 1.0), "generalized": (1.19, 0.76)}
+"""Peak and final value of the body's response to a step of 1; the peaks are read off."""
+
+TABLE_A_1 = (25e3, 30e3, 500.0, 750.0)
+"""First estimates of the struts: K front, K rear, N/m, C front, C rear, N·s/m."""
+
+TABLE_3_2 = (
+    (529.720, 0.056, 485.635, 1019.674, 26.861, 2.625),
+    (649.802, 0.048, 355.167, 1002.370, 28.931, 2.304),
+    (855.702, 0.090, 44.132, 904.701, 59.552, 13.658),
+    (894.934, 0.089, -54.369, 839.987, 61.474, 14.078),
+    (517.930, 0.060, -109.340, 413.357, 26.932, 3.069),
+    (365.390, 0.078, 23.210, 389.852, 24.116, 4.086),
+    (441.464, 0.060, 132.586, 576.690, 23.094, 2.758),
+    (433.754, 0.050, 185.934, 620.944, 20.043, 1.770),
+)
+"""Two specimens each of four bushings: A₀, β, M₀ of the modified power law, A₀, A₁, A₂ of the
+logarithmic polynomial, N/mm."""
+
+TABLE_3_3 = {"modified power law": (529.72, 0.06, 485.64), "E": (615.72, 392.49, 0.09)}
+"""The first specimen: A₀, β, M₀, and E₀, E₁, α of the fractional Kelvin–Voigt model, N/mm."""
+
+TABLE_4_1 = {"front": (25e3, 1500.0, 10.5e3, 630.0), "rear": (15e3, 1360.0, 6.5e3, 590.0)}
+"""K, N/m, and C, N·s/m, of the component, then at the wheel."""
+
+TABLE_4_4 = {
+    "washboard/low": (15.0, 400.0),
+    "washboard/high": (25.0, 600.0),
+    "one-sided-washboard/low": (15.0, 400.0),
+    "one-sided-washboard/high": (25.0, 600.0),
+    "herringbone/low": (10.0, 500.0),
+    "herringbone/medium": (15.0, 600.0),
+    "herringbone/high": (20.0, 800.0),
+    "chassis-twist/low": (150.0, 2000.0),
+    "chassis-twist/medium": (175.0, 3000.0),
+    "chassis-twist/high": (200.0, 4000.0),
+}
+"""Amplitude and pitch of tracks, mm."""
+
+TABLES_4_5_TO_4_7: Mapping[str, Mapping[str, tuple[float, ...]]] = {
+    "4.5": {"washboard/low": (7.5, 9.5), "washboard/high": (11.0, 13.0)},
+    "4.6": {
+        "herringbone/low": (9.0, 14.0),
+        "herringbone/medium": (21.0, 25.0),
+        "herringbone/high": (14.0, 19.0),
+    },
+    "4.7": {
+        "chassis-twist/low": (7.5, 15.5),
+        "chassis-twist/medium": (6.5, 21.5),
+        "chassis-twist/high": (5.5, 14.5),
+    },
+}
+"""Speeds, km/h."""
+
+TABLE_5_1: Mapping[str, tuple[float, ...]] = {
+    **TABLES_4_5_TO_4_7["4.5"],
+    "herringbone/low": (9.0, 14.0),
+    "herringbone/medium": (21.0, 25.0),
+    "herringbone/high": (14.0, 19.0),
+    "chassis-twist/low": (7.5, 15.5),
+    "chassis-twist/medium": (6.5, 21.5),
+    "chassis-twist/high": (5.5, 14.5),
+    "one-sided-washboard/low": (7.0,),
+    "one-sided-washboard/high": (13.0,),
+}
+"""The same once more, of all eighteen tests."""
+
+TABLE_4_8 = (6.7e-4, 1.36)
+"""Degree of unevenness C, m³, and waviness w of the pave."""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,39 +25,16 @@ from wheelhop.identify.quarter_car import (
     on_wheels,
     wheel_hop_hz,
 )
+from wheelhop.identify.row import UNPUBLISHED, Kind, Row, make_row
 from wheelhop.identify.simple_modes import component_stiffness, implied_body, simple_modes
 from wheelhop.identify.statespace import StateSpace, balanced_reduction
 from wheelhop.identify.steps import fit_damped_sinusoids, incremental_model
 from wheelhop.identify.structure import Structure
 from wheelhop.identify.synthetic import thesis_matrix, thesis_runs
+from wheelhop.identify.thesis_tables import table_rows
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
-Kind = Literal["fit", "round trip", "recalculation", "prediction"]
-KINDS: Mapping[Kind, str] = {
-    "fit": "six numbers of an equivalent vehicle, which are not printed, were chosen so that these"
-    " rows agree",
-    "round trip": "records were made of the printed numbers, and these found in them again: that"
-    " tests the program, not the thesis",
-    "recalculation": "by a formula from other printed numbers: that tests the thesis's arithmetic",
-    "prediction": "from masses, springs and dampers, none of them chosen for the row; where they"
-    " are not printed, they are the equivalent vehicle's (chapter 2) or the examples' (chapter 5)",
-}
-"""How ours came about, and so what its agreement with the printed number is worth."""
-
-
-@dataclass(frozen=True)
-class Row:
-    """One number: where it is printed, what it is, the printed value, ours (NaN: there is none),
-    of which kind ours is, and why they differ (empty: they agree to 1 %)."""
-
-    table: str
-    what: str
-    printed: float
-    ours: float
-    kind: Kind
-    reason: str
 
 
 def thesis_rows() -> list[Row]:
@@ -75,13 +51,10 @@ def thesis_rows() -> list[Row]:
         *table_5_2(),
         *_chapter_5(),
         *_table_d_1(),
+        *table_rows(),
     ]
 
 
-UNPUBLISHED = (
-    "the frame's finite elements are not printed; an equivalent rigid body with one twisting mode"
-    " stands for them"
-)
 FIRST_GUESS = {
     1: "from the step at B1 alone, with which section 2.4 begins (all four give nothing that"
     " oscillates): one increment at four points cannot hold four modes, and hangs on those of the"
@@ -93,11 +66,6 @@ FIRST_GUESS = {
     " (benchmarks/table_a2.py)",
 }
 """By number of increments in the state."""
-
-
-def _row(table: str, what: str, printed: float, ours: float, kind: Kind, reason: str) -> Row:
-    agrees = abs(ours - printed) <= 0.01 * abs(printed)
-    return Row(table, what, printed, float(ours), kind, "" if agrees else reason)
 
 
 def _table_2_1(body: StateSpace) -> Iterator[Row]:
@@ -133,7 +101,7 @@ def _pairs(
             left.remove(near)
         for name, theirs, ours in zip(("σ", "ω"), pair, near, strict=True):
             what = f"{count} sinusoids, {name}{number}, 1/s"
-            yield _row(table, what, theirs, ours, kind, reason)
+            yield make_row(table, what, theirs, ours, kind, reason)
 
 
 def _sign_of_b() -> Iterator[Row]:
@@ -145,7 +113,7 @@ def _sign_of_b() -> Iterator[Row]:
         " printed H_n of chapter 5 has done"
     )
     ours = from_ground / (strut + from_wheel)
-    yield _row("2.25", "B of a tyre that does not yield", 1.0, ours, "recalculation", reason)
+    yield make_row("2.25", "B of a tyre that does not yield", 1.0, ours, "recalculation", reason)
 
 
 def _peaks(body: StateSpace) -> Iterator[Row]:
@@ -159,14 +127,16 @@ def _peaks(body: StateSpace) -> Iterator[Row]:
     )
     for number, (text, printed) in enumerate(zip(published.PEAKS_HZ, found, strict=True), start=1):
         what = f"peak {number}, of the printed G_red, Hz"
-        yield _row("2.8", what, text, printed, "recalculation", other)
+        yield make_row("2.8", what, text, printed, "recalculation", other)
     old, new = (Struts(*published.TABLE_2_2[key]) for key in ("old", "new"))
     heavy = replace(wheels(), mass_kg=published.FIGURE_2_19_KG)
     reduced, _ = balanced_reduction(on_wheels(body, old, new, heavy).part(0, 0), 6)
     ours = peaks_hz(lambda s: reduced(s)[:, 0, 0])
     for number, (text, here) in enumerate(zip(published.PEAKS_HZ, ours, strict=True), start=1):
         what = f"peak {number}, with figure 2.19's wheels, Hz"
-        yield _row("2.8", what, text, here, "prediction", f"printed with two digits; {UNPUBLISHED}")
+        yield make_row(
+            "2.8", what, text, here, "prediction", f"printed with two digits; {UNPUBLISHED}"
+        )
 
 
 def _table_2_4(body: StateSpace) -> Iterator[Row]:
@@ -181,9 +151,11 @@ def _table_2_4(body: StateSpace) -> Iterator[Row]:
     hops = poles[:, follows.argmin()]
     for (m, simple, model), hop in zip(published.TABLE_2_4, hops, strict=True):
         ours = wheel_hop_hz(m, tyre, strut)
-        yield _row("2.4", f"wheel hop by (2.27), {m:g} kg, Hz", simple, ours, "recalculation", "")
+        yield make_row(
+            "2.4", f"wheel hop by (2.27), {m:g} kg, Hz", simple, ours, "recalculation", ""
+        )
         what = f"wheel hop of G_red, {m:g} kg, Hz"
-        yield _row("2.4", what, model, hop, "prediction", UNPUBLISHED)
+        yield make_row("2.4", what, model, hop, "prediction", UNPUBLISHED)
 
 
 def _weight() -> Row:
@@ -193,7 +165,7 @@ def _weight() -> Row:
     )
     ours = 1.0 - equivalent_vehicle().front
     what = "weight in front, of the whole"
-    return _row("2.11", what, published.FRONT_SHARE, ours, "fit", reason)
+    return make_row("2.11", what, published.FRONT_SHARE, ours, "fit", reason)
 
 
 def _reduced(body: StateSpace) -> Iterator[Row]:
@@ -207,12 +179,12 @@ def _reduced(body: StateSpace) -> Iterator[Row]:
     reasons = (UNPUBLISHED, second, UNPUBLISHED)
     for k, (printed, here) in enumerate(zip(theirs, ours, strict=True)):
         what = f"pole {k + 1} of G_red, Hz"
-        yield _row("A.4", what, float(printed), here, "prediction", reasons[k])
+        yield make_row("A.4", what, float(printed), here, "prediction", reasons[k])
     static = published.G_11_STATIC[0] / published.G_11_STATIC[1]
-    yield _row("A.4", "G11(0)", static, g.static()[0, 0], "fit", UNPUBLISHED)
+    yield make_row("A.4", "G11(0)", static, g.static()[0, 0], "fit", UNPUBLISHED)
     reduced = published.G_RED[0][-1] / published.G_RED[1][-1]
     ours_reduced = balanced_reduction(g, 6)[0].static()[0, 0]
-    yield _row("A.4", "G_red(0)", reduced, ours_reduced, "fit", UNPUBLISHED)
+    yield make_row("A.4", "G_red(0)", reduced, ours_reduced, "fit", UNPUBLISHED)
 
 
 def _figure_2_15(body: StateSpace) -> Iterator[Row]:
@@ -223,7 +195,7 @@ def _figure_2_15(body: StateSpace) -> Iterator[Row]:
         reason = 'read off a figure and printed as "close to 0.8"; (A.4) says 0.76 for the first'
         kind: Kind = "fit" if factor == 1.0 else "prediction"  # G11(0), and what follows from it
         what = f"static, front stiffness × {factor:g}"
-        yield _row("fig 2.15", what, 0.8, static, kind, reason)
+        yield make_row("fig 2.15", what, 0.8, static, kind, reason)
 
 
 def table_5_2() -> Iterator[Row]:
@@ -233,7 +205,7 @@ def table_5_2() -> Iterator[Row]:
         ours = float(denominator[8 - power])
         if power < 8:
             reason, what = "printed with one or two digits", f"denominator, s^{power}, of Table 5.2"
-            yield _row("D.2", what, float(printed), ours, "recalculation", reason)
+            yield make_row("D.2", what, float(printed), ours, "recalculation", reason)
     h = identify(
         [thesis_runs(noise=0.01)], Structure("symmetric", rigid=False), start=None, order=8
     )
@@ -245,7 +217,7 @@ def table_5_2() -> Iterator[Row]:
             ("Hz", truth.frequency_hz[k], found.frequency_hz[k]),
             ("ζ", truth.zeta[k], found.zeta[k]),
         ):
-            yield _row("5.2", f"mode {k + 1}, {what}", theirs, ours, "round trip", reason)
+            yield make_row("5.2", f"mode {k + 1}, {what}", theirs, ours, "round trip", reason)
 
 
 def _chapter_5() -> Iterator[Row]:
@@ -259,14 +231,14 @@ def _chapter_5() -> Iterator[Row]:
         "B of (5.22) was taken as positive, as the check after (2.25) has it: raising a wheel would"
         " lower the body"
     )
-    yield _row("D.2.2", "H_n,11(0)", printed, g.static()[0, 0], "recalculation", sign)
+    yield make_row("D.2.2", "H_n,11(0)", printed, g.static()[0, 0], "recalculation", sign)
     reduced = published.H_RED[0][-1] / published.H_RED[1][-1]
     order = len(published.H_RED[1]) - 1
     ours, _ = balanced_reduction(g, order)
-    yield _row("D.2.2", "H_red(0)", reduced, ours.static()[0, 0], "recalculation", sign)
+    yield make_row("D.2.2", "H_red(0)", reduced, ours.static()[0, 0], "recalculation", sign)
     tenth = "called of tenth order there, and of 8th in section 5.7: this is the one printed"
     called = float(published.H_RED_ORDER)
-    yield _row("D.2.2", "order of H_red", called, order, "recalculation", tenth)
+    yield make_row("D.2.2", "order of H_red", called, order, "recalculation", tenth)
     theirs = np.roots(published.H_RED[1])
     theirs = theirs[theirs.imag > 0]
     reason = "of an order reduced from printed coefficients of one or two digits"
@@ -274,14 +246,14 @@ def _chapter_5() -> Iterator[Row]:
         zip(np.sort(np.abs(theirs)), 2 * np.pi * _frequencies(ours), strict=True), start=1
     ):
         what = f"pole {number} of H_red, Hz"
-        yield _row("D.2.2", what, a / 2 / np.pi, b / 2 / np.pi, "recalculation", reason)
+        yield make_row("D.2.2", what, a / 2 / np.pi, b / 2 / np.pi, "recalculation", reason)
     rows = thesis_matrix().static().sum(axis=1)
     truth = (
         "fitted to accelerations, which tell nothing at 0 Hz: with all wheels raised the body must"
         " rise as much"
     )
     for end, row in (("front", rows[0]), ("rear", rows[2])):
-        yield _row("D.2.1", f"rows of H(0), {end}", float(row), 1.0, "prediction", truth)
+        yield make_row("D.2.1", f"rows of H(0), {end}", float(row), 1.0, "prediction", truth)
 
 
 def _table_d_1() -> Iterator[Row]:
@@ -290,13 +262,13 @@ def _table_d_1() -> Iterator[Row]:
     printed = published.TABLE_D_1["wheel hop"]
     ours = wheel_hop_hz(unsprung[0], unsprung[1], component)
     what = "wheel hop, rear, component's stiffness, Hz"
-    yield _row("D.1", what, printed, ours, "recalculation", "")
+    yield make_row("D.1", what, printed, ours, "recalculation", "")
     for end in ("rear", "front"):
         mass, tyre, _ = published.TABLE_5_3[end]
         strut = published.TABLE_5_4["old"][0 if end == "front" else 1]
         ours = wheel_hop_hz(mass, tyre, strut)
         what = f"wheel hop, {end}, wheel rate, Hz"
-        yield _row("D.1", what, printed, ours, "recalculation", reason)
+        yield make_row("D.1", what, printed, ours, "recalculation", reason)
     yield from _body_modes()
     bare = published.ATV_MASS_KG - 2 * sum(published.TABLE_5_3[e][0] for e in ("front", "rear"))
     driverless = (
@@ -304,9 +276,11 @@ def _table_d_1() -> Iterator[Row]:
         " the centre of mass is where the examples have it"
     )
     what = "sprung mass of these modes, kg"
-    yield _row("D.1", what, bare, implied_body()[0], "recalculation", driverless)
+    yield make_row("D.1", what, bare, implied_body()[0], "recalculation", driverless)
     frame = "of an Adams model whose tubes are not printed: nothing to compute it from"
-    yield _row("D.1", "twist, Hz", published.TABLE_D_1["twist"], float("nan"), "prediction", frame)
+    yield make_row(
+        "D.1", "twist, Hz", published.TABLE_D_1["twist"], float("nan"), "prediction", frame
+    )
     car = published.ATV
     side = (car["front_N_m"] + car["rear_N_m"]) * car["track_width_m"] ** 2
     too_stiff = (
@@ -314,7 +288,7 @@ def _table_d_1() -> Iterator[Row]:
         " the middle make Σ k (w/2)², which our roll takes"
     )
     what = "roll stiffness, N·m"
-    yield _row("D.4", what, side, component_stiffness().roll_N_m, "recalculation", too_stiff)
+    yield make_row("D.4", what, side, component_stiffness().roll_N_m, "recalculation", too_stiff)
 
 
 def _body_modes() -> Iterator[Row]:
@@ -338,7 +312,7 @@ def _body_modes() -> Iterator[Row]:
     for called, mode in zip(("pitch", "bounce", "roll"), both[0], strict=True):
         what = mode.name if mode.name == called else f"{mode.name}, there called {called}"
         printed = published.TABLE_D_1[called]
-        yield _row("D.1", f"{what}, Hz", printed, mode.frequency_hz, "prediction", reason)
+        yield make_row("D.1", f"{what}, Hz", printed, mode.frequency_hz, "prediction", reason)
 
 
 def peaks_hz(response: Callable[[ComplexArray], ComplexArray]) -> Array:

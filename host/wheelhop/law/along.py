@@ -27,8 +27,15 @@ class _Laws(Assembly):
 
     found: list[tuple[Row, Law, tuple[float, ...], str]] = field(default_factory=list)
 
-    def add_law(self, row: Row, law: Law, parameters: tuple[float, ...], by: str = "") -> None:
-        """Keep the law."""
+    def add_law(
+        self,
+        row: Row,
+        law: Law,
+        parameters: tuple[float, ...],
+        by: str = "",
+        begins: str = "",
+    ) -> None:
+        """Keep the law; along a motion that is given every memory begins at 0."""
         self.found.append((row, law, parameters, by))
 
 

@@ -100,11 +100,25 @@ class Recording:
     ) -> "Recording":
         """A recording from a pandas DataFrame, a column per channel.
 
-        Time is the column "time_s" or an index of times (seconds, timedeltas or dates); without
-        either, or to say it exactly, give `rate_hz`. A column's name ends in its unit
-        ("A1_m_s2", "A1 [g]"), or `unit` holds; known units become SI. "A1" … "B4" and "body" are
-        places of the campaign format. Gaps of the time stamps become rows of NaN. Each sample is
-        the mean over `averaging_s` seconds (0: ideal sampling).
+        "A1" … "B4" and "body" are places of the campaign format. Gaps of the time stamps become
+        rows of NaN.
+
+        Parameters
+        ----------
+        table
+            Time is the column "time_s" or an index of times (seconds, timedeltas or dates). A
+            column's name ends in its unit ("A1_m_s2", "A1 [g]"); known units become SI.
+        rate_hz
+            The sample rate, where the table has no time, or to say it exactly.
+        unit
+            Of columns whose names say none.
+        averaging_s
+            Each sample is the mean over so many seconds (0: ideal sampling).
+
+        Returns
+        -------
+        Recording
+            (n, n_channels), in SI.
 
         Raises
         ------
@@ -116,8 +130,13 @@ class Recording:
         return replace(from_dataframe(table, rate_hz, unit), averaging_s=averaging_s)
 
     def to_dataframe(self) -> "DataFrame":
-        """A pandas DataFrame (n, n_channels): index `time_s`, each column's name ends in its unit
-        ("A1_m_s2")."""
+        """The samples as a pandas DataFrame.
+
+        Returns
+        -------
+        DataFrame
+            (n, n_channels), index `time_s`; each column's name ends in its unit ("A1_m_s2").
+        """
         import pandas
 
         names = [f"{channel.name}{ending_of(channel.unit)}" for channel in self.channels]
@@ -125,8 +144,13 @@ class Recording:
         return pandas.DataFrame(self.values.copy(), index=index, columns=names)
 
     def to_xarray(self) -> "Dataset":
-        """An xarray Dataset: a variable (n,) per channel over the coordinate `time_s`, each with
-        the attribute `units`.
+        """The samples as an xarray Dataset.
+
+        Returns
+        -------
+        Dataset
+            A variable (n,) per channel over the coordinate `time_s`, each with the attribute
+            `units`.
 
         Raises
         ------
@@ -198,5 +222,18 @@ class Recording:
         return f"<p>{escape(repr(self))}</p>{table.to_html(float_format='%.3g')}"
 
     def after(self, step: str, **changes: object) -> "Recording":
-        """Return the recording with `changes` of its fields, and the `step` that made them."""
+        """The recording with some fields changed, and a line of history more.
+
+        Parameters
+        ----------
+        step
+            What was done, for `history`.
+        changes
+            Fields and their new values.
+
+        Returns
+        -------
+        Recording
+            Another one.
+        """
         return replace(self, history=(*self.history, step), **changes)  # type: ignore[arg-type]

@@ -30,6 +30,8 @@ FLAT_S = 1.5
 """A track that begins somewhere is reached so long after the record has begun."""
 WANDER_RAD_S = 2 * np.pi / 5.0
 """What an effect leaves free along a run, a driver's speed say, wanders with about this period."""
+STILL_1_S = 1e-9
+"""A vehicle whose motion grows no faster than this stays in its place: poles are that exact."""
 LONGEST_PERIOD_M = 100.0
 """The start of a run is drawn from one period of a track; a random road does not repeat sooner."""
 
@@ -62,20 +64,12 @@ class Case:
     @cached_property
     def channels(self) -> tuple[Channel, ...]:
         """What is recorded: the points of the corners that have a wheel."""
-        there = wheels(self.vehicle.values)
-        return tuple(channel for channel in CHANNELS if channel.corner in there)
+        return channels_of(self.vehicle)
 
     @cached_property
     def nominal(self) -> Model:
         """The vehicle with its effects, as far as these are alike in all runs."""
-        model = Model(values=self.vehicle.values)
-        for chosen in self.effects:
-            parameters = chosen.effect.parameters_for(self.vehicle.values, self.channels)
-            values = {
-                f"{chosen.effect.id}.{p.name}": _stated(chosen, p, _typical(p)) for p in parameters
-            }
-            model = model.with_effect(chosen.effect, parameters).with_values(values)
-        return model
+        return model_of(self.vehicle, self.effects)
 
     @cached_property
     def system(self) -> System:
@@ -88,15 +82,31 @@ class Case:
         end as much late. Raises CampaignError where the simulation runs away."""
         simulator = self._simulator(number, rate_hz, averaging_s, lead_s)
         record = simulator.record(self._model(number, simulator), self.system)
-        return _finite(record, self.drives[number])
+        if not np.isfinite(record).all():
+            raise self.runs_away(number)
+        return record
+
+    def runs_away(self, number: int) -> CampaignError:
+        """What there is to say where the simulation of a run does not stay finite."""
+        return CampaignError(
+            f"run {self.drives[number].id}: the simulation runs away: in large motion the vehicle"
+            " is not stable, or something is far too stiff for its mass"
+        )
 
     @RUNS_AWAY
     def motion(self, number: int) -> Motion:
         """All that moves in a run, from rest on."""
-        simulator = self._simulator(number, SAMPLE_RATE_HZ, 0.0, 0.0)
-        motion = simulator.motion(self._model(number, simulator), self.system)
-        _finite(motion.displacement, self.drives[number])
+        simulator, model = self.prepared(number)
+        motion = simulator.motion(model, self.system)
+        if not np.isfinite(motion.displacement).all():
+            raise self.runs_away(number)
         return motion
+
+    def prepared(self, number: int, run_up_s: float = 0.0) -> tuple[MotionSimulator, Model]:
+        """The simulator of a run and its model, for who asks the same run many times; it runs up
+        for `run_up_s` at least."""
+        simulator = self._simulator(number, SAMPLE_RATE_HZ, 0.0, 0.0, run_up_s)
+        return simulator, self._model(number, simulator)
 
     def campaign(self, noise_rms: float) -> tuple[Campaign, Model]:
         """All drives as an ideal instrument would record them, all of them to be fitted, and the
@@ -114,7 +124,12 @@ class Case:
         return replace(whole, noise_rms=noise_rms), model
 
     def _simulator(
-        self, number: int, rate_hz: float, averaging_s: float, lead_s: float
+        self,
+        number: int,
+        rate_hz: float,
+        averaging_s: float,
+        lead_s: float,
+        run_up_s: float = 0.0,
     ) -> MotionSimulator:
         drive = self.drives[number]
         time_s = np.arange(round((self.seconds + 2 * lead_s) * rate_hz)) / rate_hz - lead_s
@@ -129,7 +144,7 @@ class Case:
             course=drive.course,
         )
         campaign = self._campaign((run,), rate_hz, averaging_s)
-        return MotionSimulator(campaign, run, run_up({"road": self.system}))
+        return MotionSimulator(campaign, run, max(run_up({"road": self.system}), run_up_s))
 
     def _campaign(self, runs: tuple[Run, ...], rate_hz: float, averaging_s: float) -> Campaign:
         return Campaign(
@@ -172,6 +187,25 @@ class Case:
         return model.with_run(drive.id, own)
 
 
+def channels_of(vehicle: Vehicle) -> tuple[Channel, ...]:
+    """The logger's channels at the corners that have a wheel."""
+    there = wheels(vehicle.values)
+    return tuple(channel for channel in CHANNELS if channel.corner in there)
+
+
+def model_of(vehicle: Vehicle, effects: Sequence[Chosen]) -> Model:
+    """A vehicle with effects, as far as these are alike in all runs; numbers that are not stated
+    are such that the effect shows clearly. Raises CampaignError for one outside its bounds."""
+    model, channels = Model(values=vehicle.values), channels_of(vehicle)
+    for chosen in effects:
+        parameters = chosen.effect.parameters_for(vehicle.values, channels)
+        values = {
+            f"{chosen.effect.id}.{p.name}": _stated(chosen, p, _typical(p)) for p in parameters
+        }
+        model = model.with_effect(chosen.effect, parameters).with_values(values)
+    return model
+
+
 def _typical(parameter: Parameter) -> float:
     """What a parameter is where nothing is stated: clearly visible."""
     return parameter.starts[0] if parameter.is_shape else parameter.absent + parameter.scale
@@ -199,22 +233,19 @@ def _check_known(chosen: Chosen, parameters: Sequence[Parameter]) -> None:
             raise CampaignError(f"--with {chosen.effect.id}: has no parameter {name}{near}")
 
 
+def stands(system: System) -> bool:
+    """Whether a vehicle stays in its place."""
+    heavy = np.linalg.eigvalsh(system.mass).min() > 0.0
+    return bool(heavy and system.poles().real.max() <= STILL_1_S)
+
+
 def check_stable(system: System) -> None:
     """Raise CampaignError for a vehicle that does not stay in its place."""
     if np.linalg.eigvalsh(system.mass).min() <= 0.0:
         raise CampaignError("the vehicle: more mass or inertia is taken out of it than it has")
     growth = float(system.poles().real.max())
-    if growth > 1e-9:
+    if growth > STILL_1_S:
         raise CampaignError(
             f"the vehicle is not stable: it leaves its place by a factor e in {1 / growth:.2g} s; "
             "look at its stiffnesses, and those of the effects"
         )
-
-
-def _finite(values: Array, drive: Drive) -> Array:
-    if not np.isfinite(values).all():
-        raise CampaignError(
-            f"run {drive.id}: the simulation runs away: in large motion the vehicle is not stable, "
-            "or something is far too stiff for its mass"
-        )
-    return values

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,18 +46,25 @@ def weighted(acceleration: Array, rate_hz: float, below_hz: float = np.inf) -> A
     Before and after the record there is silence for as long again, so that nothing of the end
     comes back at the beginning.
     """
-    n = 2 * len(acceleration)
+    n = fft.next_fast_len(2 * len(acceleration), real=True)
+    spectrum = fft.rfft(acceleration, n)
+    return np.asarray(fft.irfft(_gain(n, rate_hz, below_hz) * spectrum, n)[: len(acceleration)])
+
+
+@lru_cache(maxsize=32)
+def _gain(n: int, rate_hz: float, below_hz: float) -> NDArray[np.complex128]:
+    """Wk at the frequencies of a transform of n samples: many rides ask for the same."""
     frequency = fft.rfftfreq(n, 1.0 / rate_hz)
     gain = np.zeros(len(frequency), dtype=np.complex128)
     inside = (frequency > 0.0) & (frequency < below_hz)
     gain[inside] = wk(frequency[inside])
-    spectrum = fft.rfft(acceleration, n)
-    return np.asarray(fft.irfft(gain * spectrum, n)[: len(acceleration)])
+    return gain
 
 
 def comfort(felt: Array, rate_hz: float) -> Comfort:
     """Figures of a weighted acceleration (n,): equations 1 and 5 of the standard."""
-    return Comfort(float(np.sqrt(np.mean(felt**2))), float((np.sum(felt**4) / rate_hz) ** 0.25))
+    square = felt * felt
+    return Comfort(float(np.sqrt(np.mean(square))), float((square @ square / rate_hz) ** 0.25))
 
 
 def _second_order(s: NDArray[np.complex128], corner_hz: float, q: float) -> NDArray[np.complex128]:

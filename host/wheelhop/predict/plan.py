@@ -127,8 +127,14 @@ class Plan:
         return tuple(sorted(((*pair, a) for pair, a in pairs.items()), key=lambda p: p[2]))
 
     def to_dataframe(self) -> DataFrame:
-        """All runs that could be driven, those to drive first and in order (`rank`; NaN for the
-        others), then by what they tell alone."""
+        """All runs that could be driven.
+
+        Returns
+        -------
+        DataFrame
+            Those to drive first and in order (`rank`; NaN for the others), then by what they tell
+            alone; speeds in km/h where the name says so, else SI.
+        """
         import pandas
 
         rank = {place: n for n, place in enumerate(self.chosen, start=1)}

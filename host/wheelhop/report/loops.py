@@ -55,10 +55,12 @@ def loops_figure(campaign: ComponentCampaign, steps: Sequence[Step]) -> Drawing:
         for row, run in zip(panels, runs, strict=True):
             measured = records_of(steps[-1].rung)[run.id]
             mass = steps[-1].rung.model.values["component.mass_kg"]
-            draw = [(_loop(campaign, run, measured, measured.measured, mass), MEASURED, "measured")]
+            draw = [
+                (loop_of(campaign, run, measured, measured.measured, mass), MEASURED, "measured")
+            ]
             for step, colour, name in models:
                 record, own = records_of(step.rung)[run.id], step.rung.model.values
-                loop = _loop(campaign, run, record, record.model, own["component.mass_kg"])
+                loop = loop_of(campaign, run, record, record.model, own["component.mass_kg"])
                 draw.append((loop, colour, name))
             finer = FINER if campaign.drive == "force" else 1
             part = _farthest(draw[0][0][0], finer * campaign.sample_rate_hz)
@@ -76,7 +78,7 @@ def loops_figure(campaign: ComponentCampaign, steps: Sequence[Step]) -> Drawing:
     return figure
 
 
-def _loop(
+def loop_of(
     campaign: ComponentCampaign, run: RigRun, record: Record, answer: Array, mass_kg: float
 ) -> tuple[Array, Array, Array]:
     """Displacement, velocity and force (T,). Where a force is imposed all in band, and the force

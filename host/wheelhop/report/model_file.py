@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign
 from wheelhop.diagnose import Step
@@ -16,9 +18,12 @@ from wheelhop.simulate import Model
 from wheelhop.vehicle import Vehicle
 
 FORMAT = 1
+DIGITS = 9
+"""Of a correlation: records tell the ratio of a force to a mass to some 1e-5 of what is believed of
+their common scale, and one less its correlation is half the square of that."""
 TOP_KEYS = (
     *("format", "campaign", "vehicle_name", "written_by", "floor", "ladder", "effect"),
-    *("vehicle", "component", "rig", "mount", "channel", "run"),
+    *("vehicle", "component", "rig", "mount", "channel", "correlation", "run"),
 )
 UNCERTAINTY = "_uncertainty"
 """How the name of a standard deviation ends, behind that of its number."""
@@ -59,6 +64,7 @@ def _document(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> Do
         ],
         "effect": [_effect(effect, last, campaign) for effect in last.rung.model.effects],
         **(tables if on_rig else {"vehicle": tables}),
+        "correlation": _correlation(last),
         "channel": _channels(campaign, last),
         "run": [{"id": run.id} | _run(last, run.id) for run in campaign.runs],
     }
@@ -102,6 +108,14 @@ def _tables(vehicle: Vehicle, step: Step) -> Document:
     return tables
 
 
+def _correlation(step: Step) -> dict[str, list[float]]:
+    """Of each fitted number with those fitted before it and with itself, 1."""
+    fit = step.rung.fit
+    spread = np.sqrt(np.diag(fit.covariance))
+    matrix = np.round(fit.covariance / np.outer(spread, spread), DIGITS)
+    return {free.name: matrix[i, : i + 1].tolist() for i, free in enumerate(fit.shared)}
+
+
 def _channels(campaign: Campaign, step: Step) -> Document:
     """Places that were estimated, by channel."""
     found = {}
@@ -143,22 +157,23 @@ def read_model(path: Path, library: Mapping[str, Effect]) -> Model:
     top.only(TOP_KEYS)
     values: dict[str, float] = {}
     for name in ("component", "rig", "mount"):
-        values |= _numbers(top.table_if_any(name), f"{name}.")
-    values |= _numbers(top.table_if_any("vehicle"))
+        values |= top.table_if_any(name).all_numbers(f"{name}.", UNCERTAINTY)
+    values |= top.table_if_any("vehicle").all_numbers(but=UNCERTAINTY)
     if not values:
         raise top.error("holds no numbers: give the tables of [vehicle], or [component]")
     for name in (channels := top.table_if_any("channel")).values:
-        values |= _numbers(channels.table(name), f"channel.{dotted(name)}.")
+        values |= channels.table(name).all_numbers(f"channel.{dotted(name)}.", UNCERTAINTY)
     effects = []
     for table in top.tables("effect", "id") if "effect" in top else []:
         table.only(("id", "form", "parameters"))
         effect = _of_library(table, library)
         effects.append(effect)
-        values |= _numbers(table.table_if_any("parameters"), f"{effect.id}.")
+        values |= table.table_if_any("parameters").all_numbers(f"{effect.id}.", UNCERTAINTY)
     runs: dict[str, dict[str, float]] = {}
     for run in top.tables("run", "id") if "run" in top else []:
         about = {key: value for key, value in run.values.items() if key != "id"}
-        runs[run.text("id")] = _numbers(Table(about, path, run.heading, kind=CampaignError))
+        own = Table(about, path, run.heading, kind=CampaignError)
+        runs[run.text("id")] = own.all_numbers(but=UNCERTAINTY)
     return Model(values, tuple(effects), runs)
 
 
@@ -169,16 +184,3 @@ def _of_library(table: Table, library: Mapping[str, Effect]) -> Effect:
     except CampaignError as error:
         raise table.error(str(error)) from None
     return effect.with_choice(table.text("form")) if "form" in table else effect
-
-
-def _numbers(table: Table, prefix: str = "") -> dict[str, float]:
-    """Every number of a table and of those in it by its dotted name, without the uncertainties."""
-    return dict(_each(table, prefix))
-
-
-def _each(table: Table, prefix: str) -> Iterator[tuple[str, float]]:
-    for key, value in table.values.items():
-        if isinstance(value, dict):
-            yield from _each(table.table(key), f"{prefix}{key}.")
-        elif not key.endswith(UNCERTAINTY):
-            yield f"{prefix}{key}", table.number(key)

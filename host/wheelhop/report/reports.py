@@ -13,6 +13,7 @@ from wheelhop.gate import Finding
 from wheelhop.law import LastRungs
 from wheelhop.report import sections
 from wheelhop.report.axle_to_body import axle_to_body
+from wheelhop.report.dynamometer import dynamometer
 from wheelhop.report.law_page import law_section
 from wheelhop.report.page import facts, paragraph, title, write_page
 from wheelhop.report.words import comparison_headline, headline, over_floor
@@ -38,6 +39,7 @@ def write_diagnosis_report(
         facts([("confidence", confidence), *_key_numbers(campaign, steps)], "key"),
         sections.findings(diagnosis.findings),
         sections.loops(campaign, steps),
+        dynamometer(campaign, steps),
         sections.ladder(steps if law is None else (*steps, *law.steps)),
         "" if law is None else law_section(law),
         sections.traces(campaign, steps),
@@ -70,6 +72,7 @@ def write_comparison_report(
         facts(_key_numbers(campaign, steps), "key"),
         sections.findings(findings),
         sections.loops(campaign, steps),
+        dynamometer(campaign, steps),
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,67 +37,87 @@ class Motion:
     tyre_force: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What a model's outputs show (T, c), `values`, at every step of the integration; `time_s`,
+    `recorded` and `height` as those of `Motion`."""
+
+    time_s: Array
+    recorded: NDArray[np.bool_]
+    height: Array
+    values: Array
+
+
 class MotionSimulator(RunSimulator):
     """A run's simulator that also gives displacements. Its vehicle stands on a track."""
 
     def motion(self, model: Model, system: System) -> Motion:
         """What moves, from rest on."""
-        stride = self._stride(model, system)
-        height, rate = self._motion(model, stride)
         n = len(system.mass)
-        forces = self._forces(model, system, self._times(2 * stride))
-        initial = self._initial(model, system)
-        task = Task(_showing_all(system), height, rate, forces, initial)
-        step_s = 1.0 / (self.campaign.sample_rate_hz * stride)
-        steps = slice(1, len(height) - 1)  # the integrator samples neither the first nor the last
-        count = steps.stop - steps.start
-        (found,) = integrate(
-            [task], step_s=step_s, first=1, stride=1, averaging=Averaging(0.0), n_samples=count
+        (found,) = self.shown([(model, _showing_all(system))])
+        acceleration, displacement, velocity, force = np.split(
+            found.values, [n, 2 * n, 3 * n], axis=1
         )
-        acceleration, displacement, velocity = found[:, :n], found[:, n : 2 * n], found[:, 2 * n :]
-        time_s, record = self._times(stride)[steps], self.run.time_s
-        ground = height[steps], rate[steps]
         return Motion(
-            time_s,
-            (time_s >= record[0] - 1e-9) & (time_s <= record[-1] + 1e-9),
-            acceleration,
-            velocity,
-            displacement,
-            ground[0],
-            _tyre_force(system, step_s, (displacement, velocity), ground),
+            found.time_s, found.recorded, acceleration, velocity, displacement, found.height, force
         )
+
+    def shown(self, trials: Sequence[tuple[Model, System]]) -> list[Shown]:
+        """What the outputs of several models show, each from rest on, at every step of its
+        integration; side by side they cost little more than one."""
+        found: dict[int, Shown] = {}
+        groups: dict[object, list[tuple[int, int, Task]]] = {}
+        for i, (model, system) in enumerate(trials):
+            stride = self._stride(model, system)
+            height, rate = self._motion(model, stride)
+            forces = self._forces(model, system, self._times(2 * stride))
+            task = Task(system, height, rate, forces, self._initial(model, system))
+            groups.setdefault((stride, task.make), []).append((i, stride, task))
+        for group in groups.values():
+            stride = group[0][1]
+            tasks = [task for *_, task in group]
+            steps = slice(1, len(tasks[0].height) - 1)  # neither the first nor the last is sampled
+            values = integrate(
+                tasks,
+                step_s=1.0 / (self.campaign.sample_rate_hz * stride),
+                first=1,
+                stride=1,
+                averaging=Averaging(0.0),
+                n_samples=steps.stop - steps.start,
+            )
+            time_s, record = self._times(stride)[steps], self.run.time_s
+            inside = (time_s >= record[0] - 1e-9) & (time_s <= record[-1] + 1e-9)
+            for (i, _, task), one in zip(group, values, strict=True):
+                found[i] = Shown(time_s, inside, task.height[steps], one)
+        return [found[i] for i in range(len(trials))]
 
 
 def _showing_all(system: System) -> System:
-    """The mechanism with outputs that show all that moves: accelerations, displacements, rates."""
-    n, others = len(system.mass), 2 * system.input_stiffness.shape[1] + len(system.port)
+    """The mechanism with outputs that show all that moves: accelerations, displacements, rates,
+    and what the tyres carry."""
+    n = len(system.mass)
+    moved = np.eye(2 * n, system.reading_width)
+    return watching(system, np.eye(n), np.vstack([moved, tyre_forces(system)]))
+
+
+def watching(system: System, accelerated: Array, reading: Array) -> System:
+    """The mechanism with outputs that show accelerations, rows (a, n) over its coordinates, and
+    then readings, rows as those of `System.reading`."""
+    a, n = accelerated.shape
     return replace(
         system,
-        output=np.vstack([np.eye(n), np.zeros((2 * n, n))]),
-        reads=tuple(range(n, 3 * n)),
-        reading=np.eye(2 * n, 2 * n + others),
+        output=np.vstack([accelerated, np.zeros((len(reading), n))]),
+        reads=tuple(range(a, a + len(reading))),
+        reading=reading,
     )
 
 
-def _tyre_force(
-    system: System, step_s: float, moved: tuple[Array, Array], ground: tuple[Array, Array]
-) -> Array:
-    """What the ground must push with, (T, wheels), N, for it to move so.
+def tyre_forces(system: System) -> Array:
+    """What the ground must push with for it to move so, N, as a reading of each wheel.
 
     Raising all coordinates together strains nothing, hence the ground's own stiffness is the sum of
     those that couple it: F = Σ_i B_ij (u_j − q_i) + D_ij (u̇_j − q̇_i) + Σ_p R_pj f_p.
     """
-    (q, q_rate), (u, u_rate) = moved, ground
     b, d = system.input_stiffness, system.input_damping
-    force = u * b.sum(axis=0) - q @ b + u_rate * d.sum(axis=0) - q_rate @ d
-    for p in np.flatnonzero(system.port_input.any(axis=1)):
-        row, row_input = system.port[p], system.port_input[p]
-        x, v = q @ row + u @ row_input, q_rate @ row + u_rate @ row_input
-        law, numbers = system.laws[system.port_law[p]], system.law_parameters[p]
-        memory, given = 0.0, list[float]()
-        steps = (array.tolist() for array in (x, v, np.diff(x, prepend=x[0])))
-        for extension, speed, change in zip(*steps, strict=True):
-            now, memory = law(extension, speed, change, step_s, memory, numbers)
-            given.append(now)
-        force += np.array(given)[:, None] * row_input
-    return np.asarray(force)
+    own = [np.diag(matrix.sum(axis=0)) for matrix in (b, d)]
+    return np.hstack([-b.T, -d.T, *own, system.port_input.T])

@@ -90,17 +90,17 @@ class RigSimulator:
         """Records of several models, each at so many steps per sample."""
         self.steps += len(self.run.time_s) * sum(stride for _, _, stride in trials)
         if self.campaign.drive == "displacement":
-            return [self._force(system, stride)[:, None] for _, system, stride in trials]
+            return [self._force(*trial)[:, None] for trial in trials]
         alike: dict[object, list[int]] = {}
         for i, (_, system, stride) in enumerate(trials):
             alike.setdefault((stride, system.port_law, system.laws, system.port_by), []).append(i)
         found = [np.empty(0)] * len(trials)
         for places in alike.values():
             stride = trials[places[0]][2]
-            own = [trials[i][0].runs[self.run.id] for i in places]
+            models = [trials[i][:2] for i in places]
             records = displacements(
                 [trials[i][1] for i in places],
-                [[numbers[name] for name in INITIAL] for numbers in own],
+                [[*self._initial(model), *self._begins(model, one)] for model, one in models],
                 self._imposed(stride),
                 self._weights(trials[places[0]][1], 2 * stride),
                 1.0 / (self.campaign.sample_rate_hz * stride),
@@ -139,14 +139,22 @@ class RigSimulator:
         steps = np.arange(samples[-1] * stride + 1) / stride
         return np.asarray(np.interp(steps, samples, self.run.time_s))
 
-    def _force(self, system: System, stride: int) -> Array:
+    def _initial(self, model: Model) -> list[float]:
+        return [model.runs[self.run.id][name] for name in INITIAL]
+
+    def _begins(self, model: Model, system: System) -> list[float]:
+        """What the law of each port (p,) remembers as the run begins."""
+        own = model.runs.get(self.run.id, {})
+        return [own.get(name, 0.0) for name in system.port_begins]
+
+    def _force(self, model: Model, system: System, stride: int) -> Array:
         x, v, a = self.motion(stride)
         linear = system.mass[0, 0] * a + system.damping[0, 0] * v + system.stiffness[0, 0] * x
         laws = _follow(
             x,
             v,
             1.0 / (self.campaign.sample_rate_hz * stride),
-            *_ports(system, self._weights(system, stride)),
+            *_ports(system, self._weights(system, stride), self._begins(model, system)),
         )
         return np.asarray((linear + laws)[::stride])
 
@@ -166,24 +174,26 @@ class RigSimulator:
         return self._forces[stride]
 
 
-def _ports(system: System, weights: Array) -> tuple[object, ...]:
-    """The force laws as the loops below take them: coefficients p, laws, their parameters, and
-    what their forces are times."""
+def _ports(system: System, weights: Array, begins: Sequence[float]) -> tuple[object, ...]:
+    """The force laws as the loops below take them: coefficients p, laws, their parameters, what
+    their forces are times, and what they remember at first."""
     return (
         np.ascontiguousarray(system.port[:, 0]),
         np.array(system.port_law, dtype=np.int64),
         padded(system.laws),
         system.law_parameters,
         weights,
+        np.array(begins),
     )
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _follow(x, v, dt, p, port_law, laws, law_par, weight):  # type: ignore[no-untyped-def]
-    """Force (T,) of the laws along a motion x, v (T,), each times its weight (p, T), if any."""
+def _follow(x, v, dt, p, port_law, laws, law_par, weight, begins):  # type: ignore[no-untyped-def]
+    """Force (T,) of the laws along a motion x, v (T,), each times its weight (p, T), if any, its
+    memory at first what it `begins` with (p,)."""
     total = np.zeros(len(x))
     for port in range(len(p)):
-        law, memory, before = port_law[port], 0.0, x[0]
+        law, memory, before = port_law[port], begins[port], x[0]
         for t in range(len(x)):
             force, memory = laws[law](
                 p[port] * x[t], p[port] * v[t], p[port] * (x[t] - before), dt * min(t, 1),

@@ -40,7 +40,7 @@ from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mounted
 from wheelhop.vehicle.nominal import read_nominal
 from wheelhop.vehicle.struts import COMPONENT, Strut, Usual, ends, pairs, strut_at, struts
-from wheelhop.vehicle.vehicle import Vehicle, changed, read_vehicle
+from wheelhop.vehicle.vehicle import Vehicle, changed, read_vehicle, vehicle_in
 
 __all__ = [
     "ABOARD",
@@ -91,5 +91,6 @@ __all__ = [
     "struts",
     "suspension",
     "tyre",
+    "vehicle_in",
     "wheels",
 ]

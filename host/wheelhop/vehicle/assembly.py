@@ -97,6 +97,8 @@ class System:
     output: Array  #: (c, n) accelerations shown = output @ q̈; NaN row: not predicted
     coordinates: tuple[str, ...] = ()  #: (n,) names of the free coordinates
     port_by: tuple[str, ...] = ()  #: (p,) input that each port's force is times, "" for none
+    port_begins: tuple[str, ...] = ()
+    """(p,) number of the run that each port's law remembers as the run begins, "" for 0"""
     port_force: Array | None = None  #: (p, n) P of the forces, where it is another
     reads: tuple[int, ...] = ()  #: (r,) the outputs that are readings; their row of `output` is 0
     reading: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -107,6 +109,11 @@ class System:
     def is_linear(self) -> bool:
         """Whether what moves it twice as much moves it twice as far."""
         return not self.laws and not len(self.upright)
+
+    @property
+    def reading_width(self) -> int:
+        """2 n + 2 m + p: how many columns `reading` has."""
+        return 2 * (len(self.mass) + int(self.input_stiffness.shape[1])) + len(self.port)
 
     @cached_property
     def leaning(self) -> tuple[Array, Array, Array]:
@@ -189,7 +196,7 @@ class Assembly:
     _modes: list[tuple[str, Callable[[float, float], float]]] = field(default_factory=list)
     _masses: list[tuple[Row, float]] = field(default_factory=list)
     _springs: list[tuple[Row, float, float]] = field(default_factory=list)
-    _laws: list[tuple[Row, Law, tuple[float, ...], str]] = field(default_factory=list)
+    _laws: list[tuple[Row, Law, tuple[float, ...], str, str]] = field(default_factory=list)
     _uprights: list[tuple[Row, Row, float]] = field(default_factory=list)
     _forces: list[Row] = field(default_factory=list)
     _outputs: list[Row | Reading | None] = field(default_factory=list)
@@ -220,10 +227,18 @@ class Assembly:
         """A linear spring and damper along the extension `row`."""
         self._springs.append((row, stiffness_N_m, damping_N_s_m))
 
-    def add_law(self, row: Row, law: Law, parameters: tuple[float, ...], by: str = "") -> None:
+    def add_law(
+        self,
+        row: Row,
+        law: Law,
+        parameters: tuple[float, ...],
+        by: str = "",
+        begins: str = "",
+    ) -> None:
         """A nonlinear force −f(δ, δ̇) along the extension `row`, in N; on a rig times the recorded
-        input `by`, if one is named."""
-        self._laws.append((row, law, parameters, by))
+        input `by`, if one is named, and its memory as a run begins is that run's number `begins`
+        ("my-effect.initial_N") instead of 0."""
+        self._laws.append((row, law, parameters, by, begins))
 
     def add_upright(self, foot: Row, angle: Row, moment_kg_m: float) -> None:
         """What a mass m adds that stands at a height h above its foot and leans by an angle φ: it
@@ -290,9 +305,9 @@ class Assembly:
         ports = self._stack([row for row, *_ in self._laws])
         forces = self._stack([row for row, *_ in self._laws], of_force=True)
         laws = tuple(dict.fromkeys(law for _, law, *_ in self._laws))
-        width = max([LAW_PARAMETERS, *(len(values) for _, _, values, _ in self._laws)])
+        width = max([LAW_PARAMETERS, *(len(values) for _, _, values, *_ in self._laws)])
         parameters = np.zeros((len(self._laws), width))
-        for i, (_, _, values, _) in enumerate(self._laws):
+        for i, (_, _, values, *_) in enumerate(self._laws):
             parameters[i, : len(values)] = values
         upright = self._stack([row for *rows, _ in self._uprights for row in rows])
         output = np.full((len(self._outputs), n), np.nan)
@@ -318,7 +333,8 @@ class Assembly:
             upright_moment=np.array([moment for *_, moment in self._uprights]),
             output=output,
             coordinates=tuple(self._free),
-            port_by=tuple(by for *_, by in self._laws),
+            port_by=tuple(by for *_, by, _ in self._laws),
+            port_begins=tuple(begins for *_, begins in self._laws),
             port_force=np.ascontiguousarray(forces[:, :n]) if self._carried else None,
             reads=tuple(readings),
             reading=np.array([self._read(reading) for reading in readings.values()]).reshape(

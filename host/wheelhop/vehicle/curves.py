@@ -43,12 +43,14 @@ class Slope:
         return float(np.linalg.norm([self.scatter, self.bend, CALIBRATED * self.value]))
 
 
-def read_curve(file: Path, units: Mapping[str, Mapping[str, float]]) -> dict[str, Array]:
+def read_curve(
+    file: Path, units: Mapping[str, Mapping[str, float]], fewest: int = FEWEST
+) -> dict[str, Array]:
     """Columns (n,) of a CSV file in SI, by the quantities of `units`, each of which gives the units
     that may stand at the end of a column's name; "" is no unit.
 
     Raises CampaignError for a quantity that is missing, twice there or in another unit, columns
-    that are something else, and cells that are not finite numbers.
+    that are something else, fewer than `fewest` points, and cells that are not finite numbers.
     """
     rows, names = _rows(file), read_names(file)
     known = {
@@ -64,8 +66,8 @@ def read_curve(file: Path, units: Mapping[str, Mapping[str, float]]) -> dict[str
     if sorted(quantities) != sorted(units):
         raise CampaignError(f"{file}: line 1: it takes one column each of {wanted}")
     table = np.array([_row(file, line, row, names) for line, row in enumerate(rows[1:], start=2)])
-    if len(table) < FEWEST:
-        raise CampaignError(f"{file}: {len(table)} points are too few; give {FEWEST} or more")
+    if len(table) < fewest:
+        raise CampaignError(f"{file}: {len(table)} points are too few; give {fewest} or more")
     return {known[name][0]: known[name][1] * table[:, i] for i, name in enumerate(names)}
 
 

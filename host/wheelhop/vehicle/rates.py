@@ -139,6 +139,11 @@ def wheel_rates(
         So far up and down from ride height one number has to do; by default, as far as the files
         go.
 
+    Returns
+    -------
+    WheelRates
+        The curves, and stiffness (N/m) and damping (N s/m) at strut and wheel.
+
     Raises
     ------
     CampaignError

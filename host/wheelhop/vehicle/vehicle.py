@@ -80,13 +80,35 @@ class Vehicle:
         return self.values[key]
 
     def with_values(self, changes: Mapping[str, float]) -> Vehicle:
-        """This vehicle with some values changed; KeyError for a key it does not have."""
+        """This vehicle with some values changed.
+
+        Parameters
+        ----------
+        changes
+            Values in SI by their dotted names.
+
+        Returns
+        -------
+        Vehicle
+            Another one.
+
+        Raises
+        ------
+        KeyError
+            It has no such number.
+        """
         for key in changes:
             self.values[key]
         return replace(self, values={**self.values, **changes})
 
     def to_dataframe(self) -> DataFrame:
-        """The numbers by their names: value, one standard deviation, and their unit, SI."""
+        """The numbers as a table.
+
+        Returns
+        -------
+        DataFrame
+            By `number`: value, uncertainty (one standard deviation), unit (SI).
+        """
         import pandas
 
         columns = {"value": dict(self.values), "uncertainty": dict(self.uncertainty)}
@@ -119,7 +141,11 @@ def read_vehicle(path: Path) -> Vehicle:
     a centre of mass that is not between the axles, more mass on mounts than the body has, and a
     value without uncertainty; `FrameError` for a frame's file that is wrong.
     """
-    top = read_toml(path, CampaignError)
+    return vehicle_in(read_toml(path, CampaignError), path.parent)
+
+
+def vehicle_in(top: Table, folder: Path) -> Vehicle:
+    """What `read_vehicle` reads, of a table; `folder` has the files it names."""
     top.format()
     model = top.text("model", FULL_CAR, choices=tuple(MODELS))
     tables, absent = _tables(model), f"; a {model} has none"
@@ -153,11 +179,11 @@ def read_vehicle(path: Path) -> Vehicle:
             values[f"{path_in_file}.{key}"] = value
             uncertainty[f"{path_in_file}.{key}"] = _uncertainty(table, key, value, relative)
     if "mount" in top:
-        mount = mount_values(file_inside(path.parent, top, "mount"))
+        mount = mount_values(file_inside(folder, top, "mount"))
         values |= mount
         uncertainty |= dict.fromkeys(mount, 0.0)
     if "frame" in top:
-        modes = _frame(top.table("frame"), path.parent)
+        modes = _frame(top.table("frame"), folder)
         values |= modes
         uncertainty |= dict.fromkeys(modes, 0.0)
     vehicle = Vehicle(name, values, uncertainty, _measured(top, values, relative, absent))

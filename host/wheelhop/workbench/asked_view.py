@@ -23,7 +23,8 @@ def show_asked(draft: Draft, answered: Callable[[dict[str, str]], Awaitable[None
     Words(f"What {draft.waiting.name} does not say", "h3")
     for question in draft.asked:
         ui.label(question.words)
-        field = ui.input(ASKED[question.key]).props("dense outlined").on("keydown.enter", read)
+        field = ui.input(ASKED[question.key]).props("dense outlined").classes("w-96")
+        field.on("keydown.enter", read)
         field.props["aria-label"] = f"{question.key}: {ASKED[question.key]}"
         filled[question.key] = field
     ui.button("Read it so", on_click=read).props("no-caps")
