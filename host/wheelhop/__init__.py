@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     )
     from wheelhop.api.effect_kit import check_effect
     from wheelhop.api.fleet import diagnose_fleet
+    from wheelhop.api.settings import SettingsResult, compare_settings
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
     from wheelhop.compare import Comparison, RunSignals
@@ -83,6 +84,7 @@ __all__ = [
     "Recording",
     "Run",
     "RunSignals",
+    "SettingsResult",
     "Tuning",
     "Vehicle",
     "WheelRates",
@@ -91,6 +93,7 @@ __all__ = [
     "add_run",
     "check_effect",
     "compare",
+    "compare_settings",
     "detectable",
     "diagnose",
     "diagnose_fleet",
@@ -120,6 +123,7 @@ _PACKAGE_OF = {
     **dict.fromkeys((*_VERBS, "load"), "api"),
     "check_effect": "api.effect_kit",
     "diagnose_fleet": "api.fleet",
+    **dict.fromkeys(("SettingsResult", "compare_settings"), "api.settings"),
     **dict.fromkeys(("read", "read_log", "read_model", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),

@@ -334,9 +334,9 @@ def test_an_acceleration_in_any_known_unit_becomes_si(tmp_path, unit, factor):
     assert found.values[:, 0] == pytest.approx(factor * np.array(written))
 
 
-def test_a_name_that_tells_a_corner_is_no_place_for_a_damper_s_travel(tmp_path):
+def test_a_length_whose_name_tells_a_corner_is_a_damper_s_travel(tmp_path):
     draft = with_unit(tmp_path, "mm", "damper axle FL")
-    assert draft.columns[0].place == NOT_USED
+    assert draft.columns[0].place == "travel:1"
     draft.read()
 
 

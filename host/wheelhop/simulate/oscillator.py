@@ -50,8 +50,8 @@ def displacements(
         Their equations of motion, each of one degree of freedom.
     starts
         Displacement, m, and velocity, m/s, of each at the first step; the constant force, N, that
-        acts on it beside `force`, such as a preload, a weight or the zero of a load cell; and what
-        the law of every port then remembers.
+        acts on it beside `force`: a preload, a weight, the zero of a load cell; and what the law of
+        every port remembers at first.
     force : (2 T + 1,)
         The force, N, at every half step.
     weights : (p, 2 T + 1)
@@ -71,16 +71,15 @@ def displacements(
     for begin in range(0, len(systems), LANES):
         some = systems[begin : begin + LANES]
         out = aligned((len(force) // 2 // stride + 1, LANES))
-        begin_at = starts[begin : begin + LANES]
-        own = side_by_side([np.array(start) for start in begin_at])
-        state = own[:2]
+        own = starts[begin : begin + LANES]
+        state = side_by_side([np.array(start[:2]) for start in own])
         port = aligned((6 * len(some[0].port_law), LANES)).reshape(6, -1, LANES)
-        port[MEMORY] = own[3:]
+        port[MEMORY] = side_by_side([np.array(start[3:]) for start in own])
         _integrate(
             out,
             state,
             port,
-            side_by_side([_motion(*pair) for pair in zip(some, begin_at, strict=True)]),
+            side_by_side([_motion(*pair) for pair in zip(some, own, strict=True)]),
             side_by_side([system.port[:, 0] for system in some]),
             groups,
             addresses(laws),
