@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.low_pass import LowPass
-from wheelhop.files import InputError, did_you_mean, dotted, shown
+from wheelhop.files import InputError, dotted, shown
 from wheelhop.files.words import ending_of
 from wheelhop.logger.recording import Channel as Recorded
 from wheelhop.logger.recording import Recording
@@ -284,6 +284,8 @@ class Campaign:
         """
         known = {run.id: run for run in self.runs}
         if run_id not in known:
+            from wheelhop.campaign.selection import no_such
+
             raise no_such(self, "run", run_id, known)
         return known[run_id]
 
@@ -385,12 +387,6 @@ class Campaign:
 
     def _repr_html_(self) -> str:
         return f"<p>{escape(repr(self))}</p>{self.to_dataframe().to_html(float_format='%.4g')}"
-
-
-def no_such(campaign: Campaign, what: str, name: str, known: Collection[str]) -> CampaignError:
-    """What is raised for a run or a channel that is not there."""
-    near = did_you_mean(name, known) or f"; there are {', '.join(known)}"
-    return CampaignError(f'{campaign.folder / "campaign.toml"}: there is no {what} "{name}"{near}')
 
 
 @dataclass(frozen=True, eq=False, repr=False)
