@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         DiagnosisResult,
         add,
         compare,
+        detectable,
         diagnose,
         export,
         load,
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     )
     from wheelhop.api.effect_kit import check_effect
     from wheelhop.api.fleet import diagnose_fleet
+    from wheelhop.api.settings import SettingsResult, compare_settings
     from wheelhop.campaign import Campaign, CampaignError, Run
     from wheelhop.campaign.write import NewRun, add_run, new_campaign
     from wheelhop.compare import Comparison, RunSignals
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
     from wheelhop.export.plant import Linear, Plant
     from wheelhop.files import InputError
     from wheelhop.logger import Channel, Log, Recording
+    from wheelhop.predict.detectable import Detectable
     from wheelhop.predict.plan import Plan
     from wheelhop.simulate import Model
     from wheelhop.tune.tuning import Tuning
@@ -67,6 +70,7 @@ __all__ = [
     "Channel",
     "Comparison",
     "ComparisonResult",
+    "Detectable",
     "DiagnosisResult",
     "Effect",
     "InputError",
@@ -80,6 +84,7 @@ __all__ = [
     "Recording",
     "Run",
     "RunSignals",
+    "SettingsResult",
     "Tuning",
     "Vehicle",
     "WheelRates",
@@ -88,6 +93,8 @@ __all__ = [
     "add_run",
     "check_effect",
     "compare",
+    "compare_settings",
+    "detectable",
     "diagnose",
     "diagnose_fleet",
     "export",
@@ -112,9 +119,11 @@ _VERBS = ("compare", "diagnose", "export", "predict", "simulate", "tune")
 
 _PACKAGE_OF = {
     **dict.fromkeys(("ComparisonResult", "DiagnosisResult", "add", "plan", "plot"), "api"),
+    "detectable": "api",
     **dict.fromkeys((*_VERBS, "load"), "api"),
     "check_effect": "api.effect_kit",
     "diagnose_fleet": "api.fleet",
+    **dict.fromkeys(("SettingsResult", "compare_settings"), "api.settings"),
     **dict.fromkeys(("read", "read_log", "read_model", "read_recording", "read_vehicle"), "api"),
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),
@@ -124,6 +133,7 @@ _PACKAGE_OF = {
     **dict.fromkeys(("Linear", "Plant"), "export.plant"),
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),
     "Model": "simulate",
+    "Detectable": "predict.detectable",
     "Plan": "predict.plan",
     "Tuning": "tune.tuning",
     "Vehicle": "vehicle",

@@ -227,6 +227,38 @@ def test_rubber_softens_with_amplitude_as_kraus_says():
         assert ends == pytest.approx(exact, rel=0.05)
 
 
+def parameter(effect, name):
+    return next(p for p in effect.parameters_for(VALUES, ()) if p.name == name)
+
+
+def test_a_damper_gives_way_visibly_or_not_at_all():
+    """At its least lag the force is 0.7° late in a sine of the record's own travel and speed, and
+    its bleed is at most twenty times as steep as its open valves."""
+    damper = LIBRARY["compliant-damper"]
+    turn = 3.0 * VALUES["rig.speed_m_s"] / VALUES["rig.travel_m"]
+    late = np.degrees(np.arctan(turn * parameter(damper, "strut_s").lower))
+    assert late == pytest.approx(0.7, abs=0.1)
+    assert 1.0 / parameter(damper, "bleed").lower == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize(
+    ("form", "name"),
+    [("creeping", "creep_m_s"), ("sticking", "stribeck_m_s"), ("smooth", "yield_m")],
+)
+def test_bounds_of_friction_follow_the_record(form, name):
+    """A record a hundredth as fast and as long creeps and yields a hundredth as early; a carriage
+    that comes to 0.3 m/s is allowed to slide from 0.1 mm/s on."""
+    friction = LIBRARY["dry-friction"].with_choice(form)
+    slow = VALUES | {"rig.travel_m": 2e-4, "rig.speed_m_s": 2e-3}
+    here = parameter(friction, name)
+    there = next(p for p in friction.parameters_for(slow, ()) if p.name == name)
+    for number in ("lower", "upper", "scale"):
+        assert getattr(there, number) == pytest.approx(0.01 * getattr(here, number))
+    assert there.starts == pytest.approx([0.01 * start for start in here.starts])
+    if form == "creeping":
+        assert here.lower * 0.3 / (3 * VALUES["rig.speed_m_s"]) == pytest.approx(1e-4, rel=0.2)
+
+
 def test_they_do_not_take_part_on_a_vehicle():
     from tests.simulate.setup import ATV
 

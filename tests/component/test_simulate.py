@@ -55,9 +55,9 @@ def simulator(drive, displacement, force, *, velocity=None, rate_hz=256.0):
     return RigSimulator(campaign, run)
 
 
-def answer(of, model, x=0.0, v=0.0):
+def answer(of, model, x=0.0, v=0.0, offset_N=0.0):
     """What the simulator says was measured (n,), started at x and v."""
-    model = model.with_run("run", {"initial_m": x, "initial_m_s": v})
+    model = model.with_run("run", {"initial_m": x, "initial_m_s": v, "offset_N": offset_N})
     return of.record(model, model.system(of.campaign.channels, "rig"))[:, 0]
 
 
@@ -111,6 +111,18 @@ def test_a_mass_that_nothing_holds():
     assert relative(answer(of, Model(free), 0.02, -0.3), expected) < 1e-5
 
 
+def test_a_constant_force_beside_the_recorded_one():
+    """x₀ + v₀ t + ½ (F + F₀) / m t² of a mass that nothing holds; and a hanging mass rests lower,
+    by m g / k."""
+    free = {**VALUES, "component.stiffness_N_m": 0.0, "component.damping_N_s_m": 0.0}
+    expected = 0.02 - 0.3 * TIME_S + 0.5 * ((2.0 - 3.5) / 5.0) * TIME_S**2
+    of = simulator("force", expected, np.full_like(TIME_S, 2.0))
+    assert relative(answer(of, Model(free), 0.02, -0.3, -3.5), expected) < 1e-5
+    hanging = simulator("force", expected, np.zeros_like(TIME_S))
+    rest = answer(hanging, Model(VALUES), offset_N=5.0 * 9.81)[-1]
+    assert rest == pytest.approx(5.0 * 9.81 / 20000.0, rel=1e-6)
+
+
 def test_a_cubic_spring_under_a_force_as_scipy_integrates_it():
     def force(t):
         return 150.0 * np.sin(2 * np.pi * 8.0 * t) + 60.0 * np.sin(2 * np.pi * 3.1 * t)
@@ -136,7 +148,7 @@ def test_models_side_by_side_are_each_as_alone_and_one_that_runs_away_is_not_a_n
     trials = []
     for cubic in (-1e9, *np.linspace(0.0, 4e7, 10)):
         model = Model(values | {"progressive-spring.strut_N_m3": cubic}, (effect,))
-        model = model.with_run("run", {"initial_m": 0.0, "initial_m_s": 0.0})
+        model = model.with_run("run", {"initial_m": 0.0, "initial_m_s": 0.0, "offset_N": 0.0})
         trials.append((model, model.system(of.campaign.channels, "rig")))
     lost, *records = of.records(trials)
     assert np.isfinite(lost[0]) and np.isnan(lost[-1])

@@ -8,6 +8,7 @@ import pytest
 
 from wheelhop.campaign import Channel
 from wheelhop.compare import Slice, estimate_noise_between_samples
+from wheelhop.compare.floor import QUIETEST, REPEATED
 from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.diagnose.verdict.critic import (
     Number,
@@ -206,11 +207,25 @@ def test_noise_from_one_sample_to_the_next():
 
 
 @pytest.mark.parametrize(
-    ("rms", "stated", "said"), [(0.30, False, True), (0.09, False, False), (0.30, True, False)]
+    ("rms", "stated", "basis", "filtered", "said"),
+    [
+        (0.30, False, QUIETEST, False, True),
+        (0.09, False, QUIETEST, False, False),
+        (0.30, True, QUIETEST, False, False),
+        (0.30, False, REPEATED, False, False),
+        (0.30, False, QUIETEST, True, False),
+    ],
 )
-def test_an_estimated_floor_that_neighbouring_samples_do_not_show_is_misfit(rms, stated, said):
-    """The sensors' noise is 0.1 m/s², 0.077 of it in band."""
+def test_an_estimated_floor_that_neighbouring_samples_do_not_show_is_misfit(
+    rms, stated, basis, filtered, said
+):
+    """The sensors' noise is 0.1 m/s², 0.077 of it in band; nothing is said of what differs from
+    repeat to repeat, nor of a recorder that has filtered the noise between samples away."""
     record = 0.1 * np.random.default_rng(1).normal(size=(4000, 2))
+    if filtered:
+        lines = np.fft.rfft(record, axis=0)
+        lines[len(lines) * 6 // 10 :] = 0.0
+        record = np.fft.irfft(lines, len(record), axis=0)
     bench = SimpleNamespace(
         run=SimpleNamespace(record=record),
         predicted=np.array([True, True]),
@@ -220,7 +235,11 @@ def test_an_estimated_floor_that_neighbouring_samples_do_not_show_is_misfit(rms,
     )
     fitted = SimpleNamespace(runs=(SimpleNamespace(bench=bench),))
     floor = SimpleNamespace(
-        is_stated=stated, pooled_rms=rms, unit="m/s²", noise_key="noise_rms_m_s2"
+        is_stated=stated,
+        pooled_rms=rms,
+        unit="m/s²",
+        noise_key="noise_rms_m_s2",
+        basis=basis,
     )
     rung = SimpleNamespace(fit=fitted, validation=None)
     step = SimpleNamespace(rung=rung, comparison=SimpleNamespace(floor=floor))

@@ -1,6 +1,5 @@
 """On a road nobody knows measured travel drives the body, and its accelerations and rates judge."""
 
-import re
 from dataclasses import replace
 
 import pytest
@@ -21,11 +20,7 @@ def made(folder, hidden, sensors=FINE, seed=101):
     folder = truth.make_campaign(
         folder, seed=seed, effects=hidden, short=True, seconds=4.8, draft=True, sensors=sensors
     )
-    toml = folder / "campaign.toml"
-    lines = [
-        line for line in toml.read_text().split("\n") if not re.match(r"track\.(?!kind)", line)
-    ]
-    toml.write_text(re.sub(r"track\.kind = .*", 'track.kind = "unknown"', "\n".join(lines)))
+    truth.forget_tracks(folder)
     return folder
 
 

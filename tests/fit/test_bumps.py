@@ -105,6 +105,18 @@ def test_what_the_record_would_hold_besides_counts_against_a_place(lay):
     assert -found["start_m"] / found["speed_m_s"] == pytest.approx(3.0, abs=0.02)
 
 
+@pytest.mark.parametrize("gain", [0.25, 0.4, 1.0, 2.5, 4.0])
+def test_a_nominal_vehicle_that_answers_too_much_or_too_little_is_placed_as_well(gain):
+    """A tenth of the record's amplitude is noise; more than twice as much as was measured once made
+    flat ground the best place."""
+    speed = SPEEDS[20]
+    record = gain * driven(lambda t: speed * (t - 3.7))
+    record += 0.1 * record.std(axis=0) * np.random.default_rng(5).normal(size=record.shape)
+    found = found_in(record)
+    assert found["speed_m_s"] == pytest.approx(speed, rel=0.02)
+    assert -found["start_m"] / found["speed_m_s"] == pytest.approx(3.7, abs=0.03)
+
+
 def test_what_a_place_would_excite_out_of_band_does_not_count_against_it(lay):
     """Ripples of 42 Hz about the bump that was met; one a tenth higher, elsewhere, has none."""
     speed = SPEEDS[20]

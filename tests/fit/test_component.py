@@ -89,9 +89,10 @@ def test_under_a_displacement_even_the_mass_may_vanish():
 def test_a_run_under_a_force_begins_somewhere_and_somehow_fast():
     """At its first sample, as far away and as fast as it moves on the whole."""
     run = run_of(2, "force")
-    place, speed = run_parameters(run, SETTING, Model({}))
-    assert (place.name, speed.name) == ("initial_m", "initial_m_s")
-    assert (place.mean, speed.mean) == (run.displacement[0], 0.0)
+    place, speed, offset = run_parameters(run, SETTING, Model({}))
+    assert (place.name, speed.name, offset.name) == ("initial_m", "initial_m_s", "offset_N")
+    assert (place.mean, speed.mean, offset.mean) == (run.displacement[0], 0.0, 0.0)
+    assert offset.sigma == offset.scale == pytest.approx(np.sqrt(np.mean(run.force**2)))
     assert place.sigma == place.scale == pytest.approx(run.displacement.std())
     assert speed.sigma == speed.scale == pytest.approx(run.velocity.std(), rel=0.01)
     imposed = run_of(2, "displacement")

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.formats.foreign import save
-from wheelhop.formats import ExchangeError, Map, Pick, parse_mapping, read, understand, write
+from wheelhop.formats import ExchangeError, Map, Pick, cells, parse_mapping, read, understand, write
 from wheelhop.formats.resample import onto_rate
 from wheelhop.formats.table import BETWEEN, Table
 from wheelhop.logger.recording import Channel
@@ -189,3 +189,14 @@ def test_an_answer_that_is_no_rate_is_a_line(tmp_path):
     for wrong in ("fast", "0", "-1", "nan"):
         with pytest.raises(ExchangeError, match="is no number of samples a second"):
             understand(path, {"resample_hz": wrong})
+
+
+def test_the_ends_of_a_large_file_are_not_held_to_be_next_to_each_other(tmp_path, monkeypatch):
+    """Time stops for half a step in between, which only reading sees."""
+    stamps = [0.01 * k + 0.005 * (k > 2000) for k in range(4000)]
+    rows = "\n".join(f"{t:.3f},{k % 7},{'x' * 60}" for k, t in enumerate(stamps))
+    path = save(tmp_path, "run.csv", f"# a\n# b\nTime [s],z [m],note\n{rows}\n")
+    monkeypatch.setattr(cells, "BEGIN_BYTES", 20_000)
+    monkeypatch.setattr(cells, "END_BYTES", 10_000)
+    assert cells.read_ends(path).passed_over > 1000
+    assert not understand(path).questions

@@ -155,6 +155,68 @@ def test_accelerometers_tell_on_any_road(mistake, driven):
     assert any(f.kind == kind and words in f"{f.text} {f.about}" for f in found), found
 
 
+def forgotten(*corners):
+    """campaign.toml says nothing of the ratio of these corners' pots, which is 0.65."""
+
+    def how(campaign):
+        channels = tuple(
+            replace(c, per_wheel=1.0) if c.quantity == "travel" and c.corner in corners else c
+            for c in campaign.channels
+        )
+        return replace(campaign, channels=channels)
+
+    return how
+
+
+def recorded(how):
+    return lambda campaign: changed(campaign, how)
+
+
+BY_TRAVEL = {
+    "a pot reversed": (recorded(times(-1.0, "pot3")), "polarity", "pot3"),
+    "ratio forgotten": (forgotten(0, 1, 2, 3), "ratio", "pot1"),
+    "ratio of the rear end": (forgotten(2, 3), "ratio", "pot3"),
+    "gyros converted twice": (recorded(times(np.pi / 180, *GYROS)), "units", "rad/s converted"),
+    "a gyro reversed": (recorded(times(-1.0, "roll_rate")), "polarity", "roll_rate"),
+    "pots 0.3 s late": (recorded(late(30, *POTS)), "out-of-step", "travel are 300 ms late"),
+    "accelerations in g": (
+        recorded(times(1 / 9.80665, "B1", "B2", "B3", "B4")),
+        "units",
+        "in g",
+    ),
+    "two pots exchanged": (recorded(swap("pot1", "pot4")), "swapped", "pot1"),
+}
+
+
+@pytest.fixture(scope="module")
+def on_any_road(driven):
+    """Pots, the body's accelerometers and gyros, on a road that nobody described."""
+    campaign, vehicle = driven
+    unknown = TrackSpec("unknown", {})
+    campaign = without(campaign, "force", axles=False)
+    runs = tuple(replace(run, track=unknown) for run in campaign.runs)
+    return replace(campaign, runs=runs), vehicle
+
+
+def test_good_travel_passes_in_silence_on_any_road(on_any_road):
+    assert gate(*on_any_road).findings == ()
+
+
+@pytest.mark.parametrize("mistake", BY_TRAVEL)
+def test_the_body_tells_what_is_wrong_of_travel_on_any_road(mistake, on_any_road):
+    """What the struts do is all that moves the body."""
+    campaign, vehicle = on_any_road
+    how, kind, words = BY_TRAVEL[mistake]
+    found = gate(how(campaign), vehicle).findings
+    assert any(f.kind == kind and words in f"{f.text} {f.about}" for f in found), found
+
+
+def test_accelerometers_at_both_ends_show_the_ratio(driven):
+    campaign, vehicle = driven
+    found = gate(forgotten(1)(campaign), vehicle).findings
+    assert [f.about for f in found if f.kind == "ratio"] == ["per_wheel of pot2"]
+
+
 def test_check_says_what_every_channel_is_and_what_is_kept(tmp_path, capsys):
     sensors = (*truth.SENSORS[:5], *truth.SENSORS[8:], RODS[0])
     folder = truth.make_campaign(

@@ -4,6 +4,7 @@ import subprocess
 import sys
 import threading
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,10 +12,12 @@ import pytest
 
 from tests.firmware.promises.reader import read_log
 from tests.patience import wait_until
-from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.campaign import CampaignError, Channel, read_campaign
+from wheelhop.cli.emulate import _of_campaign
 from wheelhop.hil_sim import constant, from_array, ramp
 from wheelhop.hil_sim.double import DoubleFaults, SerialDouble, from_campaign, scan_sums
 from wheelhop.hil_sim.double.card import Card
+from wheelhop.hil_sim.double.codes import inputs_of
 from wheelhop.hil_sim.double.device import Device
 from wheelhop.hil_sim.double.wire import Wire
 from wheelhop.logger import LoggerError
@@ -24,6 +27,7 @@ from wheelhop.logger.link import connect
 from wheelhop.logger.port import PortLost
 
 CAMPAIGN = "examples/clean"
+POTS = "examples/pots-gyro-gps"
 RUN = "washboard-high-fast"
 
 
@@ -62,6 +66,33 @@ def test_a_run_of_a_campaign_comes_back_in_its_units():
         np.testing.assert_allclose(felt, run.record[:, points.index(point)], atol=1e-9)
     with pytest.raises(CampaignError, match=r"no run 'x', there are washboard"):
         from_campaign(CAMPAIGN, "x")
+
+
+def test_potentiometers_are_at_the_inputs_left_over():
+    """Four of them and the accelerometer of a shipped car; its gyros and GPS are no voltages."""
+    campaign = read_campaign(POTS)
+    places = {campaign.channels[k].name: place for k, place in inputs_of(campaign).items()}
+    assert places == {"pot_fl": 0, "pot_fr": 1, "pot_rl": 2, "pot_rr": 3, "imu": 4}
+    run = campaign.runs[0]
+    signals = from_campaign(POTS, run.id)
+    pot = [channel.name for channel in campaign.channels].index("pot_rl")
+    travel = (signals.codes[:, 2] - 512.0) * 0.1 / 1024
+    np.testing.assert_allclose(travel, run.record[:, pot], atol=1e-12)
+    np.testing.assert_array_equal(signals.codes[:, 5:], 512.0)
+
+
+def test_points_keep_their_inputs_beside_potentiometers():
+    clean = read_campaign(CAMPAIGN)
+    pot = Channel("pot", "S1", quantity="travel", unit="m")
+    kept = [c for c in clean.channels if c.point != "B3"]
+    found = inputs_of(replace(clean, channels=(pot, *kept)))
+    assert found[0] == 2 and {found[k] for k in range(1, 8)} == {0, 1, 3, 4, 5, 6, 7}
+
+
+def test_an_emulated_logger_says_what_is_at_its_inputs():
+    ((words, signals),) = _of_campaign(POTS, None)
+    assert "A0 pot_fl, A1 pot_fr, A2 pot_rl, A3 pot_rr, A4 imu" in words
+    assert "100 mm are codes 0 to 1024" in words and signals.repeat
 
 
 def device(card=None, **faults):

@@ -12,7 +12,6 @@ from scipy.interpolate import CubicSpline
 
 from tests.component import rig
 from wheelhop.campaign import read_campaign
-from wheelhop.cli.law import to_json
 from wheelhop.cli.main import main
 from wheelhop.effects import load_effects
 from wheelhop.law import find_law
@@ -25,7 +24,7 @@ from wheelhop.law.names import nearest_name
 from wheelhop.law.places import Where
 from wheelhop.law.shape import forces
 from wheelhop.law.terms import beyond, candidates, creeping, slip, slipping, valved
-from wheelhop.report.law import amplitudes, law_figure, law_lines, shapes
+from wheelhop.report.law import amplitudes, law_figure, law_lines, law_to_json, shapes
 from wheelhop.vehicle import read_nominal
 
 
@@ -284,7 +283,7 @@ def test_a_law_that_runs_away_is_told_and_held_against_no_name(friction):
     found = replace(found, free=away)
     assert told in look(found)
     assert f"{'free':22} {100 * away.rung.error_fit:7.2f}% runs away" in law_lines(found)
-    assert dumps(to_json(found), allow_nan=False)
+    assert dumps(law_to_json(found), allow_nan=False)
     drawn = [panel.get_title(loc="left") for panel in law_figure(found).axes]
     assert "free: held out, it runs away" in drawn
 

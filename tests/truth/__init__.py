@@ -3,7 +3,7 @@
 Built on MuJoCo; shares no code with the package it tests.
 """
 
-from .campaign import Truth, in_band, make_campaign, read_truth, write_campaign
+from .campaign import Truth, forget_tracks, in_band, make_campaign, read_truth, write_campaign
 from .effects import known_ids, make_effect, make_effects
 from .model import CHANNELS, Motion, Run, integrate, simulate_run
 from .presets import PRESETS, Preset
@@ -20,6 +20,7 @@ __all__ = [
     "Sensor",
     "Track",
     "Truth",
+    "forget_tracks",
     "in_band",
     "integrate",
     "known_ids",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -135,6 +136,15 @@ def write_campaign(
     truth = _truth_toml(true, physics, runs, noise, noise_rms, error)
     (folder / "truth.toml").write_text(truth)
     return folder
+
+
+def forget_tracks(folder: Path) -> None:
+    """Make campaign.toml say that the tracks of all runs are unknown."""
+    toml = folder / "campaign.toml"
+    lines = [
+        line for line in toml.read_text().split("\n") if not re.match(r"track\.(?!kind)", line)
+    ]
+    toml.write_text(re.sub(r"track\.kind = .*", 'track.kind = "unknown"', "\n".join(lines)))
 
 
 def read_truth(folder: str | Path, truth_file: str | Path | None = None) -> Truth:

@@ -20,7 +20,8 @@ from .vehicle import Vehicle
 
 @dataclass(frozen=True)
 class Sensor:
-    """One sensor: `quantity` is "acceleration" at the point `where` ("B1"), "travel" or "force" of
+    """One sensor: `quantity` is "acceleration" at the point `where` ("B1", or "cg": the centre of
+    mass), "travel" or "force" of
     the strut `where` ("1" to "4"), positive in extension, or "rate" of "pitch" or "roll". It shows
     `scale` times that; `noise_rms` is its white noise in band, SI, `offset` a constant."""
 
@@ -35,7 +36,7 @@ class Sensor:
     def in_campaign(self) -> str:
         """Its line below [channels]."""
         if self.quantity == "acceleration":
-            return f'{self.name} = "{self.where}"'
+            return f"{self.name} = " + ("[0.0, 0.0]" if self.where == "cg" else f'"{self.where}"')
         place = (
             f'axis = "{self.where}"'
             if self.quantity == "rate"
@@ -47,6 +48,8 @@ class Sensor:
         """Instants and what it shows there, without noise; of an acceleration, its integral."""
         if self.quantity == "rate":
             return motion.time, self.scale * motion.joints[self.where][1]
+        if self.quantity == "acceleration" and self.where == "cg":
+            return motion.time, self.scale * motion.joints["heave"][1]
         if self.quantity == "acceleration":
             return motion.time, self.scale * motion.velocity[:, CHANNELS.index(self.where)]
         corner = int(self.where) - 1

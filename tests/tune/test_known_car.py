@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from tests.report.conftest import LIBRARY, Case
 from tests.report.small import write_small_campaign
 from tests.tune.cars import FILE, VEHICLE, car
-from wheelhop.campaign import CampaignError
+from wheelhop.api.tuning import driven
+from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.effects import load_effects
 from wheelhop.predict.known_car import KnownCar, read_car
 from wheelhop.report.model_file import write_model
@@ -66,6 +67,15 @@ def test_an_older_file_without_correlations_is_read_and_says_so(fitted, tmp_path
     assert not found.correlated
     assert np.diag(found.covariance) == pytest.approx(np.diag(newer.covariance))
     assert found.covariance == pytest.approx(np.diag(np.diag(found.covariance)))
+
+
+def test_it_drives_what_its_campaign_drove(fitted):
+    _, folder = fitted
+    runs, drives = read_campaign(folder).runs, driven(folder)
+    assert [drive.id for drive in drives] == [run.id for run in runs]
+    for drive, run in zip(drives, runs, strict=True):
+        assert drive.track == run.track
+        assert drive.speed_kmph / 3.6 == pytest.approx(run.speed_m_s)
 
 
 def test_a_vehicle_file_is_a_car_too():

@@ -16,7 +16,6 @@ from wheelhop.predict.ride import Rider, ride
 from wheelhop.report.tune_words import sentences, to_json
 from wheelhop.tune.damper_curve import read_clicks
 from wheelhop.tune.search import Tried, compromise, spread_out
-from wheelhop.tune.tuning import DRAWS
 from wheelhop.tune.variables import read_freedom
 
 FRONT, REAR = (f"suspension.{end}.damping_N_s_m" for end in ("front", "rear"))
@@ -125,7 +124,7 @@ def test_intervals_are_what_is_not_known_of_the_car(relative):
 def test_a_model_that_is_wrong_makes_intervals_wider():
     right, wrong = (tuned(car(misfit=e), ["front.damping=±50%"]) for e in (0.0, 0.02))
     half = wrong.front[0].gains[0].half
-    wide = stats.t.ppf(0.975, DRAWS - 1)
+    wide = stats.t.ppf(0.975, 24 - 1)
     assert right.front[0].gains[0].half == pytest.approx(0.0, abs=1e-12)
     assert half == pytest.approx(wide * 0.02 * wrong.now.scores[0])
 
@@ -181,6 +180,19 @@ def test_springs_are_chosen_from_the_list(tmp_path):
     found = tuned(car(), [f"rear.springs={file}:ratio=0.5"])
     assert found.variables[0].choices == (2500.0, 5000.0, 10000.0)
     assert {one.values["rear.springs"] for one in found.front} <= {2500.0, 5000.0, 10000.0}
+
+
+def test_a_car_outside_of_the_bounds_is_compared_as_it_is(tmp_path):
+    """Present springs that nobody sells: each variable alone leaves them where they are."""
+    file = tmp_path / "springs.csv"
+    file.write_text("stiffness_N_mm\n20\n40\n")
+    found = tuned(car(), [f"front.springs={file}", "rear.damping=±50%"])
+    assert found.now.scores[0] == pytest.approx(single({}).comfort_wk_rms_m_s2, rel=RUN_UP)
+    places = np.linspace(0.5, 1.5, 7) * VEHICLE[REAR]
+    best = min(single({REAR: place}).comfort_wk_rms_m_s2 for place in places)
+    gain = found.now.scores[0] - best
+    assert found.alone[1, 0] == pytest.approx(gain, abs=RUN_UP * found.now.scores[0])
+    assert all(one.values["front.springs"] in (2e4, 4e4) for one in found.front)
 
 
 WRONG = {

@@ -14,7 +14,8 @@ from tests.component.cases import DAMPER
 from tests.component.rig import make_campaign as make_rig_campaign
 from tests.patience import PATIENCE_S, wait_until
 from tests.workbench.conftest import describe_vehicle, settle, workbench
-from tests.workbench.test_draft import NAMES, without_time, write_foreign
+from tests.workbench.test_asked import without_time
+from tests.workbench.test_draft import NAMES, write_foreign
 from wheelhop.campaign import read_campaign
 
 FINDING_MS = 1000 * PATIENCE_S

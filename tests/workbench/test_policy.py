@@ -12,8 +12,8 @@ from tests.workbench.test_guard import ask
 from tests.workbench.test_names import spoil
 
 TABS = (
-    *("Record", "Overview", "Compare", "Where it fails", "What is missing", "Axle to body"),
-    *("The model", "Vehicle", "Take away"),
+    *("Record", "Overview", "Compare", "Where it fails", "Struts", "What is missing"),
+    *("Axle to body", "The model", "Vehicle", "Take away"),
 )
 FORCED = """([html, click]) => new Promise((resolve) => {
   const told = (event) => resolve(event.violatedDirective);

@@ -20,13 +20,16 @@ Acts = tuple[tuple[str, Signals], ...]
 
 
 @contextmanager
-def emulated_logger(card: Path | None, factor: float) -> Iterator[tuple[SerialDouble, Acts]]:
-    """The double while the block runs, and what happens in its sessions, in words and signals.
+def emulated_logger(
+    card: Path | None, factor: float, acts: Acts = ()
+) -> Iterator[tuple[SerialDouble, Acts]]:
+    """The double while the block runs, and what happens in its sessions, in words and signals:
+    `acts`, or those of a day in the field.
 
     Its time runs `factor` times faster; `card` is a folder, None: one that is gone at the end.
     Raises LoggerError if another emulated logger is there already.
     """
-    acts = rehearsal(read_day())
+    acts = acts or rehearsal(read_day())
     with ExitStack() as stack:
         if card is None:
             card = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="wheelhop-card-")))

@@ -1,8 +1,8 @@
 """What users call from Python, and the commands call too: read, compare, diagnose, add, predict,
-plan, plot, simulate, tune, export, load."""
+detectable, plan, plot, simulate, tune, export, load."""
 
 from wheelhop.api.exporting import export
-from wheelhop.api.planning import plan
+from wheelhop.api.planning import detectable, plan
 from wheelhop.api.plot import plot
 from wheelhop.api.predicting import predict
 from wheelhop.api.reading import read, read_log, read_model, read_recording, read_vehicle
@@ -19,6 +19,7 @@ __all__ = [
     "DiagnosisResult",
     "add",
     "compare",
+    "detectable",
     "diagnose",
     "export",
     "load",

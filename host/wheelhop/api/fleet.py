@@ -72,6 +72,7 @@ class Fleet:
             max_effects=self.max_effects,
             to_the_end=self.to_the_end,
             budget_s=self.budget_s,
+            law=False,
             jobs=self.threads,
             progress=False,
         )

@@ -1,4 +1,4 @@
-"""`plan`: which runs to drive, before anyone has driven."""
+"""`plan`: which runs to drive, before anyone has driven; `detectable`: what runs can show."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wheelhop.api.given import Folder, campaign_of
 from wheelhop.campaign import CampaignError
 from wheelhop.effects import Given, More, load_effects, pick
 from wheelhop.files import Watching
 from wheelhop.files.progress import shown
-from wheelhop.vehicle import Vehicle, read_vehicle
+from wheelhop.vehicle import Vehicle, read_nominal, read_vehicle
 
 if TYPE_CHECKING:
+    from wheelhop.predict.detectable import Detectable
     from wheelhop.predict.plan import Plan
 
 RUNS = 8
@@ -89,6 +91,49 @@ def plan(
     case = Case(vehicle, (), drives, seconds)
     with shown(progress) as tell:
         return choose(foresee(case, tried, noise_rms, tell, jobs), runs)
+
+
+def detectable(
+    campaign: Folder,
+    *,
+    vehicle: Vehicle | None = None,
+    effects: More = None,
+    jobs: int | None = None,
+    progress: Watching = True,
+) -> Detectable:
+    """Tell before any diagnosis what a campaign's channels and roads can show: of each effect the
+    least strength, and the channel that would add most.
+
+    Parameters
+    ----------
+    campaign
+        The campaign of a vehicle, or its folder.
+    vehicle
+        What is believed of the vehicle; that of the campaign by default.
+    effects
+        The library, as for `compare`.
+    jobs
+        Threads; one a processor by default.
+    progress
+        As for `compare`.
+
+    Returns
+    -------
+    Detectable
+        If nothing can be compared, `refused` says why, and what would cure it.
+
+    Raises
+    ------
+    CampaignError
+        The campaign's files are wrong.
+    """
+    from wheelhop.predict.detectable import detectable as found_in
+
+    campaign = campaign_of(campaign)
+    vehicle = vehicle or read_nominal(campaign)
+    library = load_effects(effects)
+    with shown(progress) as tell:
+        return found_in(campaign, vehicle, library.values(), jobs, tell)
 
 
 def check_seconds(seconds: float) -> float:

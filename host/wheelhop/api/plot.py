@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, get_args
 
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
+from wheelhop.api.settings import SettingsResult
 from wheelhop.files import InputError, did_you_mean
 from wheelhop.files.words import listed
 from wheelhop.logger import Recording
@@ -16,14 +17,24 @@ if TYPE_CHECKING:
     from wheelhop.report.svg import Drawing
 
 Kind = Literal[
-    "ladder", "where", "worst", "typical", "case", "signal", "residual", "psd", "axles", "loops"
+    "ladder",
+    "where",
+    "worst",
+    "typical",
+    "case",
+    "signal",
+    "residual",
+    "psd",
+    "axles",
+    "histograms",
+    "loops",
 ]
 OF_A_RUN = ("case", "signal", "residual", "psd")
 """Kinds that show one channel of one run."""
 
 
 def plot(
-    thing: ComparisonResult | DiagnosisResult | Recording,
+    thing: ComparisonResult | DiagnosisResult | SettingsResult | Recording,
     kind: Kind | None = None,
     *,
     run: str | None = None,
@@ -35,15 +46,17 @@ def plot(
     Parameters
     ----------
     thing
-        A result of `compare`, `add` or `diagnose`, or a recording; `campaign.recording("slow")` is
-        that of a run.
+        A result of `compare`, `add` or `diagnose`, or of `compare_settings`, of which one channel,
+        by default the first, is drawn, or a recording; `campaign.recording("slow")` is that of a
+        run.
     kind
         Of a result: "ladder", the error of every model; "where", the residual by band, motion and
         what it is locked to; "signal", "residual" and "psd", measured and modelled signal of one
         channel in one run, their difference and their power spectral densities, and "case", all
         three; "worst" and "typical", the case at such a place; "axles", of a diagnosis, identified
-        and modelled transfer functions from axles to body; "loops", of a component on a rig, force
-        over displacement and velocity. By default "ladder", or "case" where a run or a channel is
+        and modelled transfer functions from axles to body; "histograms", velocity and travel of
+        every strut; "loops", force over displacement and velocity, of every strut or of a component
+        on a rig. By default "ladder", or "case" where a run or a channel is
         named.
     run, channel
         Which run, by its id, and which channel, by its name; of what is not named that where the
@@ -66,6 +79,8 @@ def plot(
     """
     if isinstance(thing, Recording):
         return _recording(thing, channel, ax)
+    if isinstance(thing, SettingsResult):
+        return _settings(thing, channel)
     if kind is None:
         named = run is not None or channel is not None
         kind = ("signal" if ax is not None else "case") if named else "ladder"
@@ -99,8 +114,8 @@ def _figure(
     if kind == "where":
         after = steps[-1].comparison.breakdown if len(steps) > 1 else None
         return figures.where_figure(steps[0].comparison.breakdown, after)
-    if kind == "loops":
-        return _loops(result)
+    if kind in ("histograms", "loops"):
+        return _of_struts(result, kind)
     if kind == "axles":
         return _axles(result)
     if kind in OF_A_RUN:
@@ -146,13 +161,31 @@ def _root(ax: Axes) -> Figure:
     return figure
 
 
-def _loops(result: ComparisonResult | DiagnosisResult) -> Drawing:
+def _settings(result: SettingsResult, channel: str | None) -> Drawing:
+    from wheelhop.report.settings import settings_figure
+
+    names = list(dict.fromkeys(s.channel for s in result.comparison.spectra))
+    if channel is not None and channel not in names:
+        near = did_you_mean(channel, names) or f"; it has {', '.join(names)}"
+        raise InputError(f'the comparison has no channel "{channel}"{near}')
+    return settings_figure(result.comparison, channel or names[0])
+
+
+def _of_struts(result: ComparisonResult | DiagnosisResult, kind: Kind) -> Drawing:
     from wheelhop.campaign import ComponentCampaign
     from wheelhop.report.loops import loops_figure
+    from wheelhop.report.strut_figures import histograms_figure, strut_loops_figure
+    from wheelhop.report.strut_motion import strut_histories
 
-    if not isinstance(result.campaign, ComponentCampaign):
-        raise InputError("loops are of a component on a rig, and this campaign is of a vehicle")
-    return loops_figure(result.campaign, result.steps)
+    campaign, steps = result.campaign, result.steps
+    if isinstance(campaign, ComponentCampaign):
+        if kind == "loops":
+            return loops_figure(campaign, steps)
+        raise InputError("histograms are of a vehicle's struts: of a component on a rig see loops")
+    histories = strut_histories(campaign, steps)
+    if kind == "histograms":
+        return histograms_figure(histories)
+    return strut_loops_figure(histories, result.model)
 
 
 def _axles(result: ComparisonResult | DiagnosisResult) -> Drawing:

@@ -106,6 +106,13 @@ class Result:
         """
         return self.comparison.agreement()
 
+    def struts(self) -> DataFrame:
+        """What every strut did, measured and modelled: shares of the time in bump and rebound at
+        low and high speed, velocity, travel; at the wheel, in band, positive in rebound."""
+        from wheelhop.report.strut_motion import struts_frame
+
+        return struts_frame(self.campaign, self.steps)
+
     def __getitem__(self, run_id: str) -> RunSignals:
         """Measured and modelled signals of one run, in band; see `Comparison`.
 

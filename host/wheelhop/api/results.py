@@ -22,6 +22,8 @@ from wheelhop.report.words import comparison_headline, headline, over_floor
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from wheelhop.law import LastRungs
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ComparisonResult(Result):
@@ -105,10 +107,18 @@ class ComparisonResult(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DiagnosisResult(Result):
-    """What a diagnosis found; `diagnosis` holds all of it, `library` the effects searched."""
+    """What a diagnosis found; `diagnosis` holds all of it, `library` the effects searched, and
+    `law` what was found beyond their names: a free law and a formula, of a component whose last
+    rung is above the floor, or None; and of a result that was loaded, whose file holds its law as
+    JSON."""
 
     diagnosis: Diagnosis
     library: Mapping[str, Effect]
+    law: LastRungs | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        # The terms of a law are compiled.
+        return {**vars(self), "law": None}
 
     @property
     def verdict(self) -> tuple[str, ...]:
@@ -145,7 +155,9 @@ class DiagnosisResult(Result):
         dict
             Verdict, reasons, ranking, ladder and more (schema "diagnose-output").
         """
-        return diagnosis_to_json(self.diagnosis)
+        from wheelhop.report.law import rungs_to_json
+
+        return {**diagnosis_to_json(self.diagnosis), "law": rungs_to_json(self.law)}
 
     def write_report(self, file: str | Path) -> None:
         """Write the report, one self-contained HTML page.
@@ -162,7 +174,7 @@ class DiagnosisResult(Result):
         """
         from wheelhop.report.reports import write_diagnosis_report
 
-        write_diagnosis_report(Path(file), self.campaign, self.diagnosis, self.library)
+        write_diagnosis_report(Path(file), self.campaign, self.diagnosis, self.library, self.law)
 
     def _headline(self) -> str:
         sure = f"Confidence {100 * self.confidence:.0f} %."

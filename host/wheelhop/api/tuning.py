@@ -87,7 +87,7 @@ def tune(
     freedom = read_freedom([vary] if isinstance(vary, str) else vary, known)
     words = [tracks] if isinstance(tracks, str) else tracks
     speeds = [speeds_kmph] if isinstance(speeds_kmph, int | float) else speeds_kmph
-    drives = read_drives(words, speeds) if words else _driven(Path(car))
+    drives = read_drives(words, speeds) if words else driven(Path(car))
     judged_by = read_objectives(objectives)
     with shown(progress) as tell:
         return tune_car(
@@ -102,7 +102,7 @@ def tune(
         )
 
 
-def _driven(folder: Path) -> tuple[Drive, ...]:
+def driven(folder: Path) -> tuple[Drive, ...]:
     """The runs of a campaign on known ground."""
     from wheelhop.predict.drives import Drive
 

@@ -16,6 +16,7 @@ from wheelhop.effects import Effect, Given, More, beliefs, load_effects, pick
 from wheelhop.files import Progress, Watching
 from wheelhop.files.progress import shown
 from wheelhop.gate import gate
+from wheelhop.law import last_rungs
 from wheelhop.predict.known_car import MODEL_FILE
 from wheelhop.vehicle import Vehicle, read_nominal
 
@@ -91,6 +92,7 @@ def diagnose(
     max_effects: int = 4,
     to_the_end: bool = False,
     budget_s: float | None = BUDGET_S,
+    law: bool = True,
     jobs: int | None = None,
     progress: Watching = True,
 ) -> DiagnosisResult:
@@ -112,6 +114,9 @@ def diagnose(
         `wheelhop.fit.Work` counts them, so that no verdict depends on how busy the computer is;
         None: it ends when nothing is left to try. `unfinished` of the diagnosis says what more
         might still change.
+    law
+        Whether to go on, of a component on a rig, where the names end above the floor: to a formula
+        and a free law of the force that is left, within the same budget.
 
     Returns
     -------
@@ -128,7 +133,7 @@ def diagnose(
     vehicle = vehicle or read_nominal(campaign)
     with threadpool_limits(ONE_EACH), shown(progress) as tell:
         gated = gate(campaign, vehicle)
-        gated, found = diagnose_gated(
+        gated, found, base = diagnose_gated(
             gated,
             vehicle,
             library,
@@ -138,8 +143,12 @@ def diagnose(
             jobs=jobs,
             progress=tell,
         )
+        effects_of = list(library.values())
+        rungs = last_rungs(base, found, effects_of, tell, budget_s) if law else None
     # Its figures are of the channels and runs that were fitted: some may have been left out.
-    return DiagnosisResult(gated.campaign, vehicle, found.ladder, found.findings, found, library)
+    return DiagnosisResult(
+        gated.campaign, vehicle, found.ladder, found.findings, found, library, rungs
+    )
 
 
 def add(

@@ -36,8 +36,9 @@ MEASURED = {"displacement": FORCE, "force": DISPLACEMENT}
 
 COMPONENT_KEYS = ("mass_kg", "stiffness_N_m", "damping_N_s_m")
 TOP_KEYS = ("format", "kind", "title", "sample_rate_hz", "band_hz", "drive", "component", "run")
-MASSLESS = "massless"
-"""What mass_kg says where there is none; 0 says that nothing is known of it."""
+NONE, UNKNOWN, MASSLESS = "none", "unknown", "massless"
+"""What a key says of a part that the component does not have, and of one of which nothing is known,
+as 0 does too; "massless" is another word for a mass that is "none"."""
 COLUMNS = ("time_s", "displacement_m", "force_N")
 VELOCITY, INPUT = "velocity_m_s", "input_"
 RECORDED = (
@@ -60,8 +61,10 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
     rate = top.number("sample_rate_hz", above=0.0)
     part = top.table("component")
     about = _component(part)
-    if drive == "force" and about["massless"]:
-        raise part.error("mass_kg: an imposed force moves a mass; state it, or 0 to have it found")
+    if drive == "force" and "mass_kg" in about["without"]:
+        raise part.error(
+            'mass_kg: an imposed force moves a mass; state it, or "unknown" to have it estimated'
+        )
     empty = ComponentCampaign(
         folder=folder,
         title=top.text("title"),
@@ -92,20 +95,34 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
 
 
 def _component(table: Table) -> dict[str, Any]:
-    """Nominal values and uncertainties by their keys; whether there is no mass at all."""
+    """Nominal values and uncertainties by their keys; which of the three parts do not exist."""
     stated = [f"{key}_uncertainty" for key in COMPONENT_KEYS]
     table.only((*COMPONENT_KEYS, *stated, "relative_uncertainty", "mount"))
     relative = table.number("relative_uncertainty", above=0.0)
-    massless = table.values.get("mass_kg") == MASSLESS
-    nominal = {
-        key: 0.0 if massless and key == "mass_kg" else table.number(key, at_least=0.0)
-        for key in COMPONENT_KEYS
-    }
-    uncertainty = {
-        key: table.number(f"{key}_uncertainty", relative * value, at_least=0.0)
-        for key, value in nominal.items()
-    }
-    return {"nominal": nominal, "uncertainty": uncertainty, "massless": massless}
+    nominal, uncertainty, without = {}, {}, set()
+    for key in COMPONENT_KEYS:
+        word = _word(table, key)
+        nominal[key] = table.number(key, at_least=0.0) if word is None else 0.0
+        uncertainty[key] = table.number(f"{key}_uncertainty", relative * nominal[key], at_least=0.0)
+        if word is not None and uncertainty[key]:
+            raise table.error(
+                f'{key}_uncertainty: {key} = "{word}" has no uncertainty; state a number, or leave'
+                " the uncertainty out"
+            )
+        if word == NONE:
+            without.add(key)
+    if len(without) == len(COMPONENT_KEYS):
+        raise table.error('mass, spring and damper are all "none": nothing is left to compare')
+    return {"nominal": nominal, "uncertainty": uncertainty, "without": frozenset(without)}
+
+
+def _word(table: Table, key: str) -> str | None:
+    """What a key says in a word, "none" or "unknown"; None where it states a number."""
+    if not isinstance(table.values.get(key), str):
+        return None
+    words = (NONE, UNKNOWN, *((MASSLESS,) if key == "mass_kg" else ()))
+    word = table.text(key, choices=words)
+    return NONE if word == MASSLESS else word
 
 
 def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDrive) -> RigRun:

@@ -145,6 +145,7 @@ class _Drive(Entry):
     speed_m_s: float
     course: Course | None
     track: TrackSpec
+    setting: str
 
 
 def _averaging(top: Table, rate_hz: float) -> float:
@@ -159,12 +160,13 @@ def _averaging(top: Table, rate_hz: float) -> float:
 
 
 def _drive(run: Table, folder: Path) -> _Drive:
-    run.only((*RUN_KEYS, "speed_along"))
+    run.only((*RUN_KEYS, "speed_along", "setting"))
     return _Drive(
         **vars(entry(run, folder)),
         speed_m_s=run.number("speed_kmph", at_least=0.0) / 3.6,
         track=read_track(run, folder),
         course=_course(run),
+        setting=run.text("setting", ""),
     )
 
 

@@ -125,6 +125,7 @@ class Run:
     `speed_m_s` is nominal: the driver held it by hand, or drove a `course`, whose speeds it stands
     for: all of them are faster or slower with it. `role` is "fit" or "validate". `known` holds what
     was recorded and is not compared (n,), by the names of the campaign's `known` channels.
+    `setting` names what of the vehicle was set for it, "" if nothing is said.
     """
 
     id: str
@@ -137,6 +138,7 @@ class Run:
 
     course: Course | None = field(default=None, kw_only=True)
     known: Mapping[str, NDArray[np.float64]] = field(default_factory=dict, kw_only=True)
+    setting: str = field(default="", kw_only=True)
 
     def __repr__(self) -> str:
         how = f"{self.track.kind}, {self.speed_m_s * 3.6:.3g} km/h"
@@ -393,11 +395,12 @@ class Campaign:
 class ComponentCampaign(Campaign):
     """One component on a rig: there is one channel, what the rig does not impose; `nominal` holds
     the numbers of [component] and `uncertainty` one standard deviation of each (0 for a nominal
-    0: nothing is believed of it, unless it is the mass of a `massless` component). `mount_file` is
-    the specimen the component may stand on."""
+    0: nothing is believed of it). `without` names those that are 0 because the component has no
+    such part: "stiffness_N_m" without a spring. `mount_file` is the specimen the component may
+    stand on."""
 
     drive: RigDrive
     nominal: Mapping[str, float]
     uncertainty: Mapping[str, float]
     mount_file: Path | None = None
-    massless: bool = False
+    without: frozenset[str] = frozenset()

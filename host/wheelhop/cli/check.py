@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from wheelhop.api.planning import detectable
 from wheelhop.campaign import (
     Campaign,
     Channel,
@@ -20,11 +21,14 @@ from wheelhop.campaign import (
 )
 from wheelhop.campaign.sample import SAMPLE, marked_numbers
 from wheelhop.cli.campaign_json import campaign_to_json
+from wheelhop.cli.detectable import print_detectable
 from wheelhop.cli.output import open_console, write_json
+from wheelhop.cli.progress import stages
 from wheelhop.cli.sensors import print_sensors
 from wheelhop.cli.show import print_findings
 from wheelhop.files.words import listed, significant
 from wheelhop.gate import gate
+from wheelhop.predict.detectable import to_json as detectable_to_json
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.vehicle.estimate import ESTIMATED
 
@@ -57,8 +61,16 @@ def run(arguments: Namespace) -> int:
         console.print(Text(f"! {duplicate}", style="yellow"))
     if not campaign.validate_runs:
         console.print(Text('no run has role = "validate": no model can be put to the test'))
+    said = campaign_to_json(campaign, findings)
+    if not isinstance(campaign, ComponentCampaign):
+        with stages() as progress:
+            found = detectable(
+                gated.campaign, vehicle=nominal, effects=arguments.effects, progress=progress
+            )
+        print_detectable(found, console)
+        said["detectable"] = detectable_to_json(found)
     if arguments.json:
-        write_json(arguments.json, campaign_to_json(campaign, findings))
+        write_json(arguments.json, said)
     return 0
 
 

@@ -20,6 +20,7 @@ from wheelhop.cli.show import (
     print_verdict,
 )
 from wheelhop.diagnose import Diagnosis
+from wheelhop.law import LastRungs
 from wheelhop.report.words import next_run_words
 
 
@@ -47,7 +48,7 @@ def run(arguments: Namespace) -> int:
             progress=progress,
         )
     console = open_console()
-    print_diagnosis(result.diagnosis, console)
+    print_diagnosis(result.diagnosis, console, result.law)
     if arguments.json:
         write_json(arguments.json, result.to_json())
     if arguments.report:
@@ -57,13 +58,19 @@ def run(arguments: Namespace) -> int:
     return INTERRUPTED if ended is not None and ended.ended_by == "interrupted" else 0
 
 
-def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
-    """One screen: verdict, ranking, ladder, the accepted effects' numbers, what to record next."""
+def print_diagnosis(diagnosis: Diagnosis, console: Console, law: LastRungs | None = None) -> None:
+    """One screen: verdict, what was found beyond its names, ranking, ladder, the accepted effects'
+    numbers, what to record next."""
     print_findings([f for f in diagnosis.findings if f.when == "before"], console)
     print_verdict(diagnosis, console)
+    if law is not None:
+        from wheelhop.report.law import beyond_names  # draws, and takes long to import
+
+        for line in beyond_names(law):
+            console.print(line, markup=False, highlight=False)
     print_findings([f for f in diagnosis.findings if f.when == "after"], console)
     print_ranking(diagnosis.ranking, console)
-    print_ladder(diagnosis.ladder, console)
+    print_ladder([*diagnosis.ladder, *([] if law is None else law.steps)], console)
     print_parameters(diagnosis.ladder[-1], console)
     if diagnosis.verdict == ("none",):
         print_limits(diagnosis.limits, console)

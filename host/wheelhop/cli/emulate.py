@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
+from pathlib import Path
 from threading import Event
 
-from wheelhop.hil_sim.emulated import emulated_logger
+from wheelhop.campaign import read_campaign
+from wheelhop.hil_sim.double.codes import STROKE_M, from_campaign, inputs_of
+from wheelhop.hil_sim.emulated import Acts, emulated_logger
+from wheelhop.hil_sim.signals import CODES
 from wheelhop.logger.error import LoggerError
 
 
@@ -17,7 +21,10 @@ def run(arguments: Namespace) -> int:
     card = arguments.card
     if card is not None and not card.is_dir():
         raise LoggerError(f"{card}: there is no such folder")
-    with emulated_logger(card, arguments.factor) as (double, acts):
+    if arguments.campaign is None and arguments.run is not None:
+        raise LoggerError("--run is of a campaign: give --campaign, too")
+    acts = () if arguments.campaign is None else _of_campaign(arguments.campaign, arguments.run)
+    with emulated_logger(card, arguments.factor, acts) as (double, acts):
         print(
             f"An emulated logger is at {double.url}; its time runs {arguments.factor:g} times"
             " faster. wheelhop logger, record and download find it by themselves."
@@ -31,3 +38,14 @@ def run(arguments: Namespace) -> int:
             print("pressed", flush=True)
         Event().wait()  # nobody at the keyboard: until it is interrupted
     return 0
+
+
+def _of_campaign(folder: Path, run: str | None) -> Acts:
+    """One session, again and again: a run of a campaign, by default its first."""
+    campaign = read_campaign(folder)
+    run = run or campaign.runs[0].id
+    places = inputs_of(campaign).items()
+    shown = ", ".join(f"A{place} {campaign.channels[k].name}" for k, place in places)
+    if any(campaign.channels[k].quantity == "travel" for k, _ in places):
+        shown += f"; a potentiometer's {1e3 * STROKE_M:g} mm are codes 0 to {CODES}"
+    return ((f"run {run} again and again, at inputs {shown}", from_campaign(folder, run)),)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from math import isfinite
-from typing import Any
 
 from rich.console import Console
 
@@ -15,8 +13,8 @@ from wheelhop.cli.show import print_findings
 from wheelhop.effects import load_effects, pick
 from wheelhop.files import write_text
 from wheelhop.gate import gate
-from wheelhop.law import Formula, Found, find_law, look, source_of
-from wheelhop.report.law import amplitudes, law_lines, rivals, shapes, write_law_figure
+from wheelhop.law import Formula, Found, find_law, source_of
+from wheelhop.report.law import law_lines, law_to_json, write_law_figure
 from wheelhop.report.law_page import write_law_report
 from wheelhop.vehicle import read_nominal
 
@@ -39,7 +37,7 @@ def run(arguments: Namespace) -> int:
     print_findings(gated.findings, console)
     print_law(found, console)
     if arguments.json:
-        write_json(arguments.json, to_json(found))
+        write_json(arguments.json, law_to_json(found))
     if arguments.report:
         write_law_report(arguments.report, campaign, found)
         console.print(f"report: {arguments.report}", markup=False)
@@ -64,40 +62,3 @@ def print_law(found: Found, console: Console) -> None:
     """Where, what, and how well, laws with the lowest held-out error first."""
     for line in law_lines(found):
         console.print(line, markup=False, highlight=False)
-
-
-def to_json(found: Found) -> dict[str, Any]:
-    """Plain dictionaries, strings and numbers, as `law` in the result of a diagnosis."""
-    free, preferred = found.free, found.preferred
-    return {
-        "format": 1,
-        "found": free is not None,
-        "joined": list(found.joined),
-        "place": None if found.where is None else found.where.name,
-        "preferred": None if preferred is None else preferred.name,
-        "look": look(found),
-        "share_by_place": {k: round(v, 5) for k, v in found.screened.items()},
-        "without": {"error_fit": found.base.error_fit, "error": found.base.error},
-        "candidates": [
-            {
-                "name": rival.name,
-                "formula": rival.words,
-                "error_fit": rival.rung.error_fit,
-                # Of runs held out a law may foresee that the vehicle runs away.
-                "error": rival.rung.error if isfinite(rival.rung.error) else None,
-            }
-            for rival in rivals(found)
-        ],
-        "terms": {}
-        if found.formula is None
-        else {
-            words: {"force_N": value, "sd_N": spread}
-            for words, (value, spread) in amplitudes(found.formula).items()
-        },
-        "shapes": {}
-        if found.formula is None
-        else {
-            words: {"value": value, "sd": spread, "unit": unit}
-            for words, (value, spread, unit) in shapes(found.formula).items()
-        },
-    }

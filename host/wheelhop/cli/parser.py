@@ -56,6 +56,10 @@ def make_parser() -> argparse.ArgumentParser:
     emulate.add_argument(
         "--factor", metavar="X", type=float, default=10.0, help="times faster (default 10)"
     )
+    emulate.add_argument(
+        "--campaign", metavar="FOLDER", type=Path, help="feel a run of it (default: a field day)"
+    )
+    emulate.add_argument("--run", metavar="ID", help="which run of it (default: the first)")
     _make_logs(commands)
     _make_checks(commands)
     add_formats(commands)
@@ -75,6 +79,7 @@ def make_parser() -> argparse.ArgumentParser:
 def _make_analysis(commands: "argparse._SubParsersAction[OneLineParser]") -> None:
     check = commands.add_parser("check", help="read a campaign and show what is in it")
     _campaign(check)
+    _library(check)
     _json(check)
 
     compare = commands.add_parser("compare", help="compare the model with the measurements")
@@ -88,6 +93,15 @@ def _make_analysis(commands: "argparse._SubParsersAction[OneLineParser]") -> Non
     )
     _library(compare)
     _outputs(compare)
+
+    settings = commands.add_parser(
+        "settings", help="compare settings of a vehicle over one course, without a model"
+    )
+    _campaign(settings)
+    settings.add_argument(
+        "--reference", metavar="NAME", default="", help="the setting compared with (default: first)"
+    )
+    _outputs(settings)
 
     diagnose = commands.add_parser("diagnose", help="find out which effects are missing")
     _campaign(diagnose)

@@ -5,7 +5,7 @@ from typing import Any
 
 
 def add_export(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without importing what it calls."""
     export = commands.add_parser(
         "export", help="write a known car for other programs: an FMU, or a state space for MATLAB"
     )

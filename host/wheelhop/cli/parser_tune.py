@@ -5,7 +5,7 @@ from typing import Any
 
 
 def add_tune(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without importing what it calls."""
     tune = commands.add_parser(
         "tune", help="search the settings of a known car that are best on the roads it drives"
     )

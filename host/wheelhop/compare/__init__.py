@@ -12,6 +12,7 @@ from wheelhop.compare.comparison import (
 )
 from wheelhop.compare.describe import describe, explains_nothing
 from wheelhop.compare.floor import (
+    QUIETEST,
     Floor,
     estimate_noise,
     estimate_noise_between_samples,
@@ -23,9 +24,10 @@ from wheelhop.compare.rating import Rating, iso18571
 from wheelhop.compare.records import Record, in_band, relative_error
 from wheelhop.compare.signals import RunSignals
 from wheelhop.compare.terminal import print_comparison
-from wheelhop.compare.weights import weighed
+from wheelhop.compare.weights import weighed, with_noise
 
 __all__ = [
+    "QUIETEST",
     "Breakdown",
     "ChannelFigures",
     "Comparison",
@@ -55,4 +57,5 @@ __all__ = [
     "to_json",
     "weighed",
     "where_to_json",
+    "with_noise",
 ]

@@ -91,6 +91,14 @@ class InBand:
         omega = 2.0 * np.pi * np.tile(self.frequency_hz, 2)
         return np.asarray(-c / (omega**2).reshape(-1, *[1] * (c.ndim - 1)))
 
+    def differentiated(self, c: ArrayLike) -> Array:
+        """Coefficients (2 n_bins, …) of the derivative in time of what has the coefficients ``c``:
+        of a velocity, m/s, if ``c`` is of a displacement, m."""
+        c = np.asarray(c, dtype=float)
+        half = self.count // 2
+        omega = (2.0 * np.pi * self.frequency_hz).reshape(-1, *[1] * (c.ndim - 1))
+        return np.concatenate([-omega * c[half:], omega * c[:half]])
+
     def _checked(self, y: ArrayLike) -> Array:
         y = np.asarray(y, dtype=float)
         if y.shape[:1] != (self.n,):

@@ -265,6 +265,8 @@ def to_json(comparison: Comparison) -> dict[str, Any]:
                 "expected_fit": floor.expected_fit,
                 "expected_validate": floor.expected_validate,
                 "source": floor.source,
+                "basis": floor.origin,
+                "uncertainty": floor.tolerance,
                 **_noise_by_key(comparison),
             },
             "figures": [

@@ -10,14 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import nan
+from math import comb, nan
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, special
 
 from wheelhop.campaign import Campaign
+from wheelhop.compare.quantisation import least_noise
 from wheelhop.compare.records import Record
+from wheelhop.compare.repeats import scatter
 from wheelhop.compare.windows import blackman_harris
 
 Array = NDArray[np.float64]
@@ -25,12 +27,19 @@ Array = NDArray[np.float64]
 BLOCKS = 4  # equal parts of the band whose quietness is judged separately
 LOBE = 4  # lines: half the main lobe of a Blackman-Harris window
 PIECE = 50  # samples
-FOURTH = 1.0 + 2.0 * (56**2 + 28**2 + 8**2 + 1) / 70**2
-"""Fourth differences of white noise that tell as much as one that is independent."""
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
 
 
 AXLES = "the axles that drive it"
+
+STATED, QUIET, SURE = 0.05, 0.15, 0.05
+"""Relative standard uncertainty of a noise that is stated, and of one estimated from the quietest
+parts of records, which nothing shows to hold noise alone; and the least of any other estimate."""
+
+QUIETEST = "the quietest parts of records and residuals"
+REPEATED = "the scatter between repeats of the same motion"
+STEPS = "the steps in which the recorded values come"
+"""What an estimate of the noise is taken from."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +56,8 @@ class Floor:
     "estimated". ``noise_rms`` (n_channels,) is the noise in band assumed for each channel over its
     ``noise_scale`` (`weights`), in ``unit``, that of the leading quantity, NaN where none
     could be estimated because the model predicts nothing; ``noise_key`` is its name in files.
+    ``basis`` says in words what an estimate is taken from, and ``uncertainty`` is the relative
+    standard uncertainty of the noise.
     ``scales`` is what of `expected` the scales of the channels alone leave. ``driver`` is what was
     measured and drives the model, if anything does, in words.
     """
@@ -64,6 +75,8 @@ class Floor:
     scales: float
     noise_scale: Array | float = 1.0
     driver: str = AXLES
+    basis: str = QUIETEST
+    uncertainty: float = QUIET
 
     @property
     def of_channels(self) -> Array:
@@ -91,7 +104,12 @@ class Floor:
     @property
     def tolerance(self) -> float:
         """Relative uncertainty of the floor, on E: an excess below it means nothing."""
-        return 0.05 if self.is_stated else 0.15
+        return STATED if self.is_stated else self.uncertainty
+
+    @property
+    def origin(self) -> str:
+        """Where the noise comes from, in words."""
+        return "stated in campaign.toml" if self.is_stated else f"estimated from {self.basis}"
 
 
 def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
@@ -103,12 +121,13 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
     not (`Record.folded_power`). u is the standard uncertainty of a channel's scale, where a
     calibration states it.
     """
-    every = tuple(channel.quantity for channel in campaign.channels)
     if campaign.noise_rms is not None:
         source = campaign.noise_key if not campaign.unstated else "estimated"
         noise = np.full(len(campaign.channels), campaign.noise_rms)
+        basis, uncertainty = QUIETEST, QUIET
     else:
-        source, noise = "estimated", estimate_noise(records, every)
+        source = "estimated"
+        noise, basis, uncertainty = _estimated(campaign, records)
     share = _Shares(campaign, records, noise)
 
     def ratio(role: str | None, *parts: str) -> float:
@@ -128,7 +147,31 @@ def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:
         scales=ratio(None, "scales"),
         noise_scale=campaign.noise_scale,
         driver=AXLES if any(c.is_axle for c in campaign.channels) else "travel that drives it",
+        basis=basis,
+        uncertainty=uncertainty,
     )
+
+
+def _estimated(campaign: Campaign, records: Sequence[Record]) -> tuple[Array, str, float]:
+    """Noise in band (n_channels,) of each channel per its scale, what it is taken from, and its
+    relative uncertainty.
+
+    What differs from repeat to repeat is the noise. Where nothing repeats, the quietest parts show
+    what it is at most. It is never less than what the steps of the recorded values make.
+    """
+    scales = campaign.noise_scale
+    where = campaign.runs, campaign.sample_rate_hz, campaign.band_hz
+    found = scatter(*where)
+    if found is None:
+        every = tuple(channel.quantity for channel in campaign.channels)
+        noise, basis, uncertainty = estimate_noise(records, every), QUIETEST, QUIET
+    else:
+        noise, basis = found.noise_rms / scales, REPEATED
+        uncertainty = max(found.uncertainty, SURE)
+    least = least_noise(*where) / scales
+    if np.any(noise < least):
+        return np.maximum(noise, least), STEPS, max(uncertainty, QUIET)
+    return noise, basis, uncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,27 +249,33 @@ def _chosen(record: Record, columns: NDArray[np.bool_]) -> Record:
     return Record(record.run, record.band, predicted, measured, residual, None)
 
 
-def estimate_noise_between_samples(records: Sequence[Array], share: float) -> float:
+def estimate_noise_between_samples(records: Sequence[Array], share: float, order: int = 4) -> float:
     """A second estimate of the noise in band, from one sample to the next.
 
     ``records`` are (n, c) each; ``share`` is the part of white noise that lies in band. Motion is
-    smooth on the scale of a few samples, noise is not: the fourth difference of white noise has
-    70 times its variance (J. von Neumann et al., Ann. Math. Stat. 12 (1941) 153, for the first
-    one), that of a wave of a tenth of the sample rate a fiftieth of its own. The quietest pieces
-    count, as far above the least as chance spreads so many of one noise, however few they are:
-    with m of them and a logarithm that scatters by s, 2 s sqrt(2 ln m).
+    smooth on the scale of a few samples, noise is not: the difference of ``order`` m has C(2m, m)
+    times the variance of white noise, 70 times for the fourth (J. von Neumann et al., Ann. Math.
+    Stat. 12 (1941) 153, for the first one), that of a wave of a tenth of the sample rate a fiftieth
+    of its own. The quietest pieces count, as far above the least as chance spreads so many of one
+    noise, however few they are: with m of them and a logarithm that scatters by s, 2 s sqrt(2 ln
+    m).
     """
+    times = comb(2 * order, order)
+    # So many differences of white noise tell as much as one that is independent.
+    alike = 1.0 + 2.0 * sum(comb(2 * order, k) ** 2 for k in range(order)) / times**2
     pieces = np.array(
         [
             piece.mean(axis=0)
             for record in records
-            for piece in np.array_split(np.diff(record, 4, axis=0) ** 2, len(record) // PIECE or 1)
+            for piece in np.array_split(
+                np.diff(record, order, axis=0) ** 2, len(record) // PIECE or 1
+            )
         ]
     )
     level = np.log(np.maximum(pieces, np.finfo(float).tiny)).mean(axis=1)
-    scatter = np.sqrt(special.polygamma(1, PIECE / FOURTH / 2) / pieces.shape[1])
-    spread = 2.0 * scatter * np.sqrt(2.0 * np.log(len(pieces)))
-    return float(np.sqrt(pieces[level <= level.min() + spread].mean() / 70.0 * share))
+    scatter_of_level = np.sqrt(special.polygamma(1, PIECE / alike / 2) / pieces.shape[1])
+    spread = 2.0 * scatter_of_level * np.sqrt(2.0 * np.log(len(pieces)))
+    return float(np.sqrt(pieces[level <= level.min() + spread].mean() / times * share))
 
 
 def _quiet_level(signals: Sequence[tuple[Array, Record]]) -> Array:

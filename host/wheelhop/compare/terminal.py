@@ -37,7 +37,6 @@ def _summary(comparison: Comparison) -> Table:
         if runs:
             ratio = error / at_best if at_best > 0.0 else float("nan")
             table.add_row(role, _percent(error), _percent(at_best), _heat(ratio), str(runs))
-    source = "stated" if floor.is_stated else "estimated from the recordings"
     for each in comparison.by_quantity:
         for role, error, at_best in (
             ("fit", each.error_fit, each.floor_fit),
@@ -49,7 +48,7 @@ def _summary(comparison: Comparison) -> Table:
                 table.add_row(row, _percent(error), _percent(at_best), _heat(ratio), "")
     noise = [f"{each.noise_rms:.3g} {each.unit}" for each in comparison.by_quantity]
     said = ", ".join(noise) or f"{floor.pooled_rms:.3g} {floor.unit}"
-    table.caption = f"noise {said} rms in band, {source}"
+    table.caption = f"noise {said} rms in band, {floor.origin}"
     table.caption_justify = "left"
     return table
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wheelhop.campaign import Campaign
+from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.compare.band import InBand
 from wheelhop.compare.floor import estimate_noise
 from wheelhop.compare.records import Record
@@ -41,6 +41,27 @@ def weighed(campaign: Campaign) -> Campaign:
     return replace(
         campaign, channels=tuple(replace(c, noise_scale=scale or 1.0) for c, scale in channels)
     )
+
+
+def with_noise(campaign: Campaign) -> Campaign:
+    """The campaign with the noise of each of its channels stated, estimated as `weighed` does where
+    it was not.
+
+    Raises
+    ------
+    CampaignError
+        It is not stated, and the records hold none.
+    """
+    counted, first = weighed(campaign), campaign.leading
+    leading = np.array([c.quantity == first.quantity for c in campaign.channels])
+    reference = campaign.noise_rms or _estimated(campaign, leading)
+    if reference == 0.0:
+        raise CampaignError(
+            f"{campaign.folder / 'campaign.toml'}: the recordings hold no noise where they are"
+            f" quietest: state {campaign.noise_key}"
+        )
+    channels = tuple(replace(c, noise_rms=c.noise_scale * reference) for c in counted.channels)
+    return replace(counted, noise_rms=reference, channels=channels)
 
 
 def _estimated(campaign: Campaign, columns: np.ndarray) -> float:

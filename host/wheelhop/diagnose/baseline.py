@@ -14,6 +14,7 @@ from wheelhop.compare.band import InBand
 from wheelhop.diagnose.confirm.validate import validate
 from wheelhop.diagnose.score import Rung
 from wheelhop.files import Progress
+from wheelhop.files.words import listed
 from wheelhop.fit import (
     Bench,
     Free,
@@ -27,7 +28,7 @@ from wheelhop.fit import (
 )
 from wheelhop.simulate import Model, climbing, drive_of
 from wheelhop.simulate.measured import driving
-from wheelhop.vehicle import Vehicle, wheels
+from wheelhop.vehicle import Drive, Vehicle, wheels
 
 STILL = 1e-9
 """In-band coefficients of this size, m/s² (N, m on a rig), are rounding: nothing moves."""
@@ -60,7 +61,7 @@ def fit_baseline(
     CampaignError
         The campaign does not hold what a comparison needs.
     """
-    _check(campaign, vehicle)
+    check_comparable(campaign, vehicle)
     model = initial_model(campaign, vehicle)
     workshop = Workshop(campaign, model, measured=vehicle.measured, jobs=jobs)
     progress("finding each run's start and speed")
@@ -140,11 +141,11 @@ def started(workshop: Workshop, model: Model, free: Sequence[Free]) -> Model:
     systems = workshop.systems(model)
     benches = [b for b in workshop.benches.values() if b.drive == "road"]
 
-    def started(bench: Bench) -> dict[str, float]:
+    def place(bench: Bench) -> dict[str, float]:
         with climbing(workshop.campaign, bench.run):
             return find_start(workshop.campaign, bench.run, model, systems["road"])
 
-    starts = workshop.each(started, benches)
+    starts = workshop.each(place, benches)
     for bench, start in zip(benches, starts, strict=True):
         model = model.with_run(bench.run.id, start)
     return model
@@ -160,7 +161,9 @@ def _resting(campaign: Campaign, channels: list[int]) -> list[str]:
     return [role for role, any_moves in moves.items() if not any_moves]
 
 
-def _check(campaign: Campaign, vehicle: Vehicle) -> None:
+def check_comparable(campaign: Campaign, vehicle: Vehicle) -> None:
+    """Raise the CampaignError that says why no model can be compared with a campaign, and what
+    would cure it: nothing moves, or nothing that is measured can move the model."""
     where = campaign.folder / "campaign.toml"
     for role in _resting(campaign, list(range(len(campaign.channels)))):
         raise CampaignError(
@@ -170,23 +173,30 @@ def _check(campaign: Campaign, vehicle: Vehicle) -> None:
     unknown = [run for run in campaign.runs if run.track.kind == "unknown"]
     for run in unknown[:1]:
         drive = drive_of(campaign, run)
-        corners = driving(campaign, drive)
-        missing = [i for i in wheels(vehicle.values) if i not in corners]
-        lacking = ", ".join(f"{'A' if drive == 'axles' else 'S'}{i + 1}" for i in missing)
+        missing = _unmoved(campaign, drive, vehicle)
+        lacking = ", ".join(f"{'A' if drive == 'axles' else 'S'}{i}" for i in missing)
         if drive == "axles" and missing:
+            pots = listed([str(i) for i in _unmoved(campaign, "travel", vehicle)])
             raise CampaignError(
                 f'{where}: run "{run.id}" has track.kind = "unknown", so measured axle motion must'
                 f" drive the model, but {lacking} is not among the channels; describe the"
-                " track, or leave the run out"
+                f" track, add accelerometers there or potentiometers at the struts {pots}, or leave"
+                " the run out"
             )
         if missing:
             raise CampaignError(
                 f'{where}: run "{run.id}" has track.kind = "unknown", so measured travel must drive'
                 f" the model, but no channel shows it at {lacking}; describe the track, add the"
-                " channel, or leave the run out"
+                " potentiometer, or leave the run out"
             )
     if unknown and not any(c.is_on_body for c in campaign.channels):
         raise CampaignError(
             f'{where}: run "{unknown[0].id}" has track.kind = "unknown" and no channel on the body:'
             " nothing can be compared; describe the track, or add a channel on the body"
         )
+
+
+def _unmoved(campaign: Campaign, drive: Drive, vehicle: Vehicle) -> list[int]:
+    """The corners, from 1, of which no channel shows the motion that drives the model."""
+    corners = driving(campaign, drive)
+    return [i + 1 for i in wheels(vehicle.values) if i not in corners]

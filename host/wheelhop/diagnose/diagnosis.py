@@ -326,6 +326,8 @@ def to_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "expected_fit": _number(floor.expected_fit),
             "expected_validate": _number(floor.expected_validate),
             "source": floor.source,
+            "basis": floor.origin,
+            "uncertainty": floor.tolerance,
         },
         **quantities_to_json(last),
         "ranking": [_ranked(r) for r in diagnosis.ranking],

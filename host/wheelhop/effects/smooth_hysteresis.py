@@ -34,7 +34,6 @@ class SmoothHysteresis(Effect):
     title = "hysteresis without a limit: unloading is stiffer than loading, which may harden"
     becomes = (
         Becomes("softening", "upper", "dry-friction", "softening to a limit, it is friction"),
-        Becomes("way_m", "upper", "suspension stiffness", "on short ways it is but a spring"),
     )
     equation = (
         r"f = F (z - x / d),\quad d\,\dot z = \dot x\,(1 - |z|\,"

@@ -139,11 +139,26 @@ class Bench:
     @RUNS_AWAY
     def coefficients(self, record: Array) -> Array:
         """In-band data (size,) of a record's predicted channels: coefficients per `noise_scale` of
-        the channel, and per `doubt`, or free of `shared_error`."""
+        the channel, and per `doubt`, or free of `shared_error`. Of a record that is not finite, as
+        of a model that is not stable, they are infinite: whatever is measured, it is far off."""
         found = self.band.coefficients(record[:, self.predicted]) / self.noise_scale[self.predicted]
         if self.shared_error is not None:
-            return self.shared_error.white(found).ravel()
-        return np.asarray(found / self.doubt[:, self.predicted]).ravel()
+            found = self.shared_error.white(found)
+        else:
+            found = found / self.doubt[:, self.predicted]
+        return np.where(np.isfinite(found), found, np.inf).ravel()
+
+    def seen_by(self, columns: Array, channels: Sequence[int]) -> Array:
+        """Columns of data (size, k) as they would be, had only some `channels` been recorded beside
+        those that drive the run."""
+        of_predicted = np.cumsum(self.predicted) - 1
+        kept = [int(of_predicted[i]) for i in channels if self.predicted[i]]
+        data = columns.reshape(self.band.count, -1, columns.shape[1])
+        if self.shared_error is None:
+            seen = data[:, kept]
+        else:
+            seen = self.shared_error.among(kept).white(self.shared_error.recorded(data)[:, kept])
+        return np.asarray(seen.reshape(-1, columns.shape[1]))
 
     def undoubted(self, data: Array) -> Array:
         """Data (size,) as they were recorded, with the errors of what drives the run."""
@@ -181,7 +196,8 @@ Watch = Callable[[int, float], None]
 class Workshop:
     """All runs of a campaign on their benches, worked on by a few threads; `model` is the nominal
     vehicle, `measured` what is known of sums and relations of its numbers; `watch` sees every fit
-    converge."""
+    converge; `run_away` holds runs, and the effects of models whose answers in them were not finite
+    where an effect looked at them."""
 
     def __init__(
         self,
@@ -196,6 +212,7 @@ class Workshop:
         self.measured = tuple(measured)
         self.nominal = model.values
         self.work = Work()
+        self.run_away = set[tuple[str, tuple[str, ...]]]()
         self._employ(jobs or min(processors(), 8))
         self.drives = tuple(sorted({drive_of(campaign, run) for run in campaign.runs}))
         nominal = self.systems(model)

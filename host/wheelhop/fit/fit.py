@@ -240,7 +240,6 @@ class _Problem:
         def linearise_run(bench: Bench) -> RunFit:
             # Before the derivatives: the record is there already.
             residual = bench.residual(model, systems)
-            residual[~np.isfinite(residual)] = np.inf
             own = self.own(bench, model)
             columns = dict(self.known.get(bench.run.id, {}))
             others = [f for f in self.shared if f.name not in columns]

@@ -180,12 +180,18 @@ def _component_parameters(campaign: ComponentCampaign, component: Vehicle) -> li
     ]
 
 
-def _rig_start(run: RigRun) -> Iterator[Free]:
-    """Displacement and velocity at the first sample of a run that imposes a force."""
+def _rig_start(run: RigRun, model: Model) -> Iterator[Free]:
+    """What a run that imposes a force leaves free (`wheelhop.simulate.rig.INITIAL`).
+
+    The constant force, a weight or preload that no load cell shows or the error of a cell's zero,
+    is believed to be about as large as the force recorded, or in a free decay as the campaign's.
+    """
     if run.drive == "force":
         x = run.displacement
         size, speed = float(x.std()), float(np.gradient(x, run.time_s).std())
-        for name, mean, sigma in zip(RIG_INITIAL, (float(x[0]), 0.0), (size, speed), strict=True):
+        force = float(np.sqrt(np.mean(run.force**2))) or model.values["rig.force_N"]
+        means, sigmas = (float(x[0]), 0.0, 0.0), (size, speed, force)
+        for name, mean, sigma in zip(RIG_INITIAL, means, sigmas, strict=True):
             yield Free(name, mean, sigma, sigma)
 
 
@@ -223,7 +229,7 @@ def run_parameters(run: Run, setting: RunSetting, model: Model) -> list[Free]:
     """What a run leaves free: speed and start on the track (on measured axles and on a rig that
     imposes a force: what moved how when the record began; where travel is measured: at which
     extension struts rest), and the effects' own."""
-    free = list(_rig_start(run)) if isinstance(run, RigRun) else []
+    free = list(_rig_start(run, model)) if isinstance(run, RigRun) else []
     if setting.on_road and run.speed_m_s > 0:
         sigma = SPEED_UNCERTAINTY * run.speed_m_s
         free.append(Free("speed_m_s", run.speed_m_s, sigma, 1e-3 * run.speed_m_s, 0.0))

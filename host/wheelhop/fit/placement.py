@@ -25,6 +25,15 @@ it is read from may be another tenth off."""
 
 FEW_SPEEDS = 40
 
+UNEXPLAINED = 0.03
+"""Share of a record's power that no nominal model explains: a few of its numbers count at a place,
+each uncertain by 10 %."""
+
+GAIN = 0.1
+"""Half width, of the logarithm, of what a vehicle moves over what its nominal numbers say, which
+are uncertain by 10 %. Laws that they lack may halve it, or more: it has the tails of Cauchy's
+distribution."""
+
 
 def find_start(
     campaign: Campaign,
@@ -172,7 +181,7 @@ def _match_shape(
     predicted: NDArray[np.bool_],
     track: Track,
 ) -> dict[str, float]:
-    """Cross-correlation of the record with the response to the whole track, for every speed."""
+    """Correlation of the record with the response to the whole track, for every speed."""
     duration = run.time_s[-1] - run.time_s[0]
     speeds = (run.speed_m_s,) if run.course is None else run.course.speed_m_s
     travelled = max(speeds) * duration * (1 + REACH)
@@ -192,6 +201,7 @@ def _match_shape(
     response = _shown(campaign, system, frequency[inside])[:, predicted]
     response *= campaign.recorded(frequency[inside])[:, None, None]
     sought = fft.rfft(measured, n, axis=0)[inside].conj()
+    held = float((measured**2).sum())
     best = (-np.inf, run.speed_m_s, 0.0)
     for speed, (until, at) in drives.items():
         # Where speed goes by the place alone, another start is the same drive at another time.
@@ -207,12 +217,29 @@ def _match_shape(
         power = np.concatenate([[0.0], np.cumsum(square)])
         last = int(until / step)
         energy = power[len(measured) : len(measured) + last] - power[:last]
-        match = 2 * fft.irfft(cross, n)[:last] - energy
+        match = _likelihood(fft.irfft(cross, n)[:last], energy, held, 2 * duration)
         lag = int(np.argmax(match))
         if match[lag] > best[0]:
             start = float(at(np.array(lag * step - run.time_s[0])))
             best = (float(match[lag]), float(speed), float(start))
     return {"speed_m_s": best[1], "start_m": best[2]}
+
+
+def _likelihood(along: Array, energy: Array, held: float, blocks: float) -> Array:
+    """Logarithm of the likelihood (l,) of places where a record that holds so much energy has
+    `along` in common with a model's response of some energy.
+
+    The model's gain is free: with its own, flat ground is likeliest wherever the model shows more
+    than twice as much as was measured. What is left beside counts as normal noise, half a second as
+    one number; a gain is believed to be near 1 (`GAIN`), as far as the response is not lost in what
+    no model explains.
+    """
+    lost = max(UNEXPLAINED * held, np.finfo(float).tiny)
+    along, energy = np.maximum(along, 0.0), np.maximum(energy, 0.0)
+    share = along**2 / np.maximum(energy, lost) / max(held, lost)
+    apart = np.log((along + lost) / (energy + lost)) / GAIN
+    left = np.maximum(1.0 - share, 0.0) + UNEXPLAINED
+    return np.asarray(-0.5 * blocks * np.log(left) - np.log1p(apart**2))
 
 
 def _drive(

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from wheelhop.campaign import Channel, RigRun
-from wheelhop.effects import RunSetting
+from wheelhop.campaign import CampaignError, Channel, RigRun
+from wheelhop.effects import Effect, RunSetting
 from wheelhop.fit.bench import Bench, Workshop
 from wheelhop.fit.placement import find_start
 from wheelhop.simulate import Model
@@ -19,16 +19,38 @@ from wheelhop.vehicle import COMPONENT, CORNERS, axle_name
 Array = NDArray[np.float64]
 
 
+Values = Mapping[str, float]
+
+
+class NotFinite(CampaignError):
+    """A model answers with what is not finite in a run, so that nothing can be seen by it."""
+
+
 class FitProbe:
     """Some runs as an effect may see them (`wheelhop.effects.Probe`)."""
 
     def __init__(self, workshop: Workshop, model: Model, benches: Sequence[Bench]) -> None:
-        self._model = model
+        self._workshop, self._model = workshop, model
         self._benches = {bench.run.id: bench for bench in benches}
         self._systems = workshop.systems(model)
         self._campaign = workshop.campaign
         self._channels = workshop.campaign.channels
         self._lowest_hz = workshop.campaign.band_hz[0]
+
+    def shape_starts(self, effect: Effect) -> Sequence[Values]:
+        """Where an effect's shapes may begin, as it finds them in these runs; none where the model
+        without it runs away in one of them, which is said in the workshop's `run_away`."""
+        try:
+            return effect.shape_starts(self)
+        except NotFinite:
+            return ()
+
+    def run_starts(self, effect: Effect, run: RunSetting, shapes: Values) -> Sequence[Values]:
+        """Where what it leaves free in a run may begin; absent where the model runs away there."""
+        try:
+            return effect.run_starts(self, run, shapes)
+        except NotFinite:
+            return ({},)
 
     @property
     def settings(self) -> Sequence[RunSetting]:
@@ -75,7 +97,26 @@ class FitProbe:
         return [self._in_band(bench, record) for record in records]
 
     def _in_band(self, bench: Bench, record: Array) -> Array:
-        return bench.band.signal(np.where(bench.predicted, record, 0.0) / bench.noise_scale)
+        shown = self._finite(bench, np.where(bench.predicted, record, 0.0))
+        return bench.band.signal(shown / bench.noise_scale)
+
+    def _finite(self, bench: Bench, shown: Array) -> Array:
+        """What a model says of a run, if all of it is a number.
+
+        Raises
+        ------
+        NotFinite
+            It is not.
+        """
+        if not np.isfinite(shown).all():
+            effects = tuple(effect.id for effect in self._model.effects)
+            self._workshop.run_away.add((bench.run.id, effects))
+            what = " and ".join(("these numbers", *effects))
+            raise NotFinite(
+                f"{self._campaign.vehicle_file}: a model with {what} runs away in run"
+                f' "{bench.run.id}": leave one of them out, or correct a number'
+            )
+        return shown
 
     def placed(self, run_id: str, channels: Collection[int]) -> Mapping[str, float]:
         """Speed and start at which the linear model agrees best with some of the channels."""
@@ -101,7 +142,7 @@ class FitProbe:
         if isinstance(bench.run, RigRun):
             return {COMPONENT: bench.run.displacement[:, None]}
         response = bench.response(self._model, self._systems).record
-        told = np.where(bench.predicted, response, bench.run.record)
+        told = self._finite(bench, np.where(bench.predicted, response, bench.run.record))
         place = {c.point: i for i, c in enumerate(self._channels)}
         pots = {c.corner: i for i, c in enumerate(self._channels) if c.quantity == "travel"}
         found: dict[str, list[Array]] = {}

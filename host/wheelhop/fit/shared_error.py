@@ -15,6 +15,7 @@ in common.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -38,16 +39,22 @@ class SharedError:
         covariance = np.eye(response.shape[1]) + moved @ moved.conj().swapaxes(1, 2)
         return cls(np.asarray(np.linalg.cholesky(covariance)))
 
+    def among(self, channels: Sequence[int]) -> SharedError:
+        """The same where some of the channels alone are recorded."""
+        covariance = self.lower @ self.lower.conj().swapaxes(1, 2)
+        kept = covariance[:, channels][:, :, channels]
+        return SharedError(np.asarray(np.linalg.cholesky(kept)))
+
     @cached_property
     def _inverse(self) -> ComplexArray:
         return np.asarray(np.linalg.inv(self.lower))
 
     def white(self, data: Array) -> Array:
-        """In-band data (2 f, p) with white errors."""
+        """In-band data (2 f, p), or columns of such (2 f, p, k), with white errors."""
         return _applied(self._inverse, data)
 
     def recorded(self, data: Array) -> Array:
-        """White data (2 f, p) as they were recorded."""
+        """White data (2 f, p), or columns of such, as they were recorded."""
         return _applied(self.lower, data)
 
     @property
@@ -63,5 +70,6 @@ class SharedError:
 
 def _applied(matrices: ComplexArray, data: Array) -> Array:
     half = len(matrices)
-    found = (matrices @ (data[:half] + 1j * data[half:])[..., None])[..., 0]
-    return np.concatenate([found.real, found.imag])
+    columns = data.reshape(*data.shape[:2], -1)
+    found = matrices @ (columns[:half] + 1j * columns[half:])
+    return np.concatenate([found.real, found.imag]).reshape(data.shape)

@@ -92,7 +92,7 @@ def _of_text(
     questions += timing.questions
     words = ""
     if timing.index is not None and not questions and key is None:
-        column = _first_rows(columns[timing.index], text.begun)
+        column = _first_rows(columns[timing.index], text.begun - layout.first_row + 1)
         words = uneven_stamps(column, timing, path, layout.first_row)
     resampling, asked = resample_keys(words, answers)
     questions += asked
@@ -168,11 +168,12 @@ def _by_endings(layout: Layout, columns: Sequence[Column], timing: Timing) -> It
             yield f"{column.label} is in {column.unit}, by the end of its name"
 
 
-def _first_rows(column: Column, begun: int) -> Column:
-    """The rows of a large text's beginning, of which lines in the middle were passed over."""
-    if not begun or column.values is None:
+def _first_rows(column: Column, rows: int) -> Column:
+    """The first rows of a large text, of which lines in the middle were passed over; all of one
+    that was read whole, where `rows` is not above 0."""
+    if rows <= 0 or column.values is None:
         return column
-    return replace(column, values=column.values[:begun])
+    return replace(column, values=column.values[:rows])
 
 
 def _columns(layout: Layout, digits: Digits) -> list[Column]:

@@ -48,6 +48,20 @@ def likely_point(name: str) -> str:
     return f"{'A' if axle else 'B'}{corner + 1}"
 
 
+def likely_quantity(name: str, si_unit: str) -> str:
+    """The word for a channel of another quantity, as `wheelhop.campaign.channels.place_of` takes
+    it, that its unit and its name seem to mean: "travel:1", "rate:pitch"; "" if they do not say."""
+    words = _words(name)
+    corner = _corner(words)
+    if si_unit in ("m", "N") and corner is not None:
+        return f"{'travel' if si_unit == 'm' else 'force'}:{corner + 1}"
+    if si_unit == "rad/s":
+        axes = [axis for axis in ("pitch", "roll") if axis in words]
+        engine = {"rpm", "engine", "motor"} & {*words}
+        return f"rate:{axes[0]}" if len(axes) == 1 else "speed:engine" if engine else ""
+    return "speed" if si_unit == "m/s" else ""
+
+
 def _words(name: str) -> list[str]:
     return re.findall(r"[a-z]+|\d+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
 

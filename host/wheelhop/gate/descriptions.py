@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from wheelhop.campaign import BODY_POINTS, Campaign, Channel
 from wheelhop.campaign.types import ACCELERATION
 from wheelhop.files.units import SPELT
-from wheelhop.gate.drive import Drive, Match, Places, speeds_about
+from wheelhop.gate.drive import Drive, speeds_about
+from wheelhop.gate.match import Match, Places
 
 Array = NDArray[np.float64]
 
@@ -35,9 +36,21 @@ OTHER_UNITS = {
         "force": ("kN", "lbf"),
     }.items()
 }
+OTHER_UNITS["rate"]["rad/s converted as if they were deg/s"] = SPELT["deg/s"][1]
 """What a quantity's records may be in, and their number over the same in SI."""
-ALONE = {ACCELERATION: ("g", "mm/s²"), "travel": ("mm",), "rate": ("deg/s",), "force": ("kN",)}
+ALONE = {
+    ACCELERATION: ("g", "mm/s²"),
+    "travel": ("mm", "inch"),
+    "rate": ("deg/s",),
+    "force": ("kN",),
+}
 """What a single channel may be in."""
+LOGGERS_S = tuple(sign * 0.02 * k for k in range(2, 26) for sign in (1, -1))
+"""The same of sensors that a logger of their own recorded: two clocks, set by hand, are half a
+second apart."""
+RATIOS = tuple(factor**sign for factor in np.geomspace(1.5, 4.0, 5).tolist() for sign in (1, -1))
+"""By which a ratio of sensor to wheel may be wrong: forgotten, upside down, squared; neighbours are
+a quarter apart. What is less may be springs that are believed to 10 %, or a law they lack."""
 RECORDED_APART = ("channels of travel", "channels of rates", "channels of force")
 """Quantities that a logger of its own may have recorded."""
 REVERSED = "the wrong way round"
@@ -72,6 +85,10 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
             yield Description("speed", "", same, speed=float(factor))
     for rate in RATES:
         yield Description("sample-rate", "", same, rate=rate)
+    # The sign of a gyro is another one in every book: commoner than sides that are exchanged, which
+    # turn what potentiometers say of roll as well.
+    gyros = [i for i in range(n) if n > 2 and quantities[i] == "rate"]
+    yield from (_reversed(channels, i) for i in gyros)
     points = [c.point for c in channels]
     kinds = {q: [i for i, c in enumerate(channels) if c.quantity == q] for q in ALONE}
     for words, renamed in (
@@ -96,7 +113,7 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
         if not 0 < len(late) < n:
             continue
         names = tuple(channels[i].name for i in late)
-        for delay in DELAYS_S:
+        for delay in DELAYS_S if late is axles else LOGGERS_S:
             places = _moved(late, late, delay)
             words = f"{what} are {abs(delay) * 1e3:.0f} ms {'late' if delay > 0 else 'early'}"
             yield Description("out-of-step", words, places, names)
@@ -105,14 +122,13 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
             names = tuple(channels[i].name for i in of_kind)
             for unit, factor in OTHER_UNITS[quantity].items():
                 yield Description("units", unit, _scaled(of_kind, factor), names)
+    yield from _ratios(channels)
     for k, channel in enumerate(channels if n > 2 else ()):
         for unit in ALONE[channel.quantity]:
             factor = OTHER_UNITS[channel.quantity][unit]
             yield Description("units", unit, _scaled([k], factor), (channel.name,))
     if n > 2:  # of two it cannot be told which one is inverted
-        for i in range(n):
-            how = "is upside down" if channels[i].is_acceleration else f"counts {REVERSED}"
-            yield Description("polarity", how, _inverted([i]), (channels[i].name,))
+        yield from (_reversed(channels, i) for i in range(n) if i not in gyros)
     for i, point in enumerate(points):
         other = point.translate(str.maketrans("AB", "BA"))
         if len(point) == 2 and other in points:
@@ -123,6 +139,23 @@ def other_descriptions(channels: Sequence[Channel]) -> Iterator[Description]:
         if "body" not in (points[i], points[j]) and quantities[i] == quantities[j]:
             names = (channels[i].name, channels[j].name)
             yield Description("swapped", "", _moved((i, j), (j, i)), names)
+
+
+def _reversed(channels: Sequence[Channel], i: int) -> Description:
+    how = "is upside down" if channels[i].is_acceleration else f"counts {REVERSED}"
+    return Description("polarity", how, _inverted([i]), (channels[i].name,))
+
+
+def _ratios(channels: Sequence[Channel]) -> Iterator[Description]:
+    """Sensors on struts whose ratio to the wheel is wrong: those of an axle, or all of a kind."""
+    for quantity in ("travel", "force"):
+        of_kind = [i for i, c in enumerate(channels) if c.quantity == quantity]
+        ends = [[i for i in of_kind if channels[i].corner in end] for end in ((0, 1), (2, 3))]
+        for some in (of_kind, *(end for end in ends if 0 < len(end) < len(of_kind))):
+            if 0 < len(some) < len(channels):
+                names = tuple(channels[i].name for i in some)
+                for factor in RATIOS:
+                    yield Description("ratio", f"{factor:.2g}", _scaled(some, factor), names)
 
 
 def all_matches(drives: Sequence[Drive], descriptions: Sequence[Description]) -> list[list[Match]]:

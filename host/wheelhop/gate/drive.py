@@ -19,7 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Run, TrackSpec
-from wheelhop.gate.spectra import Spectra
+from wheelhop.gate.by_travel import ByTravel, Struts
+from wheelhop.gate.match import MOST, Match, Places, log_likelihood
+from wheelhop.gate.spectra import PADDING, Spectra
 from wheelhop.simulate import Model, frequency_response
 from wheelhop.track import make_track, wheel_envelope
 from wheelhop.vehicle import axle_name, behind_m, corner_position, wheels
@@ -33,48 +35,8 @@ something wrong, though the fit may find its way (`fit/placement.py`)."""
 HARMONICS = 4
 STEP_HZ = 0.05  # of the nominal vehicle's response
 SAMPLES = 128  # of a wheel's path within one pitch
-MOST = 0.99
-"""Share beyond which no nominal model explains: its numbers are uncertain by 10 %."""
-TOLD = 0.3
-"""Share from which the gain of a record over its prediction says something."""
-
 BROAD = 1 / 3
 """A delay is told from a record that fills so much of its band: what repeats would fit many."""
-
-
-@dataclass(frozen=True)
-class Places:
-    """Of which channels the campaign says something wrong, (m,): the recorded ones among `columns`
-    hold the predicted ones of `order`, with which gain, and how much too late, s."""
-
-    columns: tuple[int, ...] = ()
-    order: tuple[int, ...] = ()
-    gain: tuple[float, ...] = ()
-    late_s: tuple[float, ...] = ()
-
-    def of(self, column: int) -> tuple[int, float]:
-        """The predicted column that a recorded one holds, and with which gain."""
-        if column not in self.columns:
-            return column, 1.0
-        k = self.columns.index(column)
-        return self.order[k], self.gain[k]
-
-
-@dataclass(frozen=True)
-class Match:
-    """How well a description explains a run: the share of its power, the gain of the record over
-    the prediction (NaN: not told), the speed at which that is so, m/s, and the logarithm of the
-    likelihood."""
-
-    share: float
-    gain: float
-    speed_m_s: float
-    log_likelihood: float
-
-    @property
-    def has_gain(self) -> bool:
-        """Whether the gain means anything."""
-        return bool(np.isfinite(self.gain) and self.share > TOLD)
 
 
 class Drive(Protocol):
@@ -94,10 +56,12 @@ class Drive(Protocol):
 
 
 class Nominal:
-    """What the nominal linear vehicle makes of any periodic track at any speed."""
+    """What the nominal linear vehicle makes of any periodic track at any speed, and of measured
+    travel; `noise` (c,) is how noisy the channels are, one beside the other."""
 
-    def __init__(self, campaign: Campaign, values: Mapping[str, float]) -> None:
-        self.values = values
+    def __init__(self, campaign: Campaign, values: Mapping[str, float], noise: Array) -> None:
+        self.campaign, self.values = campaign, values
+        self.noise = noise / campaign.noise_scale
         self.grid_hz = np.arange(STEP_HZ, 2 * campaign.band_hz[1], STEP_HZ)
         unknown = {
             f"{c.key}.{axis}": 0.0
@@ -166,7 +130,7 @@ class OnWaves:
             share = np.minimum(reach**2 / size / 2 / total, MOST)
             for p, (i, best) in enumerate(zip(some, share.argmax(axis=0), strict=True)):
                 explained, gain = float(share[best, p]), float(reach[best, p] / size[best, p])
-                likely = _log_likelihood(self.spectra, explained)
+                likely = log_likelihood(self.spectra, explained)
                 found[i] = Match(explained, gain, float(speeds_m_s[best]), likely)
         return [found[i] for i in range(len(places))]
 
@@ -291,6 +255,10 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
         way = run.speed_m_s * float(run.time_s[-1] - run.time_s[0])
         if period is not None and 2 * period < way:
             return OnWaves(spectra, nominal, period, nominal.paths(run.track))
+    if run.track.kind == "unknown":
+        struts = Struts.of(campaign, nominal.values, spectra.frequency_hz[::PADDING], nominal.noise)
+        if struts is not None:
+            return ByTravel(spectra, struts)
     points = [channel.point for channel in campaign.channels]
     pairs = tuple(
         (points.index(front), points.index(rear))
@@ -304,9 +272,3 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
 def speeds_about(speed_m_s: float, reach: float = REACH, count: int = 17) -> Array:
     """Speeds within a fraction of one, m/s."""
     return np.asarray(speed_m_s * np.linspace(1 - reach, 1 + reach, count))
-
-
-def _log_likelihood(spectra: Spectra, share: float) -> float:
-    """Of a description that explains a share of the power, over one that explains nothing: normal
-    residuals, half a second of which count as one number."""
-    return -0.5 * spectra.blocks * float(np.log1p(-share))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.campaign.thin import thinned
@@ -21,6 +23,7 @@ from wheelhop.gate.records import (
 )
 from wheelhop.gate.runs import run_findings
 from wheelhop.gate.sensors import Seen, examined, sensor_findings
+from wheelhop.gate.signs import sign_findings
 from wheelhop.gate.spectra import Spectra, spectra_of
 from wheelhop.gate.units import gravity_findings, unit_findings
 from wheelhop.vehicle import Vehicle
@@ -45,7 +48,8 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     the recordings alone are judged.
     """
     if isinstance(campaign, ComponentCampaign):
-        return Gated(tuple(copy_findings(find_copies(campaign))), campaign)
+        found = (*copy_findings(find_copies(campaign)), *sign_findings(campaign))
+        return Gated(found, campaign)
     symptoms = tuple(examined(campaign))
     findings, sound = sensor_findings(campaign, symptoms)
     findings += gravity_findings(sound)
@@ -56,16 +60,18 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     findings += numbers
     counted = weighed(sound)
     findings += identity_findings(counted, vehicle.values)
+    evened = _evened(counted)
     spectra = [
-        spectra_of(run, sound.sample_rate_hz, sound.band_hz, counted.noise_scale)
+        spectra_of(run, sound.sample_rate_hz, sound.band_hz, evened.noise_scale)
         for run in sound.runs
     ]
     if not numbers and not _of(findings, "units"):
-        findings += _driven(counted, vehicle, spectra, {run.id for c in copies for run in c.runs})
+        nominal = Nominal(evened, vehicle.values, counted.noise_scale)
+        findings += _driven(nominal, vehicle, spectra, {run.id for c in copies for run in c.runs})
     if not _of(findings, "units"):
-        findings += noise_findings(counted, spectra)
+        findings += noise_findings(evened, spectra)
     if not _of(findings, "polarity", "swapped", "exchanged", "misplaced"):
-        findings += rigid_findings(counted, spectra)
+        findings += rigid_findings(evened, spectra)
     light = thinned(sound)
     if light is not sound:
         findings.append(_thinned(sound, light))
@@ -85,11 +91,26 @@ def _thinned(full: Campaign, light: Campaign) -> Finding:
     )
 
 
+def _evened(campaign: Campaign) -> Campaign:
+    """The campaign with every quantity counting alike: what is wrong of the one that moves least,
+    per its noise, would not show beside the others."""
+    if len(campaign.quantities) == 1:
+        return campaign
+    power = np.mean([run.record.var(axis=0) for run in campaign.runs], axis=0)
+    quantity = np.array([c.quantity for c in campaign.channels])
+    # The median: one channel may be in another unit.
+    size = {q: float(np.median(power[quantity == q])) for q in campaign.quantities}
+    channels = tuple(
+        replace(c, noise_scale=float(np.sqrt(size[c.quantity])) or 1.0) for c in campaign.channels
+    )
+    return replace(campaign, channels=channels)
+
+
 def _driven(
-    campaign: Campaign, vehicle: Vehicle, spectra: list[Spectra], copied: set[str]
+    nominal: Nominal, vehicle: Vehicle, spectra: list[Spectra], copied: set[str]
 ) -> list[Finding]:
     """What tracks, speeds and places say; of runs that are copies it is known already."""
-    nominal = Nominal(campaign, vehicle.values)
+    campaign = nominal.campaign
     drives = [drive for s in spectra if (drive := drive_of(campaign, s, nominal)) is not None]
     if not drives:
         return []

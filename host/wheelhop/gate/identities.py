@@ -26,6 +26,9 @@ TOLD = 0.7
 """Share of a channel's power from which what it should show says something of it."""
 ALIKE = np.log(3.0)
 """A gain within a factor of three of another unit's is that unit; no sensor is as far off."""
+OFF = np.log(1.3)
+"""So much, of the logarithm, no potentiometer's gain is off, noise of the accelerometers included,
+that does not stand for another ratio to the wheel."""
 USUAL_NOISE = 1e-3
 """Of its rms, taken for the noise of a channel of which nothing better is known."""
 
@@ -139,12 +142,20 @@ def _signed(channel: Channel, shown: _Shown) -> Iterator[Finding]:
         unit: abs(gain - np.log(factor)) for unit, factor in OTHER_UNITS[channel.quantity].items()
     }
     unit = min(away, key=lambda name: away[name])
+    times = f"{channel.name} shows {abs(shown.gain):.3g} times what accelerometers say"
     if away[unit] < ALIKE and away[unit] < abs(gain):
         yield Finding(
             "before",
             "units",
             f"units of {channel.name}",
-            f"{channel.name} shows {abs(shown.gain):.3g} times what accelerometers say: it seems to"
-            f" be in {unit}, not in {channel.unit}.",
+            f"{times}: it seems to be in {unit}, not in {channel.unit}.",
             f"Convert {channel.name} to {channel.unit}.",
+        )
+    elif channel.corner is not None and abs(gain) > OFF:
+        yield Finding(
+            "before",
+            "ratio",
+            f"per_wheel of {channel.name}",
+            f"{times} and per_wheel = {channel.per_wheel:g} states.",
+            "Look at per_wheel: what the sensor shows per what happens at the wheel.",
         )

@@ -90,6 +90,12 @@ def _said(description: Description) -> tuple[str, str, str]:
             f"{names} {seem} to be in {description.words}",
             f"Look at the unit and the gain of {names}.",
         )
+    if description.kind == "ratio":
+        return (
+            f"per_wheel of {names}",
+            f"{names} {seem} to show about {description.words} times what per_wheel says",
+            "Look at per_wheel: what the sensor shows per what happens at the wheel.",
+        )
     if description.kind == "misplaced":
         return (
             f"channels {names}",

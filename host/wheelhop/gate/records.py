@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
@@ -10,10 +9,11 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Campaign, Run
+from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
 from wheelhop.campaign.channels import noise_key
 from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.compare import weighed
+from wheelhop.compare.quantisation import step_of
 from wheelhop.gate.finding import Finding
 from wheelhop.gate.spectra import Spectra
 
@@ -24,6 +24,12 @@ LEAST_S = 0.5
 WINDOW = 16  # samples in a row
 SAME_PHASES = 0.5
 """Half of all phases alike, over the whole spectrum: noise, which never repeats, is most of it."""
+DIGITS = 3e-5
+"""Share of its range by which rounding to five digits changes a recording; the noise of sensors is
+more."""
+ROUNDED = 0.25
+"""Share of what changes from sample to sample to which samples are rounded: of two recordings with
+noise of their own, sixteen in a row never agree to that."""
 ALIKE = 0.02  # sizes of two copies, whatever was rounded or taken out of the mean
 SAME_SIGNAL = 1e-4  # of the power, left of the difference of two columns
 QUIET_SHARE = 0.1  # of all lines of all spectra are quietest
@@ -68,24 +74,66 @@ def copy_findings(copies: Iterable[Copy]) -> Iterator[Finding]:
         )
 
 
-def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
-    """Pairs that share windows of samples (rounded to 0.01 of their unit, or about as finely) one
-    after the other, which noise forbids."""
-    scale = weighed(campaign).noise_scale
-    seen: dict[int, tuple[int, int]] = {}
-    shared: Counter[tuple[int, int, int]] = Counter()
+def _samples(run: Run) -> Array:
+    """All that a recording holds (n, columns): of a rig what it imposed, too."""
+    if isinstance(run, RigRun):
+        return np.stack([run.displacement, run.force], axis=1)
+    return run.record
+
+
+def _sound(campaign: Campaign) -> list[int]:
+    """The runs that show noise. Where the values come in steps that are coarser than what changes
+    from sample to sample, a machine that repeats a motion repeats them to the last digit."""
+    found = []
     for k, run in enumerate(campaign.runs):
-        rounded = np.clip(np.rint(100.0 * run.record / scale), -(2.0**62), 2.0**62).astype(np.int64)
+        samples = _samples(run)
+        steps = [step_of(values) for values in samples.T]
+        if np.any(_change(samples) > steps):
+            found.append(k)
+    return found
+
+
+def _rounding(campaign: Campaign) -> Array:
+    """To what the columns of recordings are rounded before they are compared: 0.01 of their unit,
+    or about as finely, or a share of what changes from sample to sample, if that is less."""
+    own = ROUNDED * np.median([_change(_samples(run)) for run in campaign.runs], axis=0)
+    if isinstance(campaign, ComponentCampaign):
+        return np.asarray(np.maximum(own, 1e-300))
+    return np.asarray(np.minimum(0.01 * weighed(campaign).noise_scale, np.maximum(own, 1e-300)))
+
+
+def _change(samples: Array) -> Array:
+    """By how much the columns (n, columns) change from sample to sample, motion apart: the median
+    of their second differences."""
+    return np.asarray(np.median(np.abs(np.diff(samples, 2, axis=0)), axis=0))
+
+
+def _shared_windows(campaign: Campaign) -> Iterator[Copy]:
+    """Pairs that share windows of samples (`_rounding`) one after the other, which noise forbids.
+    What a run shows twice by itself is no noise."""
+    unit = _rounding(campaign)
+    seen: dict[int, tuple[int, int]] = {}
+    shared: dict[tuple[int, int, int], list[int]] = {}
+    for k in _sound(campaign):
+        scaled = _samples(campaign.runs[k]) / unit
+        rounded = np.clip(np.rint(scaled), -(2.0**62), 2.0**62).astype(np.int64)
         moved = np.append(0, np.cumsum(np.any(np.diff(rounded, axis=0) != 0, axis=1)))
         restless = np.flatnonzero(moved[WINDOW:] - moved[:-WINDOW] > WINDOW / 2)
-        marks = _marks(rounded)[restless]
-        for i, mark in zip(restless.tolist(), marks.tolist(), strict=True):
-            other, j = seen.setdefault(mark, (k, i))
+        marks, first, times = np.unique(
+            _marks(rounded)[restless], return_index=True, return_counts=True
+        )
+        once = zip(restless[first].tolist(), marks.tolist(), times.tolist(), strict=True)
+        for i, mark, count in once:
+            other, j = seen.setdefault(mark, (k, i)) if count == 1 else (k, i)
             if other != k:
-                shared[other, k, i - j] += 1
+                shared.setdefault((other, k, i - j), []).append(j)
     longest: dict[tuple[int, int], int] = {}
-    for (a, b, _), count in shared.items():
-        longest[a, b] = max(longest.get((a, b), 0), count + WINDOW)
+    for (a, b, later), at in shared.items():
+        stretch = slice(min(at), max(at) + WINDOW)
+        one = _samples(campaign.runs[a])[stretch]
+        other_one = _samples(campaign.runs[b])[stretch.start + later : stretch.stop + later]
+        if _same_digits(one, other_one):
+            longest[a, b] = max(longest.get((a, b), 0), len(at) + WINDOW)
     for (a, b), count in longest.items():
         seconds = count / campaign.sample_rate_hz
         if seconds > LEAST_S:
@@ -102,21 +150,39 @@ def _marks(rows: NDArray[np.int64]) -> NDArray[np.uint64]:
 
 
 def _same_phases(campaign: Campaign) -> Iterator[Copy]:
-    """Neighbours in size whose phases agree at all frequencies but for one shift in time."""
-    scale = weighed(campaign).noise_scale
-    size = np.array([run.record.std(axis=0) / scale for run in campaign.runs])
-    for i, j in pairwise(np.argsort(size.sum(axis=1))):
+    """Neighbours in size whose phases agree at all frequencies but for one shift in time, and whose
+    samples then do to the last digits."""
+    scale = _rounding(campaign)
+    runs = [campaign.runs[k] for k in _sound(campaign)]
+    size = np.array([_samples(run).std(axis=0) / scale for run in runs])
+    for i, j in pairwise(np.argsort(size.sum(axis=1)) if runs else ()):
         if np.all(np.abs(size[i] - size[j]) <= ALIKE * size[j]):
-            a, b = campaign.runs[i], campaign.runs[j]
-            n = min(len(a.record), len(b.record))
+            a, b = _samples(runs[i]), _samples(runs[j])
+            n = min(len(a), len(b))
             # Without a window, what leaks from one strong line has one phase everywhere.
             window = np.hanning(n)[:, None]
-            cross = np.fft.rfft(window * a.record[:n], axis=0)
-            cross *= np.fft.rfft(window * b.record[:n], axis=0).conj()
+            cross = np.fft.rfft(window * a[:n], axis=0)
+            cross *= np.fft.rfft(window * b[:n], axis=0).conj()
             cross /= np.maximum(np.abs(cross), 1e-300)
-            alike = np.fft.irfft(cross, n, axis=0).mean(axis=1).max()
-            if alike > SAME_PHASES:
-                yield Copy((a, b), n / campaign.sample_rate_hz)
+            alike = np.fft.irfft(cross, n, axis=0).mean(axis=1)
+            ahead = int(np.argmax(alike))
+            ahead -= n * (ahead > n // 2)
+            one = a[max(ahead, 0) : n + min(ahead, 0)]
+            other = b[max(-ahead, 0) : n + min(-ahead, 0)]
+            if alike.max() > SAME_PHASES and _same_digits(one, other):
+                yield Copy((runs[i], runs[j]), n / campaign.sample_rate_hz)
+
+
+def _same_digits(a: Array, b: Array) -> bool:
+    """Whether two stretches (n, columns) are the same but for gains, means and the last digits, be
+    they steps of the values or the digits kept of them."""
+    for one, other in zip(a.T, b.T, strict=True):
+        basis = np.stack([one, np.ones_like(one)], axis=1)
+        left = other - basis @ np.linalg.lstsq(basis, other, rcond=None)[0]
+        digit = max(step_of(one), step_of(other), DIGITS * float(np.ptp(other)))
+        if np.std(left) > digit:
+            return False
+    return True
 
 
 def same_signal_findings(campaign: Campaign) -> Iterator[Finding]:

@@ -10,8 +10,9 @@ from math import log
 import numpy as np
 
 from wheelhop.gate.descriptions import FACTORS, UNLIKE, Description
-from wheelhop.gate.drive import Drive, Match, OnWaves, speeds_about
+from wheelhop.gate.drive import Drive, OnWaves, speeds_about
 from wheelhop.gate.finding import Finding, needed
+from wheelhop.gate.match import Match
 
 AT_REST = 0.1
 """A run with less of the amplitude that its track causes, and none of its lines, is at rest."""

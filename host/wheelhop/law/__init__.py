@@ -6,6 +6,7 @@ from wheelhop.law.look import look
 from wheelhop.law.moved import Moved
 from wheelhop.law.places import Where, places
 from wheelhop.law.rival import Rival
+from wheelhop.law.rungs import LastRungs, last_rungs
 from wheelhop.law.search import Found, find_law
 
 __all__ = [
@@ -13,10 +14,12 @@ __all__ = [
     "Formula",
     "Found",
     "FreeForce",
+    "LastRungs",
     "Moved",
     "Rival",
     "Where",
     "find_law",
+    "last_rungs",
     "look",
     "places",
     "source_of",

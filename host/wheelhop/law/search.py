@@ -73,7 +73,20 @@ def find_law(
         The campaign does not hold what a comparison needs, or an effect does not apply to it.
     """
     baseline = fit_baseline(campaign, vehicle, progress=progress)
-    workshop, base = baseline.workshop, fit_with(baseline, accepted, progress)[-1]
+    return find_law_beside(
+        baseline.workshop, fit_with(baseline, accepted, progress)[-1], library, progress
+    )
+
+
+def find_law_beside(
+    workshop: Workshop,
+    base: Rung,
+    library: Sequence[Effect],
+    progress: Progress,
+    *,
+    names: bool = True,
+) -> Found:
+    """The same beside a fitted model, with the named laws that come nearest or without `names`."""
     promises, signatures, moves = screened(workshop, base, progress)
     seat, joined = seat_for(workshop, base, library), tuple[str, ...]()
     if seat is not None and seat.score > max((p.screened.score for p in promises), default=0.0):
@@ -106,9 +119,10 @@ def find_law(
     if not any(incumbent.gives_way_to(law) for law in laws):
         return nothing
     rivals = _of_kind(base, where, library)
-    named = _named(incumbent, rivals, progress)
+    named = _named(incumbent, rivals, progress) if names else []
     law = min(laws, key=lambda rung: rung.error_judging)
-    if not named or named[0].rung.error_judging > AS_WELL * law.error_judging:
+    as_well = named and named[0].rung.error_judging <= AS_WELL * law.error_judging
+    if names and not as_well:
         progress("the named law whose force comes nearest")
         nearest = nearest_name(workshop, law, where, moves, rivals)
         named = _best_first([*named, *([] if nearest is None else [nearest])])

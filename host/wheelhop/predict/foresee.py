@@ -94,7 +94,7 @@ def foresee(
             raise CampaignError(
                 "the simulation runs away when the vehicle's numbers change a little"
             )
-        chosen = [variant for one in effects for variant in _variants(base, workshop, one)]
+        chosen = [variant for one in effects for variant in forms_of(base, workshop, one)]
         if not (numbers or chosen):
             raise CampaignError("nothing to find out: every number is certain, no effect acts")
         progress(f"{len(chosen)} forms of effects in {len(case.drives)} runs")
@@ -111,7 +111,7 @@ def foresee(
     )
 
 
-def _variants(base: Fit, workshop: Workshop, effect: Effect) -> list[Variant]:
+def forms_of(base: Fit, workshop: Workshop, effect: Effect) -> list[Variant]:
     """An effect in all its forms, shapes at each of their starts; none where it has no strength."""
     settings = [run.bench.simulator.setting for run in base.runs]
     acting = [setting for setting in settings if effect.acts_in(setting)]

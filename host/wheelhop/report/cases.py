@@ -85,8 +85,12 @@ def case_of(
 
 def records_of(rung: Rung) -> Mapping[str, Record]:
     """Measured and modelled runs of a fitted model, by run id."""
-    runs = rung.fit.runs + (() if rung.validation is None else rung.validation.runs)
-    return {run.bench.run.id: _record(run) for run in runs}
+    return {run.bench.run.id: _record(run) for run in runs_of(rung)}
+
+
+def runs_of(rung: Rung) -> tuple[RunFit, ...]:
+    """The runs a model was fitted to, and those held out."""
+    return rung.fit.runs + (() if rung.validation is None else rung.validation.runs)
 
 
 def _record(run: RunFit) -> Record:

@@ -3,8 +3,10 @@ grey, and its words."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -14,8 +16,10 @@ from numpy.typing import NDArray
 
 from wheelhop.diagnose.score import at_noise
 from wheelhop.files import write_picture
-from wheelhop.law import Formula, Found, Rival, look
+from wheelhop.files.words import percent
+from wheelhop.law import Formula, Found, LastRungs, Rival, look
 from wheelhop.law.formula import Part
+from wheelhop.law.regression import AS_WELL
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
 from wheelhop.report.law_surface import draw_surface
@@ -140,6 +144,38 @@ def simplest(found: Found) -> str:
     return f"The simplest law that does as well as any: {preferred.name}."
 
 
+def beyond_names(rungs: LastRungs) -> list[str]:
+    """What follows where the names of a ladder end, in sentences: what laws without a name leave of
+    all the baseline lacks, and which names come nearest and why they do not do."""
+    found, nearest = rungs.found, rungs.nearest
+    if found.free is None:
+        return ["No law without a name explains it either.", *suspects(found)]
+    laws = sorted((r for r in (found.formula, found.free) if r), key=lambda r: r.rung.error)
+    each = " and ".join(
+        f"a {'free law' if r is found.free else r.name} leaves {_left(r.rung.error)}" for r in laws
+    )
+    lines = [f"In place of names {each} of the runs held out."]
+    if found.formula is not None:
+        forces = amplitudes(found.formula).items()
+        terms = "; ".join(f"{name}, {value:.4g} ± {2 * sd:.2g} N" for name, (value, sd) in forces)
+        lines.append(f"The formula, forces at the end of the motion recorded (2 sd): {terms}.")
+    if nearest is None:
+        return [*lines, "No name of the library comes near it."]
+    best = min(laws[0].rung.error, nearest.error)
+    share = (found.base.error**2 - nearest.error**2) / max(found.base.error**2 - best**2, 1e-12)
+    said = f"{nearest.name} comes nearest of all names: it leaves {percent(nearest.error)},"
+    if nearest.error <= AS_WELL * laws[0].rung.error:
+        lines.append(f"{said} as little. What is left is no force of extension, rate or history.")
+    else:
+        told = percent(min(max(share, 0.0), 1.0), 2)
+        lines.append(f"{said} {told} of what that law explains, and the rest has no name here.")
+    return [*lines, *([f"It was not accepted: {nearest.why}."] if nearest.why else [])]
+
+
+def _left(error: float) -> str:
+    return percent(error) if isfinite(error) else "nothing it can foresee"
+
+
 def rivals(found: Found) -> list[Rival]:
     """Every law that was fitted."""
     return [r for r in (found.free, found.formula, *found.named) if r is not None]
@@ -181,3 +217,48 @@ def parts(rival: Rival) -> list[Part]:
 def _line(name: str, fitted: float, held_out: float) -> str:
     foreseen = f"{100 * held_out:8.2f}%" if isfinite(held_out) else f"{RUNS_AWAY:>9}"
     return f"{name:22} {100 * fitted:7.2f}% {foreseen}"
+
+
+def rungs_to_json(rungs: LastRungs | None) -> dict[str, Any] | None:
+    """`law` in the result of a diagnosis: the same, and the names that come nearest."""
+    if rungs is None:
+        return None
+    nearest = rungs.nearest and asdict(rungs.nearest)
+    return {**law_to_json(rungs.found), "nearest": nearest, "words": beyond_names(rungs)}
+
+
+def law_to_json(found: Found) -> dict[str, Any]:
+    """Plain dictionaries, strings and numbers, as `wheelhop law --json` writes them."""
+    free, preferred = found.free, found.preferred
+    return {
+        "format": 1,
+        "found": free is not None,
+        "joined": list(found.joined),
+        "place": None if found.where is None else found.where.name,
+        "preferred": None if preferred is None else preferred.name,
+        "look": look(found),
+        "share_by_place": {k: round(v, 5) for k, v in found.screened.items()},
+        "without": {"error_fit": found.base.error_fit, "error": found.base.error},
+        "candidates": [
+            {
+                "name": rival.name,
+                "formula": rival.words,
+                "error_fit": rival.rung.error_fit,
+                # Of runs held out a law may foresee that the vehicle runs away.
+                "error": rival.rung.error if isfinite(rival.rung.error) else None,
+            }
+            for rival in rivals(found)
+        ],
+        "terms": {}
+        if found.formula is None
+        else {
+            words: {"force_N": value, "sd_N": spread}
+            for words, (value, spread) in amplitudes(found.formula).items()
+        },
+        "shapes": {}
+        if found.formula is None
+        else {
+            words: {"value": value, "sd": spread, "unit": unit}
+            for words, (value, spread, unit) in shapes(found.formula).items()
+        },
+    }

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from wheelhop.campaign import Campaign
 from wheelhop.files.words import percent
-from wheelhop.law import Found, look
+from wheelhop.law import Found, LastRungs, look
 from wheelhop.report.law import (
     RUNS_AWAY,
     amplitudes,
+    beyond_names,
     by_error,
     law_figure,
     parts,
@@ -54,6 +55,13 @@ def write_law_report(path: Path, campaign: Campaign, found: Found) -> None:
         _places(found),
     ]
     write_page(path, f"{campaign.title}: law", body)
+
+
+def law_section(rungs: LastRungs) -> str:
+    """The last rungs of a diagnosis: what no name explains, its picture and its formula."""
+    found = rungs.found
+    parts = [section("What no name explains", *map(paragraph, beyond_names(rungs)))]
+    return "".join((*parts, _picture(found), _laws(found), _formula(found)))
 
 
 def _key_numbers(found: Found) -> str:

@@ -63,7 +63,7 @@ def loops_figure(campaign: ComponentCampaign, steps: Sequence[Step]) -> Drawing:
                 loop = loop_of(campaign, run, record, record.model, own["component.mass_kg"])
                 draw.append((loop, colour, name))
             finer = FINER if campaign.drive == "force" else 1
-            part = _farthest(draw[0][0][0], finer * campaign.sample_rate_hz)
+            part = farthest(draw[0][0][0], finer * campaign.sample_rate_hz)
             for (x, v, force), colour, name in draw:
                 width = 2.4 if colour == MEASURED else 1.1
                 for panel, along in zip(row, (1e3 * x, v), strict=True):
@@ -100,8 +100,8 @@ def _finer(spectrum: NDArray[np.complex128], n: int) -> Array:
     return np.asarray(FINER * np.fft.irfft(spectrum, FINER * n))
 
 
-def _farthest(x: Array, rate_hz: float) -> slice:
-    """The cycles about the farthest point, or all of a short record."""
+def farthest(x: Array, rate_hz: float) -> slice:
+    """CYCLES waves about the farthest point, or all of a short record."""
     length = min(round(seconds_of(x, rate_hz, CYCLES) * rate_hz), len(x))
     middle = int(np.argmax(np.abs(x - np.median(x))))
     begin = min(max(middle - length // 2, 0), len(x) - length)

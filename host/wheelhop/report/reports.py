@@ -10,20 +10,26 @@ from wheelhop.diagnose import Diagnosis, Step
 from wheelhop.effects import Effect
 from wheelhop.files.words import percent, significant
 from wheelhop.gate import Finding
+from wheelhop.law import LastRungs
 from wheelhop.report import sections
 from wheelhop.report.axle_to_body import axle_to_body
 from wheelhop.report.dynamometer import dynamometer
+from wheelhop.report.law_page import law_section
 from wheelhop.report.page import facts, paragraph, title, write_page
 from wheelhop.report.words import comparison_headline, headline, over_floor
 
 
 def write_diagnosis_report(
-    path: Path, campaign: Campaign, diagnosis: Diagnosis, effects: Mapping[str, Effect]
+    path: Path,
+    campaign: Campaign,
+    diagnosis: Diagnosis,
+    effects: Mapping[str, Effect],
+    law: LastRungs | None = None,
 ) -> None:
     """Write a diagnosis as one self-contained HTML page.
 
     ``effects`` is the library that was searched: the page says of each of its effects why it was
-    accepted, or why not.
+    accepted, or why not. ``law`` is what was found beyond their names.
     """
     steps = diagnosis.ladder
     confidence = f"{100 * diagnosis.confidence:.0f} %"
@@ -34,9 +40,11 @@ def write_diagnosis_report(
         sections.findings(diagnosis.findings),
         sections.loops(campaign, steps),
         dynamometer(campaign, steps),
-        sections.ladder(steps),
+        sections.ladder(steps if law is None else (*steps, *law.steps)),
+        "" if law is None else law_section(law),
         sections.traces(campaign, steps),
         sections.where(steps),
+        sections.struts(campaign, steps),
         axle_to_body(diagnosis.axle_to_body, campaign, steps),
         sections.ranking(diagnosis, effects),
         sections.model(campaign, steps),
@@ -69,6 +77,7 @@ def write_comparison_report(
         sections.ladder(steps),
         sections.traces(campaign, steps),
         sections.where(steps),
+        sections.struts(campaign, steps),
         *([sections.axle_driven(steps[-1], axles)] if axles is not None else []),
         sections.model(campaign, steps),
         sections.method(campaign, steps),

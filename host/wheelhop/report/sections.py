@@ -13,11 +13,12 @@ from wheelhop.diagnose import Diagnosis, Step, caveats
 from wheelhop.effects import Effect, form_of
 from wheelhop.files.words import listed, percent, significant
 from wheelhop.gate import Finding
-from wheelhop.report import figures, tables
+from wheelhop.report import figures, strut_figures, tables
 from wheelhop.report.cases import Case, cases
 from wheelhop.report.heat import heat_legend
 from wheelhop.report.loops import loops_figure
 from wheelhop.report.page import bullets, facts, figure, paragraph, section
+from wheelhop.report.strut_motion import LOW_SPEED_M_S, strut_histories
 from wheelhop.report.svg import equation, inline
 from wheelhop.report.words import chain_words, next_run_words, track_words
 
@@ -75,6 +76,44 @@ def loops(campaign: Campaign, steps: Sequence[Step]) -> str:
             drawing,
             "Some waves of the runs with the largest travel, the highest speed and the smallest"
             f" travel.{less}",
+        ),
+    )
+
+
+def struts(campaign: Campaign, steps: Sequence[Step]) -> str:
+    """Of a vehicle: histograms and loops of its struts, measured and modelled."""
+    histories = strut_histories(campaign, steps)
+    if not histories:
+        return ""
+    measured = strut_figures.any_measured(histories)
+    noise = (
+        " Differentiating travel enlarges the sensor’s noise: the table says how much of the"
+        " measured velocity is noise."
+    )
+    histograms = inline(
+        strut_figures.histograms_figure(histories),
+        "histograms",
+        "velocity and travel of the struts",
+    )
+    loops_drawn = inline(
+        strut_figures.strut_loops_figure(histories, steps[-1].rung.model),
+        "strut-loops",
+        "force of the struts over travel and velocity",
+    )
+    return section(
+        "What the struts did",
+        figure(
+            histograms,
+            "All runs, in band, at the wheel: a damper’s own are these times its motion ratio."
+            f" Grey behind the velocities: low speed, below {1e3 * LOW_SPEED_M_S:g} mm/s."
+            f"{noise if measured else ''}",
+        ),
+        strut_figures.shares_table(histories),
+        figure(
+            loops_drawn,
+            "Of each strut the run with the largest travel, some waves about the farthest point."
+            " Left: force of spring, damper and all laws along the strut, in band. Right: the same"
+            " without the last model’s spring.",
         ),
     )
 
@@ -234,15 +273,13 @@ def method(campaign: Campaign, steps: Sequence[Step]) -> str:
     floor = comparison.floor
     noise = [f"{significant(q.noise_rms)} {q.unit}" for q in comparison.by_quantity]
     said = ", ".join(noise) or f"{floor.pooled_rms:.3g} {floor.unit}"
-    estimated = "estimated from the quietest parts of records and residuals"
-    source = "stated in campaign.toml" if floor.is_stated else estimated
     pairs = [
         ("Campaign", campaign.title),
         ("Runs", f"{len(campaign.fit_runs)} fitted, {len(campaign.validate_runs)} held out"),
         ("Channels", ", ".join(channel.name for channel in campaign.channels)),
         ("Samples", campaign.sampling),
         ("Band", f"{low:g} to {high:g} Hz"),
-        ("Noise floor", f"{said} rms per channel in band, {source}"),
+        ("Noise floor", f"{said} rms per channel in band, {floor.origin}"),
         ("Floor as E", f"{percent(floor.error)} over all runs"),
         ("Computed by", f"wheelhop {version('wheelhop')}"),
     ]

@@ -20,12 +20,13 @@ REFLECTED = 20
 
 def driven_by(campaign: Campaign, run: Run) -> Drive:
     """What moves the model in a run of a vehicle: on ground that is not known the measured axles,
-    or, where no axle is measured, the travel of the struts."""
+    or, where more struts have a potentiometer than axles an accelerometer, the travel of the
+    struts."""
     if run.track.kind != "unknown":
         return "road"
-    any_axle = any(channel.is_axle for channel in campaign.channels)
-    any_travel = any(channel.quantity == "travel" for channel in campaign.channels)
-    return "travel" if any_travel and not any_axle else "axles"
+    return (
+        "travel" if len(driving(campaign, "travel")) > len(driving(campaign, "axles")) else "axles"
+    )
 
 
 def driving(campaign: Campaign, drive: Drive) -> dict[int, int]:

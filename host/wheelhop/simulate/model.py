@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel
 from wheelhop.effects import Effect, Parameter
-from wheelhop.vehicle import Drive, System, baseline, body_inertia, component
+from wheelhop.vehicle import Assembly, Drive, System, baseline, body_inertia, component
 
 Values = Mapping[str, float]
 ComplexArray = NDArray[np.complex128]
@@ -109,12 +109,17 @@ class Model:
 
     def system(self, channels: Sequence[Channel], drive: Drive) -> System:
         """The equations of motion, with the outputs of `channels`."""
+        parts = self.parts(channels, drive)
+        return parts.system(() if drive == "rig" else body_inertia(self.values))
+
+    def parts(self, channels: Sequence[Channel], drive: Drive) -> Assembly:
+        """The parts of the mechanism, those of its effects included."""
         on_rig = drive == "rig"
         parts = component(self.values) if on_rig else baseline(self.values, channels, drive)
         for effect in self.effects:
             if drive in ("road", "rig") or not effect.needs_road:
                 effect.modify(self.theta(effect), self.values, parts)
-        return parts.system(() if on_rig else body_inertia(self.values))
+        return parts
 
 
 def _after(prefix: str, values: Values) -> dict[str, float]:

@@ -68,7 +68,7 @@ class MotionSimulator(RunSimulator):
         found: dict[int, Shown] = {}
         groups: dict[object, list[tuple[int, int, Task]]] = {}
         for i, (model, system) in enumerate(trials):
-            stride = self._stride(model, system)
+            stride = self.stride(model, system)
             height, rate = self._motion(model, stride)
             forces = self._forces(model, system, self._times(2 * stride))
             task = Task(system, height, rate, forces, self._initial(model, system))

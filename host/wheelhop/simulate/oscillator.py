@@ -49,8 +49,9 @@ def displacements(
     systems
         Their equations of motion, each of one degree of freedom.
     starts
-        Displacement, m, and velocity, m/s, of each at the first step, and what the law of every
-        port then remembers.
+        Displacement, m, and velocity, m/s, of each at the first step; the constant force, N, that
+        acts on it beside `force`: a preload, a weight, the zero of a load cell; and what the law of
+        every port remembers at first.
     force : (2 T + 1,)
         The force, N, at every half step.
     weights : (p, 2 T + 1)
@@ -70,15 +71,15 @@ def displacements(
     for begin in range(0, len(systems), LANES):
         some = systems[begin : begin + LANES]
         out = aligned((len(force) // 2 // stride + 1, LANES))
-        own = side_by_side([np.array(start) for start in starts[begin : begin + LANES]])
-        state = own[:2]
+        own = starts[begin : begin + LANES]
+        state = side_by_side([np.array(start[:2]) for start in own])
         port = aligned((6 * len(some[0].port_law), LANES)).reshape(6, -1, LANES)
-        port[MEMORY] = own[2:]
+        port[MEMORY] = side_by_side([np.array(start[3:]) for start in own])
         _integrate(
             out,
             state,
             port,
-            side_by_side([_motion(system) for system in some]),
+            side_by_side([_motion(*pair) for pair in zip(some, own, strict=True)]),
             side_by_side([system.port[:, 0] for system in some]),
             groups,
             addresses(laws),
@@ -92,9 +93,11 @@ def displacements(
     return found
 
 
-def _motion(system: System) -> Array:
-    """Acceleration per force, velocity, displacement and force of each port."""
-    numbers = [1.0, -system.damping[0, 0], -system.stiffness[0, 0], *-system.port[:, 0]]
+def _motion(system: System, start: Sequence[float]) -> Array:
+    """Acceleration per force, velocity, displacement, by the constant force, and per force of each
+    port."""
+    linear = [1.0, -system.damping[0, 0], -system.stiffness[0, 0], start[2]]
+    numbers = [*linear, *-system.port[:, 0]]
     return np.asarray(np.array(numbers) / system.mass[0, 0])
 
 
@@ -121,7 +124,7 @@ def _integrate(  # type: ignore[no-untyped-def]
         at_x, at_v, change_x, change_v = x, v, nothing, nothing
         for stage in range(STAGES):
             half = HALF_STEPS[stage]
-            a = plus(nothing, splat(w[2 * t + half]), load(motion, 0))
+            a = plus(load(motion, 3), splat(w[2 * t + half]), load(motion, 0))
             a = plus(plus(a, load(motion, 1), at_v), load(motion, 2), at_x)
             if len(laws):
                 for i in range(ports):
@@ -134,7 +137,7 @@ def _integrate(  # type: ignore[no-untyped-def]
                     own = load(port, FORCE * ports + i)
                     if len(weights):
                         own = plus(nothing, splat(weights[i, 2 * t + half]), own)
-                    a = plus(a, load(motion, 3 + i), own)
+                    a = plus(a, load(motion, 4 + i), own)
             weight, advance = splat(WEIGHTS[stage]), splat(TO_NEXT[stage] * dt)
             change_x = plus(change_x, weight, at_v)
             change_v = plus(change_v, weight, a)

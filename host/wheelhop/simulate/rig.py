@@ -30,8 +30,9 @@ STEPS_PER_PERIOD, LEAST_PER_PERIOD = 30, 10
 sit beside, or of the band's upper end if that is slower; and in one of the band's upper end at the
 least. A hard spring at resonance comes out within 2e-4 so."""
 
-INITIAL = ("initial_m", "initial_m_s")
-"""Displacement and velocity at the first sample, which a run with imposed force leaves free."""
+INITIAL = ("initial_m", "initial_m_s", "offset_N")
+"""What a run with imposed force leaves free: displacement and velocity at the first sample, and a
+constant force beside the recorded one."""
 
 
 class RigSimulator:

@@ -137,7 +137,7 @@ class RunSimulator:
         length = max(speeds) * seconds + REACH * REMEMBERED_M
         return HeightSeries(length, math.ceil(self.campaign.band_hz[1] * length / min(speeds)))
 
-    def _stride(self, model: Model, system: System) -> int:
+    def stride(self, model: Model, system: System) -> int:
         """Integration steps per sample: what the wheel's path asks for, and what the effects do."""
         if self._step_s is None:
             self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
@@ -194,7 +194,7 @@ class RunSimulator:
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[Array]:
         """The same for several models with their equations of motion; side by side, they cost
         little more than one."""
-        steps = [(*trial, self._stride(*trial)) for trial in trials]
+        steps = [(*trial, self.stride(*trial)) for trial in trials]
         parts = (steps[i : i + AT_ONCE] for i in range(0, len(steps), AT_ONCE))
         return [record for part in parts for record in self._integrated(part)]
 
@@ -216,7 +216,7 @@ class RunSimulator:
         bases = {job.base: job for job in self._done}
         for model, system, stride in trials:
             # What the others are held against comes first, in steps of one length or of two.
-            job = self._job(model, system, stride, [*jobs[:2], *jobs[-1:], *self._done])
+            job = self.job(model, system, stride, [*jobs[:2], *jobs[-1:], *self._done])
             if job.acceleration is None and job not in waiting:
                 base = bases.setdefault(job.base, job)
                 if base is job or not system.is_linear or self.drive != "road":
@@ -241,11 +241,13 @@ class RunSimulator:
         faults = [(e, model.theta(e, self.run.id)) for e in model.effects if self.acts(e)]
         first, rate_hz = self._before * per_sample, campaign.sample_rate_hz * per_sample
         readings = sensed(job.acceleration, rate_hz, first, faults, campaign.channels)
-        readings = as_recorded(readings, rate_hz, campaign, model.values)
-        last = first + (len(self.run.time_s) - 1) * per_sample
-        return readings[first : last + 1 : per_sample]
+        return self.at_samples(as_recorded(readings, rate_hz, campaign, model.values), per_sample)
 
-    def _job(self, model: Model, system: System, stride: int, known: Sequence[Job]) -> Job:
+    def at_samples(self, shown: Array, per_sample: int) -> Array:
+        """The record's samples (n, outputs) of what a job's steps show, so many per sample."""
+        return shown[self._before * per_sample :: per_sample][: len(self.run.time_s)]
+
+    def job(self, model: Model, system: System, stride: int, known: Sequence[Job] = ()) -> Job:
         """The job that a model asks for, or one of those `known` that does."""
         # Sensors' faults and filters act before a sample is taken: on every step.
         finely = self.campaign.low_pass or any(e.place == "sensor" for e in model.effects)
@@ -264,7 +266,7 @@ class RunSimulator:
         beside that of other runs, and kept."""
         if self.drive != "road":
             return None
-        job = self._job(model, system, self._stride(model, system), self._done)
+        job = self.job(model, system, self.stride(model, system), self._done)
         superposed = system.is_linear and job.base in [other.base for other in self._done]
         return None if superposed or job.acceleration is not None else job
 

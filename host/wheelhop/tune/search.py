@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -53,18 +54,26 @@ class Search:
     def __init__(self, judge: Judge, freedom: Freedom) -> None:
         self.judge, self.freedom = judge, freedom
         self.now = np.array(freedom.now)
+        self._pymoo = _pymoo()
 
-    def try_out(self, shares: Array) -> Tried:
-        """Ride settings (n, d)."""
-        return Tried(shares, self.judge.score([self.freedom.changes(row) for row in shares]))
+    def try_out(self, shares: Array, varied: Sequence[int] | None = None) -> Tried:
+        """Ride settings (n, d); the `varied` variables alone, if given, the others as they are."""
+        keys = [v.key for v in self.freedom.variables]
+        kept = set(keys if varied is None else [keys[i] for i in varied])
+        settings = [
+            {key: value for key, value in self.freedom.changes(row).items() if key in kept}
+            for row in shares
+        ]
+        return Tried(shares, self.judge.score(settings))
 
     def alone(self) -> Tried:
         """Each variable at `LEVELS` places, the others as they are: (d · LEVELS, d)."""
-        places = np.linspace(0.0, 1.0, LEVELS)
-        rows = np.tile(self.now, (len(self.now) * LEVELS, 1))
+        found = []
         for i in range(len(self.now)):
-            rows[i * LEVELS : (i + 1) * LEVELS, i] = places
-        return self.try_out(rows)
+            rows = np.tile(self.now, (LEVELS, 1))
+            rows[:, i] = np.linspace(0.0, 1.0, LEVELS)
+            found.append(self.try_out(rows, [i]))
+        return reduce(Tried.joined, found)
 
     def dampers(self) -> Tried | None:
         """Settings of the dampers, the others as they are; None where none is varied."""
@@ -73,13 +82,20 @@ class Search:
             return None
         rows = np.tile(self.now, (2**DAMPERS, 1))
         rows[:, free] = qmc.Sobol(len(free), seed=0).random_base2(DAMPERS)
-        return self.try_out(rows)
+        return self.try_out(rows, free)
+
+    def known(self, *tried: Tried | None) -> Tried:
+        """What the search may begin with: of these what lies within the bounds, which is all or,
+        where the car itself lies outside of them, nothing but the setting nearest to it."""
+        if self.freedom.holds_now:
+            return reduce(Tried.joined, [one for one in tried if one is not None])
+        return self.try_out(self.now[None, :])
 
     def whole(self, known: Tried, settings: int, progress: Callable[[str], None]) -> Tried:
         """All variables together, by NSGA-II (K. Deb et al., IEEE Trans. Evolutionary Computation 6
         (2002) 182), begun at what is known and spread over the bounds; `settings` of them are
         ridden."""
-        pymoo = _pymoo()
+        pymoo = self._pymoo
         best = known.shares[known.front][:POPULATION]
         spread = qmc.LatinHypercube(len(self.now), seed=0).random(POPULATION)
         begin = np.vstack([self.now, best, spread])[:POPULATION]

@@ -155,8 +155,7 @@ def tune_car(
     progress("each variable alone")
     alone = search.alone()
     dampers = search.dampers()
-    known = alone if dampers is None else alone.joined(dampers)
-    tried = search.whole(known, settings, progress)
+    tried = search.whole(search.known(alone, dampers), settings, progress)
     places = tried.front
     best = compromise(tried.scores[places], now)
     picked = places[spread_out(tried.scores[places], [best], FRONT)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isclose, isfinite
 from pathlib import Path
 
 import numpy as np
@@ -76,8 +76,13 @@ class Freedom:
         return {v.key: v.at(float(share)) for v, share in zip(self.variables, shares, strict=True)}
 
     @property
+    def holds_now(self) -> bool:
+        """Whether the present setting is one of those there are."""
+        return all(isclose(v.at(v.share_of(v.now)), v.now) for v in self.variables)
+
+    @property
     def now(self) -> list[float]:
-        """The shares of the present setting."""
+        """The shares of the present setting, or of the one nearest to it."""
         return [v.share_of(v.now) for v in self.variables]
 
 

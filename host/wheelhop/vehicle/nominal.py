@@ -24,7 +24,7 @@ LEAST_INERTIA = 0.03
 def read_nominal(campaign: Campaign) -> Vehicle:
     """The numbers of vehicle.toml, or of a component campaign's [component].
 
-    A nominal 0 of a component, but for the mass of a massless one, leaves that number free: it
+    A nominal 0 of a component leaves that number free, unless the component is without it: it
     begins where least squares on the fitted runs put it, and its uncertainty is what it would be if
     it alone caused the force. Beside the component's numbers, "component.…", stand those of the
     rig, "rig.…": rms force, largest displacement and a third of the largest speed of the fitted
@@ -71,7 +71,7 @@ def _component(campaign: ComponentCampaign) -> Vehicle:
     nominal = np.array([campaign.nominal[key] for key in TERMS])
     stated = np.array([campaign.uncertainty[key] for key in TERMS])
     size = np.sqrt((moved**2).mean(axis=1))
-    known = (stated > 0.0) | (np.array(TERMS) == "mass_kg") & campaign.massless
+    known = (stated > 0.0) | np.array([key in campaign.without for key in TERMS])
     typical = max(float(np.sqrt((force**2).mean())), float((nominal * size)[known].max(initial=0)))
     if typical == 0.0:
         raise CampaignError(

@@ -15,22 +15,34 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
-from wheelhop.campaign.recorded import read_recording
+from wheelhop.campaign.channels import QUANTITIES, ROTATION, place_of
+from wheelhop.campaign.recorded import accelerations, read_recording
 from wheelhop.campaign.tracks import KINDS, is_steady
 from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
 from wheelhop.files import InputError, remove
 from wheelhop.files.units import to_si
 from wheelhop.formats import Map, Pick, read, understand
+from wheelhop.formats.places import likely_quantity
 from wheelhop.formats.timing import Question
 from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
 from wheelhop.workbench.questions import FIELD_WORDS, QUESTIONS, RECORDER_WORDS, known
 
-UNITS = ("m/s²", "g", "mg", "mm/s²", "cm/s²")
+UNITS: Mapping[str, tuple[str, ...]] = {
+    "m/s²": ("m/s²", "g", "mg", "mm/s²", "cm/s²"),
+    "m": ("mm", "m", "cm", "in"),
+    "rad/s": ("rad/s", "deg/s", "rpm"),
+    "N": ("N", "kN", "lbf"),
+    "m/s": ("km/h", "m/s", "mph"),
+}
+"""What may be chosen as the unit of a column, by the SI unit of what it measures."""
 NOT_USED = "not used"
 POINTS = tuple(f"{place}{i}" for place in "AB" for i in (1, 2, 3, 4))
-PLACES = (*POINTS, "body", NOT_USED)
+PER_WHEEL = tuple(f"{quantity}:{i}" for quantity in ("travel", "force") for i in (1, 2, 3, 4))
+"""Places at a strut, whose sensor shows so much per what happens at the wheel."""
+OTHERS = (*PER_WHEEL, "rate:pitch", "rate:roll", "speed", "speed:engine")
+PLACES = (*POINTS, "body", *OTHERS, NOT_USED)
 TRACKS = tuple(kind for kind in KINDS if kind not in ("profile", "iso8608", "cobblestone"))
 """Kinds of track that need no file and no drawing of lots."""
 SHORT = {"twist": "chassis-twist", "sweep": "sine-sweep"}
@@ -39,12 +51,28 @@ SHORT = {"twist": "chassis-twist", "sweep": "sine-sweep"}
 
 @dataclass
 class Column:
-    """One column of the recordings: its name there, in what unit it is, and where it sits."""
+    """One column of the recordings: its name there, in what unit it is, where it sits, as a point
+    or as the word of another quantity, and, at a strut, what it shows per what the wheel does."""
 
     key: str | int
     name: str
     unit: str
     place: str
+    per_wheel: float | None = 1.0
+
+    @property
+    def si_unit(self) -> str:
+        """The unit of what it measures there."""
+        place = place_of(self.place)
+        if not isinstance(place, dict):
+            return ACCELERATION
+        return ROTATION if "of" in place else QUANTITIES[str(place["quantity"])].unit
+
+    @property
+    def point(self) -> str:
+        """Place and ratio as one word, which a campaign is made of."""
+        ratio = 1.0 if self.per_wheel is None else self.per_wheel
+        return f"{self.place}:{ratio:g}" if self.place in PER_WHEEL and ratio != 1 else self.place
 
 
 @dataclass
@@ -150,8 +178,9 @@ class Draft:
         self.columns = [_column(pick, points.get(pick.name, "")) for pick in self._map.picks]
 
     def units(self, column: Column) -> list[str]:
-        """What may be chosen as the unit of a column: what its file says, and accelerations."""
-        return list(dict.fromkeys((self._said(column), column.unit, *UNITS)))
+        """What may be chosen as the unit of a column: what its file says, and those of what it
+        measures."""
+        return list(dict.fromkeys((self._said(column), column.unit, *UNITS[column.si_unit])))
 
     def _said(self, column: Column) -> str:
         """The unit in the file that said what the columns are, empty if it said none."""
@@ -171,7 +200,7 @@ class Draft:
         for file, recording in self.recordings.items():
             if file in known:
                 continue
-            found = stretches(recording)
+            found = stretches(accelerations(recording)[0])
             time_s = recording.time_s
             for i, piece in enumerate(found, start=1):
                 name = _name(file)
@@ -210,11 +239,12 @@ class Draft:
         assert self._map is not None
         recording = read(file, replace(self._map, picks=picks))
         for column, channel in zip(used, recording.channels, strict=True):
-            if channel.unit != ACCELERATION:
+            if channel.unit != column.si_unit:
                 unit = column.unit if to_si(column.unit)[0] == channel.unit else channel.unit
-                raise CampaignError(f"{file.name}: column {column.name} {_no_unit(unit)}")
+                wrong = _no_unit(unit, column.si_unit)
+                raise CampaignError(f"{file.name}: column {column.name} {wrong}")
         placed = (
-            replace(channel, point=column.place)
+            replace(channel, point=column.point)
             for column, channel in zip(used, recording.channels, strict=True)
         )
         return replace(recording, channels=tuple(placed))
@@ -338,11 +368,13 @@ def _name(file: Path) -> str:
 
 def _column(pick: Pick, point: str) -> Column:
     name = pick.name or str(pick.column)
-    return Column(pick.column, name, pick.unit, point or NOT_USED)
+    place = point or likely_quantity(name, to_si(pick.unit)[0]) or NOT_USED
+    return Column(pick.column, name, pick.unit, place)
 
 
-def _no_unit(unit: str) -> str:
-    """What is wrong with a unit of a channel that shall be an acceleration, and what to do."""
+def _no_unit(unit: str, si_unit: str) -> str:
+    """What is wrong with a unit of a channel that shall be in another one, and what to do."""
     if not unit:
         return f"does not say its unit: choose it, or '{NOT_USED}'"
-    return f"is in {unit}, no unit of acceleration: choose its unit, or '{NOT_USED}'"
+    what = next((name for name, q in QUANTITIES.items() if q.unit == si_unit), "rotation")
+    return f"is in {unit}, no unit of {what}: choose its unit, or '{NOT_USED}'"

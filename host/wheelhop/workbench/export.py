@@ -10,14 +10,15 @@ import numpy as np
 
 from wheelhop.api import ComparisonResult, plot
 from wheelhop.api.plot import Kind
-from wheelhop.campaign import CampaignError
+from wheelhop.campaign import CampaignError, ComponentCampaign
 from wheelhop.files import make_folder, replacing, write_text
 from wheelhop.files.words import ending_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-KINDS: tuple[Kind, ...] = ("ladder", "where", "worst", "typical")
+KINDS: tuple[Kind, ...] = ("ladder", "where", "worst", "typical", "histograms", "loops")
+NOT_OF_A_RIG: Kind = "histograms"
 FORMATS = ("svg", "png")
 DPI = 200
 
@@ -25,7 +26,10 @@ DPI = 200
 def write_figures(folder: Path, result: ComparisonResult) -> None:
     """Every figure that a result can be looked at with, as SVG and PNG."""
     make_folder(folder)
+    on_rig = isinstance(result.campaign, ComponentCampaign)
     for kind in KINDS:
+        if on_rig and kind == NOT_OF_A_RIG:
+            continue
         figure = plot(result, kind)
         for form in FORMATS:
             drawn = io.BytesIO()

@@ -17,10 +17,11 @@ from wheelhop.files import InputError, make_folder
 from wheelhop.files.words import label_of, unit_of
 from wheelhop.vehicle.estimate import estimate
 from wheelhop.workbench.asked_view import show_asked
-from wheelhop.workbench.draft import PLACES, TRACKS, Draft, Piece
+from wheelhop.workbench.draft import PER_WHEEL, PLACES, TRACKS, Column, Draft, Piece
 from wheelhop.workbench.kept import drop, keep
 from wheelhop.workbench.questions import (
     FIELD_WORDS,
+    PLACE_WORDS,
     QUESTIONS,
     RECORDER_WORDS,
     TRACK_WORDS,
@@ -39,15 +40,10 @@ ENDINGS = (
 )
 TAKEN = (
     "CSV or text of any layout, MDF, TDMS, UFF, LVM, Parquet, MATLAB, HDF5, VBOX, AiM, enDAQ, ROS"
-    " bags, MCAP, or the logger's .HOP. They must hold vertical accelerations of axles or body."
+    " bags, MCAP, or the logger's .HOP. They hold accelerations of axles or body, travel, rates,"
+    " forces."
 )
 DROPPED = "(event) => runMethod(ID, 'addFiles', [event.dataTransfer.files])"
-CORNERS = ("front left", "front right", "rear left", "rear right")
-PLACE_WORDS = {
-    **{f"A{i}": f"A{i}: axle, {corner}" for i, corner in enumerate(CORNERS, start=1)},
-    **{f"B{i}": f"B{i}: body, {corner}" for i, corner in enumerate(CORNERS, start=1)},
-    "body": "body, place not known",
-}
 
 
 class Guide:
@@ -196,20 +192,29 @@ class Guide:
         with self._columns:
             Words("What the columns are", "h3")
             ui.label(
-                "As guessed from the names in your files: change what is wrong. A column that is no"
-                " vertical acceleration of axle or body is not used, and one in another unit cannot"
-                " be."
+                "As guessed from the names and units in your files: change what is wrong. Besides"
+                " vertical accelerations there are travel (potentiometers), rates (gyros), forces"
+                " and speeds; what is neither is not used."
             ).classes("soft")
             with ui.element("div").classes("bench-columns"):
                 for column in draft.columns:
-                    with ui.row().classes("bench-controls"):
-                        ui.label(column.name).classes("bench-name")
-                        words = {place: PLACE_WORDS.get(place, place) for place in PLACES}
-                        place = ui.select(words, label="sits at").bind_value(column, "place")
-                        units = {unit: unit or "not said" for unit in draft.units(column)}
-                        unit = ui.select(units, label="unit").bind_value(column, "unit")
-                    for element in (place, unit):
-                        element.props(FIELD).on_value_change(self._read)
+                    self._show_column(column)
+
+    def _show_column(self, column: Column) -> None:
+        with ui.row().classes("bench-controls"):
+            ui.label(column.name).classes("bench-name")
+            words = {place: PLACE_WORDS.get(place, place) for place in PLACES}
+            place = ui.select(words, label="sits at").bind_value(column, "place")
+            unit = ui.select(self._units(column), label="unit").bind_value(column, "unit")
+            ratio = ui.number("per wheel travel or force").bind_value(column, "per_wheel")
+            ratio.tooltip("what the sensor shows per what the wheel does: a motion ratio")
+            ratio.bind_visibility_from(column, "place", lambda at: at in PER_WHEEL)
+        place.on_value_change(lambda: unit.set_options(self._units(column), value=column.unit))
+        for element in (place, unit, ratio):
+            element.props(FIELD).on_value_change(self._read)
+
+    def _units(self, column: Column) -> dict[str, str]:
+        return {unit: unit or "not said" for unit in self._draft.units(column)}
 
     def _show_runs(self) -> None:
         self._drawn = {}
@@ -370,7 +375,8 @@ TYPICAL = {q.name: None for q in QUESTIONS} | {
 
 def _named(draft: Draft) -> object:
     """What the columns are said to be."""
-    return [(column.place, column.unit) for column in draft.columns], tuple(draft.files)
+    columns = [(column.place, column.unit, column.per_wheel) for column in draft.columns]
+    return columns, tuple(draft.files)
 
 
 def _number(words: str, numbers: dict[str, float | None], key: str) -> None:

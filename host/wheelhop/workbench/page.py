@@ -20,6 +20,7 @@ from wheelhop.workbench.missing_view import MissingView
 from wheelhop.workbench.model_view import ModelView
 from wheelhop.workbench.out_view import OutView
 from wheelhop.workbench.overview import Overview
+from wheelhop.workbench.struts_view import StrutsView
 from wheelhop.workbench.vehicle_view import VehicleView
 from wheelhop.workbench.view import Looking, View, Words, html
 from wheelhop.workbench.where_view import WhereView
@@ -34,6 +35,7 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("overview", "Overview", Overview),
     ("compare", "Compare", CompareView),
     ("where", "Where it fails", WhereView),
+    ("struts", "Struts", StrutsView),
     ("missing", "What is missing", MissingView),
     ("between", "Axle to body", BetweenView),
     ("model", "The model", ModelView),

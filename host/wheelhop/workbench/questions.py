@@ -95,6 +95,20 @@ FIELD_WORDS = {
     "lateral_offset_mm": "how far left of its middle you drove, mm",
 }
 
+CORNERS = ("front left", "front right", "rear left", "rear right")
+PLACE_WORDS = {
+    **{f"A{i}": f"A{i}: axle, {corner}" for i, corner in enumerate(CORNERS, start=1)},
+    **{f"B{i}": f"B{i}: body, {corner}" for i, corner in enumerate(CORNERS, start=1)},
+    "body": "body, place not known",
+    **{f"travel:{i}": f"travel of strut, {corner}" for i, corner in enumerate(CORNERS, start=1)},
+    **{f"force:{i}": f"force in strut, {corner}" for i, corner in enumerate(CORNERS, start=1)},
+    "rate:pitch": "pitch rate, positive nose down",
+    "rate:roll": "roll rate, positive left side up",
+    "speed": "speed of travel, GPS or wheel",
+    "speed:engine": "speed of the engine",
+}
+"""Where a column sits, or what it measures, by the word a campaign is made of."""
+
 
 def known(name: str, given: Answers) -> Known:
     """What is known of a vehicle from the answers, those that are needed among them."""

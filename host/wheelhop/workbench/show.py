@@ -67,6 +67,7 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
         html = {
             "ladder": sections.ladder(steps),
             "where": sections.where(steps) + sections.where_else(steps),
+            "struts": sections.struts(campaign, steps) or sections.loops(campaign, steps),
             "model": sections.model(campaign, steps),
         }
     return shown.Rung(

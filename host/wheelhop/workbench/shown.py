@@ -57,7 +57,8 @@ class Rung:
     ``error_fit`` and ``floor_fit`` are those of the runs fitted. ``ratio`` (runs, channels) is
     residual over floor, NaN where the model predicts nothing. ``points`` say where the channels
     sit. ``shape`` is the vehicle's, None of a component; ``numbers`` are its numbers, by their
-    dotted names. ``html`` holds finished sections: "ladder" (up to this rung), "where" and "model".
+    dotted names. ``html`` holds finished sections: "ladder" (up to this rung), "where", "struts"
+    and "model".
     """
 
     added: tuple[str, ...]

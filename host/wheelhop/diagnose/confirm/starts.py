@@ -249,7 +249,7 @@ def begun(
     systems = workshop.systems(model)
 
     def best(bench: Bench) -> Values:
-        starts = effect.run_starts(probe, bench.simulator.setting, shapes)
+        starts = probe.run_starts(effect, bench.simulator.setting, shapes)
         if len(starts) == 1:
             return starts[0]
         trials = [with_starts(model, effect, bench.run.id, start) for start in starts]
@@ -302,6 +302,6 @@ def placings(workshop: Workshop, model: Model, bench: Bench) -> Sequence[Model]:
         if effect.per_run(bench.simulator.setting):
             probe = FitProbe(workshop, again.without_effect(effect.id), [bench])
             shapes = model.theta(effect)
-            starts = effect.run_starts(probe, bench.simulator.setting, shapes)
+            starts = probe.run_starts(effect, bench.simulator.setting, shapes)
             found += [with_starts(again, effect, run_id, start) for start in starts if start]
     return found

@@ -36,20 +36,20 @@ def validate(
     """
     benches = workshop.of_role("validate")
     if not benches:
-        return Rung(fitted, None, simulated_wrong=_inexact(workshop, fitted))
+        return Rung(fitted, None, simulated_wrong=inexact(workshop, fitted))
     start = fitted.model
     if before is not None and any(
         effect.per_run(bench.simulator.setting) for effect in before.effects for bench in benches
     ):
         start = follow(workshop, before, fitted, benches)
     foreseen = fit(workshop, start, (), benches)
-    rung = Rung(fitted, foreseen, simulated_wrong=_inexact(workshop, foreseen))
+    rung = Rung(fitted, foreseen, simulated_wrong=inexact(workshop, foreseen))
     if fitted.model.effects and unforeseen(rung, workshop.noise):
         moved = update(workshop, fitted, foreseen.model, benches, known)
-        rung = replace(rung, update=moved, simulated_wrong=_inexact(workshop, moved))
+        rung = replace(rung, update=moved, simulated_wrong=inexact(workshop, moved))
         if unforeseen(rung, workshop.noise):
             best = from_elsewhere(workshop, fitted, foreseen.model, moved)
-            rung = replace(rung, update=best, simulated_wrong=_inexact(workshop, best))
+            rung = replace(rung, update=best, simulated_wrong=inexact(workshop, best))
     return rung
 
 
@@ -120,7 +120,7 @@ class SimulatedWrong:
         return power / (judging.size * noise**2)
 
 
-def _inexact(workshop: Workshop, judging: Fit) -> SimulatedWrong:
+def inexact(workshop: Workshop, judging: Fit) -> SimulatedWrong:
     """Of a fit, without derivatives: as long as the model is remembered."""
     return SimulatedWrong(workshop, judging.without_derivatives)
 

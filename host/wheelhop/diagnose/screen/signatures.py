@@ -66,7 +66,7 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
         starts = {p.name: p.starts for p in parameters if p.is_shape}
         first = {name: values[0] for name, values in starts.items()}
         grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
-        for shapes in [{**first, **start} for start in form.shape_starts(probe)] or grid:
+        for shapes in [{**first, **start} for start in probe.shape_starts(form)] or grid:
             runs = {s.run_id: _run_shapes(form, probe, s, shapes) for s in settings}
             found += [
                 Variant(form, choice, shapes, parameters, runs, strength)
@@ -83,7 +83,7 @@ def _run_shapes(
     names = {p.name for p in effect.per_run(run) if p.is_shape}
     if not names:
         return {}
-    start, *_ = effect.run_starts(probe, run, shapes)
+    start, *_ = probe.run_starts(effect, run, shapes)
     return {k: v for k, v in start.items() if k in names}
 
 

@@ -44,6 +44,7 @@ from wheelhop.diagnose.search.together import exchange, look_for_several, withou
 from wheelhop.diagnose.verdict.conclude import conclude
 from wheelhop.diagnose.verdict.critic import criticism, refuted, upheld
 from wheelhop.diagnose.verdict.ranking import why_not
+from wheelhop.diagnose.verdict.stability import unstable
 from wheelhop.effects import Effect, Place, beliefs
 from wheelhop.files import Progress
 from wheelhop.fit import OutOfBudget, Workshop
@@ -105,9 +106,10 @@ def diagnose_gated(
     budget_s: float | None = None,
     jobs: int | None = None,
     progress: Progress = lambda text: None,
-) -> tuple[Gated, Diagnosis]:
-    """The same of what the gate let through, and what of that was diagnosed: runs that do not
-    forget how they began are left out as soon as a model says so, and all begins anew."""
+) -> tuple[Gated, Diagnosis, Baseline]:
+    """The same of what the gate let through; what of that was diagnosed, and its fitted baseline:
+    runs that do not forget how they began are left out as soon as a model says so, and all begins
+    anew."""
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
     found = diagnose_from(
         gated,
@@ -121,7 +123,7 @@ def diagnose_gated(
     )
     bounced = [f for f in found.findings if f.kind == FORGETS and f not in gated.findings]
     if found.unfinished is not None or not bounced or not remaining(gated.campaign, bounced):
-        return gated, found
+        return gated, found, base
     progress(f"once more without {', '.join(f.about for f in bounced)}")
     return diagnose_gated(
         without_runs(gated, bounced),
@@ -166,7 +168,7 @@ def diagnose_from(
     )
     bounced = never_forgotten(base.workshop, diagnosis.ladder[-1].rung)
     said = upheld(gated.findings, diagnosis, base.workshop.noise)
-    findings = *said, *bounced, *criticism(diagnosis)
+    findings = *said, *bounced, *criticism(diagnosis), *unstable(base.workshop.run_away)
     diagnosis = replace(diagnosis, findings=findings, beliefs=tuple(refuted(diagnosis)))
     last = diagnosis.ladder[-1]
     if diagnosis.unfinished is not None:

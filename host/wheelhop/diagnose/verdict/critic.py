@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.channels import noise_key
-from wheelhop.compare import Slice, estimate_noise_between_samples
+from wheelhop.compare import QUIETEST, Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.diagnose.score import at_noise, nearly_all
 from wheelhop.diagnose.verdict.numbers import Number, measured_of, numbers_of
@@ -34,6 +34,9 @@ FAIR = 0.5
 """A band is fair if the error in it is at most this much of that over all, or beyond it the model
 leaves more than there is; and if it holds at least this much of the band, counted in octaves."""
 MISFIT = 1.5  # an estimated floor over a second estimate
+WHITE = 1.2
+"""Two estimates from differences between samples, of fourth and of sixth order, agree this well
+where these are noise, and white; a recorder's filter, or motion, makes the latter the smaller."""
 ALONG_SCALE = 0.9
 NAMED = 3  # numbers, in one sentence
 
@@ -343,12 +346,15 @@ def _floor(step: Step) -> Iterator[Finding]:
     floor = step.comparison.floor
     rung = step.rung
     runs = rung.fit.runs + (() if rung.validation is None else rung.validation.runs)
-    if floor.is_stated or not floor.pooled_rms > 0.0:
+    if floor.is_stated or floor.basis != QUIETEST or not floor.pooled_rms > 0.0:
         return
-    second = estimate_noise_between_samples(
-        [(run.bench.run.record / run.bench.noise_scale)[:, run.bench.predicted] for run in runs],
-        runs[0].bench.band.count / runs[0].bench.band.n,
-    )
+    records = [
+        (run.bench.run.record / run.bench.noise_scale)[:, run.bench.predicted] for run in runs
+    ]
+    share = runs[0].bench.band.count / runs[0].bench.band.n
+    second, third = (estimate_noise_between_samples(records, share, order) for order in (4, 6))
+    if second > WHITE * third:
+        return
     if floor.pooled_rms > MISFIT * second:
         unstated = runs[0].bench.simulator.campaign.unstated
         keys = ", ".join(dict.fromkeys(noise_key(channel.unit) for channel in unstated))

@@ -12,14 +12,18 @@ from collections.abc import Collection, Sequence
 from math import erf, inf, log, prod, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelhop.diagnose.diagnosis import Limit
 from wheelhop.diagnose.posterior import CEILING
 from wheelhop.diagnose.score import SIGNIFICANT, material
 from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.diagnose.screen.signatures import Variant
 from wheelhop.diagnose.search.scored import Scored
 from wheelhop.effects import Effect
 from wheelhop.fit import BROAD
+
+Array = NDArray[np.float64]
 
 
 def limits(scored: Scored, accepted: Collection[str]) -> tuple[Limit, ...]:
@@ -30,29 +34,36 @@ def limits(scored: Scored, accepted: Collection[str]) -> tuple[Limit, ...]:
         for item in scored.screened
         if item.variant.amplitudes and item.id not in accepted
     ]
-    return tuple(sorted(found, key=lambda limit: limit.effect))
+    return tuple(sorted(found, key=lambda one: one.effect))
 
 
 def unseen(limits: Sequence[Limit], tried: int) -> float:
     """Chance that an effect is there, weaker than its limit, if of the effects `tried` a machine
     has one on the average and all are as likely."""
-    return 1.0 - prod(1.0 - limit.unseen / tried for limit in limits)
+    return 1.0 - prod(1.0 - one.unseen / tried for one in limits)
 
 
 def of_the_vehicle(limits: Sequence[Limit], effects: Sequence[Effect]) -> list[Limit]:
     """The limits of physics. What sensors and surveys do to none of these runs is not missing; a
     vehicle has its bar on other runs, too."""
     physics = {e.id for e in effects if e.place != "sensor" and not e.is_belief}
-    return [limit for limit in limits if limit.effect in physics]
+    return [one for one in limits if one.effect in physics]
 
 
-def _limit(scored: Scored, item: Screened) -> Limit:
-    """Nothing is believed of amplitudes but that they lie within `BROAD` scales, one standard
-    deviation. A switch is there or it is not."""
-    variant = item.variant
+def least_strength(variant: Variant, information: Array, needed: float) -> float:
+    """How many times its scales the amplitudes of a variant are where they take as much out of the
+    sum of squares, per noise power, as is `needed`; `information` (a, a) is what the runs have on
+    them."""
     scale = np.array([p.scale for p in variant.amplitudes])
-    gain = float(scale @ item.information @ scale)
-    strength = float(np.sqrt(_needed(scored, item) / gain)) if gain > 0.0 else inf
+    gain = float(scale @ information @ scale)
+    return float(np.sqrt(needed / gain)) if gain > 0.0 else inf
+
+
+def limit(variant: Variant, strength: float) -> Limit:
+    """The limit of an effect that is seen from a strength on, in scales of its amplitudes.
+
+    Nothing is believed of amplitudes but that they lie within `BROAD` scales, one standard
+    deviation. A switch is there or it is not."""
     possible = all(
         strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
         for p in variant.amplitudes
@@ -64,9 +75,17 @@ def _limit(scored: Scored, item: Screened) -> Limit:
     return Limit(variant.effect.id, variant.choice, found if shown else {}, shown, weaker)
 
 
-def _needed(scored: Scored, item: Screened) -> float:
-    """The drop of the fitted runs' sum of squares, per noise power, with which an effect would be
-    simulated in full and then hold on the runs that judge."""
-    fitted, judging = scored.rung.fit.size, scored.rung.judging.size
-    by_chance = 2.0 * log(len(scored.screened) / SIGNIFICANT) * fitted / judging
-    return max(item.price, by_chance, material(scored.rung) * fitted)
+def drop_needed(price: float, fitted: int, judging: int, tried: int, least: float) -> float:
+    """The drop of the fitted runs' sum of squares, per noise power, with which an effect of this
+    `price`, one of so many `tried`, would be simulated in full and then hold on the runs that
+    judge; so many data are `fitted` and `judging`, and each leaves the `least` share of its noise
+    to what is immaterial."""
+    by_chance = 2.0 * log(tried / SIGNIFICANT) * fitted / judging
+    return max(price, by_chance, least * fitted)
+
+
+def _limit(scored: Scored, item: Screened) -> Limit:
+    rung = scored.rung
+    sizes = rung.fit.size, rung.judging.size
+    needed = drop_needed(item.price, *sizes, len(scored.screened), material(rung))
+    return limit(item.variant, least_strength(item.variant, item.information, needed))
