@@ -56,6 +56,14 @@ def of_channels(campaign: Campaign, names: Sequence[str]) -> dict[str, Any]:
     return {"channels": channels, "runs": runs, "noise_rms": noise}
 
 
+def run_of(campaign: Campaign, run_id: str) -> Run:
+    """The run of this id; raises CampaignError where there is none."""
+    known = {run.id: run for run in campaign.runs}
+    if run_id not in known:
+        raise no_such(campaign, "run", run_id, known)
+    return known[run_id]
+
+
 def no_such(campaign: Campaign, what: str, name: str, known: Collection[str]) -> CampaignError:
     """What is raised for a run or a channel that is not there."""
     near = did_you_mean(name, known) or f"; there are {', '.join(known)}"

@@ -232,7 +232,7 @@ class Campaign:
         return said if self.low_pass is None else f"{said}, after a {self.low_pass}"
 
     def recorded(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """What the recorder makes of sines before they are sampled: filter and averaging.
+        """What the recorder, its filter and averaging, makes of sines.
 
         Parameters
         ----------
@@ -284,12 +284,9 @@ class Campaign:
         CampaignError
             There is no run of this id.
         """
-        known = {run.id: run for run in self.runs}
-        if run_id not in known:
-            from wheelhop.campaign.selection import no_such
+        from wheelhop.campaign.selection import run_of
 
-            raise no_such(self, "run", run_id, known)
-        return known[run_id]
+        return run_of(self, run_id)
 
     def select(
         self,
@@ -304,17 +301,15 @@ class Campaign:
         ----------
         ids
             The runs' ids; without any, all runs.
-        role
-            Only those of this role, "fit" or "validate".
-        track
-            Only those on tracks of this kind, such as "washboard".
+        role, track
+            Only those of this role, "fit" or "validate", and on this kind of track ("washboard").
         channels
-            The channels by name; by default all. Those left out are neither fitted nor compared.
+            The channels by name; by default all. Others are neither fitted nor compared.
 
         Returns
         -------
         Campaign
-            Another one; files stay as they are.
+            Another one.
 
         Raises
         ------
@@ -356,8 +351,7 @@ class Campaign:
         Returns
         -------
         DataFrame
-            By run: role, track, nominal `speed_m_s`, `duration_s`, samples, and the rms of the
-            channels of the leading quantity without their means, in its unit (`rms_m_s2`).
+            By run: role, track, `speed_m_s`, `duration_s`, samples, rms of the leading quantity.
         """
         import pandas
 
