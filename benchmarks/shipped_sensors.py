@@ -178,7 +178,9 @@ def _write_run(
     file.write_text("\n".join([",".join(("time_s", *names)), *rows]) + "\n")
 
 
-def _at(vehicle: Mapping[str, float], body: NDArray[np.floating], place: tuple[float, float]) -> Array:
+def _at(
+    vehicle: Mapping[str, float], body: NDArray[np.floating], place: tuple[float, float]
+) -> Array:
     """Vertical acceleration of a rigid body at (x, y), of those at its four corners (n, 4)."""
     front = vehicle["geometry.cg_to_front_axle_m"]
     rear, half = front - vehicle["geometry.wheelbase_m"], vehicle["geometry.track_width_m"] / 2

@@ -54,6 +54,7 @@ def done(tmp_path_factory):
         write_small_campaign(folder / name)
     names = {"wh": wh, "np": np, "pd": pd, "scipy": scipy, "control": control}
     names["OrificeDamper"] = OrificeDamper
+    names["strut"] = ["suspension.front.stiffness_N_m", "suspension.front.damping_N_s_m"]
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         for number, code in TASKS.items():

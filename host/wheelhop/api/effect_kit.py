@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wheelhop.api.simulating import simulate
 from wheelhop.campaign.sample import VEHICLE
 from wheelhop.effects import Effect, Given, Parameter, pick
-from wheelhop.files import InputError
+from wheelhop.files import InputError, quoted, write_text
 from wheelhop.files.words import listed, unit_of
 from wheelhop.predict.drives import CHANNELS
 from wheelhop.vehicle import Vehicle, read_vehicle
@@ -98,7 +98,7 @@ def _vehicle(given: Vehicle | str | Path | None) -> Vehicle:
         return read_vehicle(Path(given))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "vehicle.toml"
-        file.write_text(VEHICLE.format(title='"sample"'), encoding="utf-8")
+        write_text(file, VEHICLE.format(title=quoted("sample")))
         return read_vehicle(file)
 
 

@@ -107,8 +107,14 @@ class Result:
         return self.comparison.agreement()
 
     def struts(self) -> DataFrame:
-        """What every strut did, measured and modelled: shares of the time in bump and rebound at
-        low and high speed, velocity, travel; at the wheel, in band, positive in rebound."""
+        """What every strut did, measured and modelled.
+
+        Returns
+        -------
+        DataFrame
+            Shares of the time in bump and rebound at low and high speed, velocity, travel; at the
+            wheel, in band, positive in rebound; SI.
+        """
         from wheelhop.report.strut_motion import struts_frame
 
         return struts_frame(self.campaign, self.steps)

@@ -26,16 +26,33 @@ class SettingsResult:
         return sentences(self.comparison)
 
     def differences(self) -> DataFrame:
-        """Power over that of the reference in dB, its interval, and whether it differs: a row for
-        every setting, channel and band."""
+        """What differs, as a table.
+
+        Returns
+        -------
+        DataFrame
+            A row for every setting, channel and band: power over that of the reference in dB, its
+            interval, and whether it differs.
+        """
         return to_frame(self.comparison)
 
     def to_json(self) -> dict[str, Any]:
-        """What `wheelhop settings --json` writes."""
+        """What `wheelhop settings --json` writes.
+
+        Returns
+        -------
+        dict
+            Dictionaries, lists, texts and numbers; what is undetermined is None.
+        """
         return to_json(self.comparison)
 
     def write_report(self, file: str | Path) -> None:
         """Write the report, one self-contained HTML page.
+
+        Parameters
+        ----------
+        file
+            Such as "settings.html"; what stood there is replaced.
 
         Raises
         ------
@@ -59,6 +76,11 @@ def compare_settings(campaign: Campaign | str | Path, reference: str = "") -> Se
         The campaign, or its folder; its runs say `setting = "…"`.
     reference
         The setting the others are compared with; the first one by default.
+
+    Returns
+    -------
+    SettingsResult
+        What differs, where, in which band and by how much.
 
     Raises
     ------

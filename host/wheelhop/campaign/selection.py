@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wheelhop.campaign.common import frozen
-from wheelhop.campaign.types import Campaign, CampaignError, Run, no_such
+from wheelhop.campaign.types import Campaign, CampaignError, Run
+from wheelhop.files import did_you_mean
 
 if TYPE_CHECKING:
     from wheelhop.campaign.types import Role
@@ -53,3 +54,17 @@ def of_channels(campaign: Campaign, names: Sequence[str]) -> dict[str, Any]:
         stated = [rms for rms in own if rms is not None]
         noise = float(np.sqrt(np.mean(np.square(stated)))) if len(stated) == len(own) else None
     return {"channels": channels, "runs": runs, "noise_rms": noise}
+
+
+def run_of(campaign: Campaign, run_id: str) -> Run:
+    """The run of this id; raises CampaignError where there is none."""
+    known = {run.id: run for run in campaign.runs}
+    if run_id not in known:
+        raise no_such(campaign, "run", run_id, known)
+    return known[run_id]
+
+
+def no_such(campaign: Campaign, what: str, name: str, known: Collection[str]) -> CampaignError:
+    """What is raised for a run or a channel that is not there."""
+    near = did_you_mean(name, known) or f"; there are {', '.join(known)}"
+    return CampaignError(f'{campaign.folder / "campaign.toml"}: there is no {what} "{name}"{near}')

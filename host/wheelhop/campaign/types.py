@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
 from pathlib import Path
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.low_pass import LowPass
-from wheelhop.files import InputError, did_you_mean, dotted, shown
+from wheelhop.files import InputError, dotted, shown
 from wheelhop.files.words import ending_of
 from wheelhop.logger.recording import Channel as Recorded
 from wheelhop.logger.recording import Recording
@@ -232,7 +232,7 @@ class Campaign:
         return said if self.low_pass is None else f"{said}, after a {self.low_pass}"
 
     def recorded(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """What the recorder makes of sines before they are sampled: filter and averaging.
+        """What the recorder, its filter and averaging, makes of sines.
 
         Parameters
         ----------
@@ -284,10 +284,9 @@ class Campaign:
         CampaignError
             There is no run of this id.
         """
-        known = {run.id: run for run in self.runs}
-        if run_id not in known:
-            raise no_such(self, "run", run_id, known)
-        return known[run_id]
+        from wheelhop.campaign.selection import run_of
+
+        return run_of(self, run_id)
 
     def select(
         self,
@@ -302,17 +301,15 @@ class Campaign:
         ----------
         ids
             The runs' ids; without any, all runs.
-        role
-            Only those of this role, "fit" or "validate".
-        track
-            Only those on tracks of this kind, such as "washboard".
+        role, track
+            Only those of this role, "fit" or "validate", and on this kind of track ("washboard").
         channels
-            The channels by name; by default all. Those left out are neither fitted nor compared.
+            The channels by name; by default all. Others are neither fitted nor compared.
 
         Returns
         -------
         Campaign
-            Another one; files stay as they are.
+            Another one.
 
         Raises
         ------
@@ -354,8 +351,7 @@ class Campaign:
         Returns
         -------
         DataFrame
-            By run: role, track, nominal `speed_m_s`, `duration_s`, samples, and the rms of the
-            channels of the leading quantity without their means, in its unit (`rms_m_s2`).
+            By run: role, track, `speed_m_s`, `duration_s`, samples, rms of the leading quantity.
         """
         import pandas
 
@@ -387,12 +383,6 @@ class Campaign:
 
     def _repr_html_(self) -> str:
         return f"<p>{escape(repr(self))}</p>{self.to_dataframe().to_html(float_format='%.4g')}"
-
-
-def no_such(campaign: Campaign, what: str, name: str, known: Collection[str]) -> CampaignError:
-    """What is raised for a run or a channel that is not there."""
-    near = did_you_mean(name, known) or f"; there are {', '.join(known)}"
-    return CampaignError(f'{campaign.folder / "campaign.toml"}: there is no {what} "{name}"{near}')
 
 
 @dataclass(frozen=True, eq=False, repr=False)
