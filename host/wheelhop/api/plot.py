@@ -107,6 +107,7 @@ def _figure(
     """A figure of its own."""
     from wheelhop.report import figures
     from wheelhop.report.cases import case_of, cases
+    from wheelhop.report.svg import literal
 
     steps, channels = result.steps, result.campaign.channels
     if kind == "ladder":
@@ -125,7 +126,7 @@ def _figure(
     else:
         case = cases(channels, steps)[("worst", "typical").index(kind)]
     drawing = figures.case_figure(case, _added(result))
-    drawing.suptitle(f"{case.channel} in {case.run_id}", x=0.99, ha="right", fontsize=9.0)
+    drawing.suptitle(literal(f"{case.channel} in {case.run_id}"), x=0.99, ha="right", fontsize=9.0)
     return drawing
 
 

@@ -19,7 +19,7 @@ from wheelhop.report.cases import records_of, seconds_of
 from wheelhop.report.figures import AFTER, BEFORE, MEASURED, SOFT, WIDTH
 from wheelhop.report.loops import loop_of
 from wheelhop.report.page import figure, paragraph, section, table
-from wheelhop.report.svg import STYLE, Drawing, inline
+from wheelhop.report.svg import STYLE, Drawing, inline, literal
 
 Array = NDArray[np.float64]
 
@@ -191,7 +191,7 @@ def dynamometer_figure(
             for way in (1, -1):
                 curves.plot(*card.curve(way, True), color=line, linewidth=width)
                 curves.plot(*card.curve(way, False), color=line, linewidth=width, linestyle="--")
-        curves.set_title(f"speed rising and falling, {pairs[-1][0].run_id}")
+        curves.set_title(literal(f"speed rising and falling, {pairs[-1][0].run_id}"))
         for i in np.unique(np.linspace(0, len(pairs) - 1, CARDS).round().astype(int)):
             measured, modelled = pairs[i]
             length = round(seconds_of(measured.x, rate_hz, WAVES) * rate_hz)

@@ -18,7 +18,7 @@ from wheelhop.diagnose import Step
 from wheelhop.files.words import significant, squared
 from wheelhop.logger import Recording
 from wheelhop.report.cases import Case
-from wheelhop.report.svg import COLOURS, STYLE, Drawing
+from wheelhop.report.svg import COLOURS, STYLE, Drawing, literal
 
 Array = NDArray[np.float64]
 
@@ -184,7 +184,7 @@ def panel_figure(case: Case, kind: str, added: str) -> Drawing:
 def draw_panel(axes: Axes, case: Case, kind: str, added: str) -> None:
     """The same into axes that are there, with its legend, and a title that says which run."""
     ONE_PANEL[kind](axes, case, added)
-    axes.set_title(f"{case.channel} in {case.run_id}")
+    axes.set_title(literal(f"{case.channel} in {case.run_id}"))
     axes.legend(loc="best")
 
 
@@ -223,7 +223,7 @@ def draw_recorded(axes: Axes, recording: Recording, column: int) -> None:
     """One channel against time."""
     channel = recording.channels[column]
     axes.plot(recording.time_s, recording.values[:, column], color=AFTER, linewidth=0.8)
-    axes.set_ylabel(f"{channel.name}, {channel.unit}" if channel.unit else channel.name)
+    axes.set_ylabel(literal(f"{channel.name}, {channel.unit}" if channel.unit else channel.name))
     axes.margins(x=0.0)
 
 

@@ -15,7 +15,7 @@ from wheelhop.compare.settings_words import sentences
 from wheelhop.files.words import significant, squared
 from wheelhop.report.figures import AFTER, BEFORE, FLOOR, INK, WIDTH
 from wheelhop.report.page import bullets, figure, paragraph, section, table, title, write_page
-from wheelhop.report.svg import STYLE, Drawing, inline
+from wheelhop.report.svg import STYLE, Drawing, inline, literal
 
 PENS: tuple[dict[str, Any], ...] = tuple(
     {"color": colour, "linestyle": dash}
@@ -57,7 +57,9 @@ def settings_figure(found: SettingsComparison, channel: str) -> Drawing:
         left, right = drawing.subplots(1, 2)
         for spectrum in (s for s in found.spectra if s.channel == channel):
             pen = pens[spectrum.setting]
-            left.plot(spectrum.frequency_hz, spectrum.density, label=spectrum.setting, **pen)
+            left.plot(
+                spectrum.frequency_hz, spectrum.density, label=literal(spectrum.setting), **pen
+            )
             left.fill_between(
                 spectrum.frequency_hz, spectrum.low, spectrum.high, color=pen["color"], alpha=0.12,
                 linewidth=0,
@@ -67,7 +69,7 @@ def settings_figure(found: SettingsComparison, channel: str) -> Drawing:
         for i, name in enumerate(others):
             _draw_differences(right, found, (name, channel), pens[name], i - (len(others) - 1) / 2)
         right.axhline(0.0, color=INK, linewidth=0.8)
-        right.set_ylabel(f"power over {found.reference}, dB")
+        right.set_ylabel(literal(f"power over {found.reference}, dB"))
         for axes in (left, right):
             axes.set_xscale("log")
             axes.xaxis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5)))

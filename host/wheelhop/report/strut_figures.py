@@ -23,7 +23,7 @@ from wheelhop.report.strut_motion import (
     StrutRun,
     shares,
 )
-from wheelhop.report.svg import STYLE, Drawing
+from wheelhop.report.svg import STYLE, Drawing, literal
 from wheelhop.simulate import Model
 from wheelhop.vehicle import struts
 
@@ -91,7 +91,7 @@ def strut_loops_figure(histories: Histories, model: Model) -> Drawing:
             part = farthest(_finer(each[0].runs[run_id].travel), FINER * each[0].rate_hz)
             for history in each:
                 _draw_loops(row, history, history.runs[run_id], stiffness[corner], part)
-            row[0].set_title(f"{CORNER_NAMES[corner]}, {run_id}", loc="left")
+            row[0].set_title(literal(f"{CORNER_NAMES[corner]}, {run_id}"), loc="left")
             row[0].set_ylabel("force, N")
             row[1].set_ylabel("without spring, N")
         panels[-1, 0].set_xlabel("travel, mm: bump below 0, rebound above")

@@ -66,6 +66,11 @@ class Drawing(Figure):
         return file.getvalue()
 
 
+def literal(name: str) -> str:
+    """A user's name for matplotlib, which takes what stands between two $ for a formula."""
+    return name.replace("$", r"\$")
+
+
 def inline(figure: Figure, name: str, description: str) -> str:
     """The figure as an <svg> element; `name` keeps its ids apart from those of other figures."""
     file = StringIO()
