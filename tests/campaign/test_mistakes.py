@@ -69,7 +69,7 @@ IN_CAMPAIGN_TOML = {
     ),
     "unknown role": ('"fit"', '"train"', ["role = 'train'", "fit, validate"]),
     "run is no list": ("[[run]]", "[run]", ["not valid TOML", "line"]),
-    "syntax": ("speed_kmph = 7.5", "speed_kmph = 7,5", ["line 13", "column 15"]),
+    "syntax": ("speed_kmph = 7.5", "speed_kmph = 7,5", ["line 13", "7,5 has a decimal comma"]),
     "endless nesting": ("[0.5, 30.0]", "[" * 100_000, ["not valid TOML"]),
     "key twice": ("speed_kmph = 7.5", "speed_kmph = 7.5\nspeed_kmph = 8", ["line 14"]),
     "id twice": ('id = "fast"', 'id = "slow"', ['"slow"', "id is used twice"]),

@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
+from importlib import import_module
 from pathlib import Path
 from threading import Thread
 
@@ -94,7 +95,7 @@ def test_a_killed_worker_changes_nothing_in_the_table(tmp_path, scheduler):
 
 
 def test_where_nobody_answers_is_a_line(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("wheelhop.predict.cluster.ANSWERS_S", 0.3)
+    monkeypatch.setattr(import_module("wheelhop.predict.cluster"), "ANSWERS_S", 0.3)
     out = ["--out", str(tmp_path / "t.parquet")]
     for words, said in (
         (["--cluster", "tcp://127.0.0.1:9"], "no Dask scheduler answers"),

@@ -1,5 +1,7 @@
 """What a small change of a number makes of a record, in longer steps than the record itself."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 
@@ -65,7 +67,7 @@ def test_light_wheels_on_strong_dampers_are_followed(monkeypatch):
     strong = {f"suspension.{end}.damping_N_s_m": 2500.0 for end in ("front", "rear")}
     model = model_of(ATV, RUNS).with_values({**light, **strong})
     found = columns(model)
-    monkeypatch.setattr("wheelhop.simulate.run.STABLE", 0.1)
+    monkeypatch.setattr(import_module("wheelhop.simulate.run"), "STABLE", 0.1)
     exact = columns(model)
     assert np.linalg.norm(found - exact) < 0.02 * np.linalg.norm(exact)
 
@@ -74,8 +76,10 @@ def test_light_wheels_on_strong_dampers_are_followed(monkeypatch):
 def test_what_is_kept_of_motions_changes_nothing(kept, monkeypatch):
     """What an engine's force changes is superposed on the record without, whatever was asked for in
     between: integrated by itself it would be another number, and take longer."""
-    monkeypatch.setattr("wheelhop.simulate.run.KEPT_MOTIONS", kept)
-    monkeypatch.setattr("wheelhop.simulate.run.integrate_jobs", counted := Counted())
+    monkeypatch.setattr(import_module("wheelhop.simulate.run"), "KEPT_MOTIONS", kept)
+    monkeypatch.setattr(
+        import_module("wheelhop.simulate.run"), "integrate_jobs", counted := Counted()
+    )
     model = model_of(ATV, RUNS, "engine-vibration", {"freq_hz": 11.0}, own={"cos_m_s2": 0.5})
     campaign = campaign_of(RUNS)
     simulator = RunSimulator(campaign, campaign.runs[0], 4.0)
