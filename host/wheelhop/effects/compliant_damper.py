@@ -6,15 +6,19 @@ from collections.abc import Sequence
 from math import copysign, inf, sqrt
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
-from wheelhop.vehicle import Assembly, Strut, ends, struts
+from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.vehicle import Assembly, Strut, ends, mounted, struts
 
 STAGE = 1.0 - sqrt(0.5)
 """Share of the step in each of two implicit stages: with it they are second order and L-stable."""
 
-LEAST_BLEED = 0.05
-"""A valve that bleeds less is hardly told from dry friction, which has a name of its own; the slope
-of a damper's force at low speed is some three to ten times that of its open valves."""
+LEAST_BLEED, MOST_BLEED = 0.05, 0.5
+"""A valve that bleeds less is hardly told from dry friction, one that bleeds more from a linear
+damper behind a spring, which have names of their own; the slope of a damper's force at low speed is
+some three to ten times that of its open valves."""
+
+LEAST_OPENING = 0.05
+"""Of the usual force: a valve that less holds shut is a linear damper behind a spring, too."""
 
 LEAST_LAG = 0.004
 """Of the time in which the usual speed covers the longest way, a third of a radian of a sine: less,
@@ -72,18 +76,10 @@ class CompliantDamper(Effect):
     on_rig = True
     on_vehicle = False
     title = "the damper gives way in series with its valves: the force lags behind the velocity"
-    becomes = (
-        Becomes(
-            "bleed",
-            "upper",
-            "mount-bushing",
-            "a valve through which all oil bleeds is a linear damper behind a spring",
-        ),
-    )
     equation = (
         r"f = z - c\,\dot x,\quad \tau\,\dot z = c\,(\dot x - q(z)),"
         r"\quad c\,(1 \pm a)\,|q| = b\,|z| + (1 - b)\,(|z| - F_o)_+"
-        r" + \tfrac{\lambda}{1 - \lambda}\,(|z| - F_o - F_b)_+"
+        r" + \frac{\lambda}{1 - \lambda}\,(|z| - F_o - F_b)_+"
     )
     longest_step_s = 0.000625
     source = (
@@ -94,6 +90,10 @@ class CompliantDamper(Effect):
 
     def __init__(self, form: str = VALVE) -> None:
         self.form = form
+
+    def applies_to(self, vehicle: Values) -> bool:
+        """To what stands on no specimen: one that is known is what gives way in series."""
+        return super().applies_to(vehicle) and mounted(vehicle) is None
 
     def choices(self, channels: Sequence[Channel]) -> Sequence[str]:
         """Valves that open, and ones that blow off beyond."""
@@ -115,7 +115,7 @@ class CompliantDamper(Effect):
                 "slope of the open valves over that of the bleed before",
                 0.3,
                 lower=LEAST_BLEED,
-                upper=1.0,
+                upper=MOST_BLEED,
                 starts=(0.1, 0.4),
             ),
             *(self._blow_off(load) if self.form == BLOW_OFF else ()),
@@ -176,6 +176,6 @@ def _amplitudes(end: str, strut: Strut) -> tuple[Parameter, ...]:
             "N",
             f"force that opens the valves of {strut.name}",
             0.15 * usual.load_N,
-            lower=0.0,
+            lower=LEAST_OPENING * usual.load_N,
         ),
     )

@@ -37,7 +37,7 @@ class SmoothHysteresis(Effect):
     )
     equation = (
         r"f = F (z - x / d),\quad d\,\dot z = \dot x\,(1 - |z|\,"
-        r"(\tfrac{1}{2}\,\mathrm{sgn}(\dot x z) + h - \tfrac{1}{2}))"
+        r"(\frac{1}{2}\,\mathrm{sgn}(\dot x z) + h - \frac{1}{2}))"
     )
     longest_step_s = LONGEST_STEP_S["smooth"]
     source = (
