@@ -130,7 +130,8 @@ class RunSetting:
     """What an effect may know of a run: its id, nominal speed, the instants at which the run-up
     and the record begin and the record ends, whether the track under it is known, and whether it
     is no vehicle that runs but a component on a rig, or one that measured travel of its struts
-    moves; and the speed along the track, where it changes."""
+    moves; the speed along the track, where it changes; and whether a spring is believed to hold a
+    component about its rest."""
 
     run_id: str
     speed_m_s: float
@@ -141,6 +142,7 @@ class RunSetting:
     on_rig: bool = False
     by_travel: bool = False
     course: Course | None = None
+    is_held: bool = False
 
 
 class OwnValues(NamedTuple):

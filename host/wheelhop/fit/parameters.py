@@ -180,18 +180,21 @@ def _component_parameters(campaign: ComponentCampaign, component: Vehicle) -> li
     ]
 
 
-def _rig_start(run: RigRun, model: Model) -> Iterator[Free]:
+def _rig_start(run: RigRun, model: Model, is_held: bool) -> Iterator[Free]:
     """What a run that imposes a force leaves free (`wheelhop.simulate.rig.INITIAL`).
 
     The constant force, a weight or preload that no load cell shows or the error of a cell's zero,
-    is believed to be about as large as the force recorded, or in a free decay as the campaign's.
+    is believed to be about as large as the force recorded, or in a free decay as the campaign's. A
+    spring answers it by another rest, about which it is then counted: of a held component it is
+    not free.
     """
     if run.drive == "force":
         x = run.displacement
         size, speed = float(x.std()), float(np.gradient(x, run.time_s).std())
         force = float(np.sqrt(np.mean(run.force**2))) or model.values["rig.force_N"]
         means, sigmas = (float(x[0]), 0.0, 0.0), (size, speed, force)
-        for name, mean, sigma in zip(RIG_INITIAL, means, sigmas, strict=True):
+        names = RIG_INITIAL[:2] if is_held else RIG_INITIAL
+        for name, mean, sigma in zip(names, means, sigmas, strict=False):
             yield Free(name, mean, sigma, sigma)
 
 
@@ -229,7 +232,7 @@ def run_parameters(run: Run, setting: RunSetting, model: Model) -> list[Free]:
     """What a run leaves free: speed and start on the track (on measured axles and on a rig that
     imposes a force: what moved how when the record began; where travel is measured: at which
     extension struts rest), and the effects' own."""
-    free = list(_rig_start(run, model)) if isinstance(run, RigRun) else []
+    free = list(_rig_start(run, model, setting.is_held)) if isinstance(run, RigRun) else []
     if setting.on_road and run.speed_m_s > 0:
         sigma = SPEED_UNCERTAINTY * run.speed_m_s
         free.append(Free("speed_m_s", run.speed_m_s, sigma, 1e-3 * run.speed_m_s, 0.0))

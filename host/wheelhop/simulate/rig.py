@@ -31,8 +31,8 @@ sit beside, or of the band's upper end if that is slower; and in one of the band
 least. A hard spring at resonance comes out within 2e-4 so."""
 
 INITIAL = ("initial_m", "initial_m_s", "offset_N")
-"""What a run with imposed force leaves free: displacement and velocity at the first sample, and a
-constant force beside the recorded one."""
+"""What a run with imposed force leaves free: displacement and velocity at the first sample, and,
+where no spring holds the component, a constant force beside the recorded one."""
 
 
 class RigSimulator:
@@ -45,7 +45,8 @@ class RigSimulator:
     def __init__(self, campaign: ComponentCampaign, run: RigRun) -> None:
         self.campaign, self.run, self.steps = campaign, run, 0
         begin, end = float(run.time_s[0]), float(run.time_s[-1])
-        self.setting = RunSetting(run.id, 0.0, begin, begin, end, on_road=False, on_rig=True)
+        held = campaign.nominal["stiffness_N_m"] > 0.0
+        self.setting = RunSetting(run.id, 0.0, begin, begin, end, False, on_rig=True, is_held=held)
         self._motions: dict[int, Array] = {}
         self._forces: dict[int, Array] = {}
 
@@ -140,7 +141,8 @@ class RigSimulator:
         return np.asarray(np.interp(steps, samples, self.run.time_s))
 
     def _initial(self, model: Model) -> list[float]:
-        return [model.runs[self.run.id][name] for name in INITIAL]
+        own = model.runs[self.run.id]
+        return [own[INITIAL[0]], own[INITIAL[1]], own.get(INITIAL[2], 0.0)]
 
     def _begins(self, model: Model, system: System) -> list[float]:
         """What the law of each port (p,) remembers as the run begins."""
