@@ -79,7 +79,7 @@ def test_what_should_be_known_is_said(data, words):
 def test_a_name_that_belongs_to_another_session_is_noticed(tmp_path, capsys):
     for name, suspicious in [("HOP00012.HOP", False), ("HOP00013.HOP", True), ("x.HOP", False)]:
         (tmp_path / name).write_bytes(session(SUMS))
-        assert info.run(Namespace(files=[tmp_path / name], header_from=None)) == 0
+        assert info.run(Namespace(files=[tmp_path / name], header_from=None, json=None)) == 0
         assert ("the name says session 13" in capsys.readouterr().out) == suspicious
 
 
