@@ -115,8 +115,6 @@ Trouble Session::begin_file(uint16_t number) {
     board::unfinished = id_;
     // By its entry in the directory and its header the file is known again.
     if (!card.watch(0, first.work.file.dir_sect) || !card.watch(1, place_.first_sector)) {
-        board::unfinished = continues;
-        known_card_ = false;  // the file is there, and to be closed
         return trouble_ = card_trouble();
     }
     identity::set_session_number(number);
