@@ -61,7 +61,7 @@ void RingOf<blocks>::release() {
 template <uint8_t blocks>
 void RingOf<blocks>::lose(uint8_t scans) {
     lost_ += scans;
-    for (uint8_t k = waiting_; k; --k) at(before(k)).lost += scans;
+    for (uint8_t k = waiting_; k; --k) block(before(k)).lost += scans;
     if (filling().count) filling().lost += scans;
 }
 
@@ -81,8 +81,8 @@ void RingOf<blocks>::abandon() {
 
 template <uint8_t blocks>
 uint16_t RingOf<blocks>::depth() const {
-    uint16_t scans = at(filling_).count;
-    for (uint8_t k = waiting_; k; --k) scans += at(before(k)).count;
+    uint16_t scans = block(filling_).count;
+    for (uint8_t k = waiting_; k; --k) scans += block(before(k)).count;
     return scans;
 }
 

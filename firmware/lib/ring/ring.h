@@ -26,7 +26,7 @@ class RingOf {
     // While none waits: a block without scans that waits now, before the one being filled.
     Block& insert(char kind);
 
-    Block* waiting() { return waiting_ ? &at(oldest()) : nullptr; }
+    Block* waiting() { return waiting_ ? &block(oldest()) : nullptr; }
     void release();             // the card has taken the waiting block
     void lose(uint8_t scans);   // a block that was released has not reached the card after all
     void finish(uint32_t due);  // no scan follows: the last block may wait though it is not full
@@ -39,9 +39,9 @@ class RingOf {
     uint16_t room() const { return kBlocks * capacity_; }
 
   private:
-    Block& at(uint8_t index) { return index < 2 ? *two_[index] : more_[index - 2]; }
-    const Block& at(uint8_t index) const { return const_cast<RingOf*>(this)->at(index); }
-    Block& filling() { return at(filling_); }
+    Block& block(uint8_t index) { return index < 2 ? *two_[index] : more_[index - 2]; }
+    const Block& block(uint8_t index) const { return const_cast<RingOf*>(this)->block(index); }
+    Block& filling() { return block(filling_); }
     // The waiting blocks are those before the one being filled.
     uint8_t oldest() const { return before(waiting_); }
     uint8_t before(uint8_t steps) const { return (filling_ - steps) & (kBlocks - 1); }

@@ -225,8 +225,9 @@ bool SdCard::take_sheet() {
     if (token == 0xFF) return elapsed() < kReadLimitMs;
     uint8_t sheet[16];
     const bool is_sheet = step_ < Watched;
-    if (token != kDataToken) return false;
-    if (!(is_sheet ? receive_data(sheet, sizeof sheet) : receive_data(nullptr, 512))) return false;
+    if (token != kDataToken || !receive_data(is_sheet ? sheet : nullptr, is_sheet ? 16 : 512)) {
+        return false;
+    }
     if (step_ == SpecificData) {
         // The structure's version is another witness of how the card counts.
         if ((sheet[0] >> 6 != 0) != ((traits_ & kBySector) != 0)) return false;

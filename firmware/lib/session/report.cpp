@@ -184,7 +184,7 @@ const FlashChar* trouble_text(Trouble trouble) {
         case kNoCard:
             return FLASH("no card, or it does not answer");
         case kNoFileSystem:
-            return FLASH("no FAT file system: format FAT32 with MBR");
+            return FLASH("no FAT file system: format as FAT32, in an MBR");
         case kNoRoom:
             return FLASH("no room in one piece: delete files or format");
         case kWriteProtected:

@@ -16,8 +16,7 @@ from wheelhop.hil_sim.program import SimulationError
 BLOCK_SIZE = 512
 MIB = 1 << 20
 PARTITION_START = 2048  # block, where card makers put it
-FAT16_TYPE, FAT32_TYPE, EXFAT_TYPE, PROTECTIVE_TYPE = 0x06, 0x0C, 0x07, 0xEE
-BASIC_DATA = bytes.fromhex("a2a0d0ebe5b9334487c068b6b72699c7")  # kind of a partition, in a GPT
+FAT16_TYPE, FAT32_TYPE, EXFAT_TYPE = 0x06, 0x0C, 0x07
 
 CardKind = Literal["sdhc", "sdsc", "sd-v1"]
 
@@ -77,17 +76,6 @@ class CardImage:
         blocks = size_mib * MIB // BLOCK_SIZE - PARTITION_START
         card.write_block(0, _partition_table(EXFAT_TYPE, blocks))
         card.write_block(PARTITION_START, _exfat_boot_sector(blocks))
-        return card
-
-    @classmethod
-    def gpt(cls, path: Path | str, size_mib: int = 64) -> "CardImage":
-        """Make a card with FAT32 in a GUID partition table, as a PC may."""
-        card = cls.fat32(path, size_mib, partitioned=True)
-        blocks = size_mib * MIB // BLOCK_SIZE
-        card.write_block(0, _partition_table(PROTECTIVE_TYPE, blocks - 1, start=1))
-        card.write_block(1, b"EFI PART\0\0\1\0")
-        last = blocks - 34  # the table's copy is behind it
-        card.write_block(2, BASIC_DATA + bytes(16) + struct.pack("<QQ", PARTITION_START, last))
         return card
 
     @classmethod
@@ -259,9 +247,11 @@ def _tool(tool: str, *arguments: str) -> str:
     return done.stdout
 
 
-def _partition_table(kind: int, blocks: int, start: int = PARTITION_START) -> bytes:
-    """A master boot record with one partition."""
-    entry = struct.pack("<B3sB3sII", 0, b"\xfe\xff\xff", kind, b"\xfe\xff\xff", start, blocks)
+def _partition_table(kind: int, blocks: int) -> bytes:
+    """A master boot record with one partition, from `PARTITION_START` on."""
+    entry = struct.pack(
+        "<B3sB3sII", 0, b"\xfe\xff\xff", kind, b"\xfe\xff\xff", PARTITION_START, blocks
+    )
     return (bytes(446) + entry).ljust(510, b"\0") + b"\x55\xaa"
 
 

@@ -26,7 +26,6 @@ ENDS = {
     "button": "closed by button",
     "full": "closed: the file was full",
     "recovered": "closed after a reset",
-    "gone": "ended: the card came back without the file",
 }
 
 

@@ -85,67 +85,6 @@ TEST(a_cluster_is_free_only_if_nothing_stands_in_its_entry) {
     f_mount(nullptr, "", 0);
 }
 
-TEST(a_run_of_the_least_length_is_found_wherever_it_lies_and_a_shorter_one_is_not) {
-    if (!insert_card()) return;
-    FATFS volume;
-    CHECK(logfile::mount(volume) == kNoTrouble);
-    logfile::Run found;
-    for (uint32_t start = 2; start < 1500; start += 37) {
-        for (uint32_t from : {uint32_t{2}, start + 150, uint32_t{9000}}) {
-            for (uint32_t length : {299, 300, 301}) {
-                set_free(volume, {{start, length}, {start + 2000, 200}});
-                volume.last_clst = from;
-                volume.winsect = 0;
-                CHECK(logfile::find_room(volume, 300, 1000, found) == FR_OK);
-                CHECK(found.length == (length < 300 ? 0 : length));
-                CHECK(length < 300 || found.start == start);
-            }
-        }
-    }
-    f_mount(nullptr, "", 0);
-}
-
-// A large card's table is not read: one cluster in every `least` rules out all of them.
-TEST(a_full_card_is_known_by_few_readings) {
-    if (!insert_card()) return;
-    FATFS volume;
-    CHECK(logfile::mount(volume) == kNoTrouble);
-    set_free(volume, {});
-    logfile::Run found;
-    for (uint32_t least : {512, 1024, 2048}) {
-        const int before = fake::card.commands[17];
-        CHECK(logfile::find_room(volume, least, 4096, found) == FR_OK && !found.length);
-        const int readings = fake::card.commands[17] - before;
-        CHECK(readings <= static_cast<int>(volume.n_fatent / least));
-    }
-    f_mount(nullptr, "", 0);
-}
-
-// The next cluster's number in each entry, an end in the last one, and nothing else changed.
-TEST(clusters_are_chained_in_both_tables) {
-    for (const int size : {2, 4}) {
-        if (!insert_card()) return;
-        FATFS volume;
-        CHECK(logfile::mount(volume) == kNoTrouble);
-        volume.fs_type = size == 2 ? FS_FAT16 : FS_FAT32;
-        volume.free_clst = 5000;
-        const std::vector<uint8_t> before = fake::card.content;
-        CHECK(logfile::chain(volume, 200, 700) == FR_OK);
-        for (int copy = 0; copy < 2; ++copy) {
-            const size_t table = (volume.fatbase + copy * volume.fsize) * 512;
-            for (uint32_t k = 100; k < 1000; ++k) {
-                uint32_t entry = 0, was = 0;
-                memcpy(&entry, &fake::card.content[table + k * size], size);
-                memcpy(&was, &before[table + k * size], size);
-                const uint32_t end = size == 2 ? 0xFFFF : 0x0FFFFFFF;
-                CHECK(entry == (k < 200 || k > 899 ? was : k < 899 ? k + 1 : end));
-            }
-        }
-        CHECK(volume.free_clst == 4300 && volume.last_clst == 899 && volume.fsi_flag & 1);
-        f_mount(nullptr, "", 0);
-    }
-}
-
 TEST(a_session_takes_what_room_there_is_from_a_megabyte_on) {
     const uint32_t per_mb = 2048;  // clusters of one sector
     for (uint32_t free : {per_mb - 1, per_mb, per_mb + 1, 3 * per_mb}) {
