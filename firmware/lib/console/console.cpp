@@ -50,7 +50,7 @@ bool status_line(const Session& session, uint8_t index, Text& text) {
 
 void Console::poll() {
     const FlashChar* problem;
-    char* line = board::serial.command(problem);
+    char* line = link_.command(problem);
     if (!line) return;
     const bool reset = !problem && same(line, FLASH("reset"));
     const bool with_size = begins_with(line, FLASH("get "));
@@ -58,7 +58,7 @@ void Console::poll() {
     answer(problem, with_size);
     while (reset) {  // until the watchdog bites
     }
-    board::serial.next_command();
+    link_.next_command();
 }
 
 void Console::answer(const FlashChar* problem, bool with_size) {
@@ -70,7 +70,7 @@ void Console::answer(const FlashChar* problem, bool with_size) {
     } else if (session_.running()) {
         logfile::put_name(static_cast<uint16_t>(session_.id() >> 16), text);
     }
-    board::serial.send(problem ? 'E' : 'K', static_cast<uint8_t>(text.length()));
+    link_.send(problem ? 'E' : 'K', static_cast<uint8_t>(text.length()));
 }
 
 Trouble Console::start(bool resumes) {
@@ -96,7 +96,7 @@ Trouble Console::stop(End end) {
 void Console::say(char type, const FlashChar* line) {
     Text text = compose();
     text.put(line);
-    board::serial.send(type, static_cast<uint8_t>(text.length()));
+    link_.send(type, static_cast<uint8_t>(text.length()));
 }
 
 void Console::say_config_problem(uint16_t line_number, const FlashChar* problem) {
@@ -105,20 +105,20 @@ void Console::say_config_problem(uint16_t line_number, const FlashChar* problem)
     text.number(line_number);
     text.put(FLASH(": "));
     text.put(problem);
-    board::serial.send('M', static_cast<uint8_t>(text.length()));
+    link_.send('M', static_cast<uint8_t>(text.length()));
 }
 
 // Wait for the frame before to leave; the text written is the payload of the next one.
 Text Console::compose() {
-    while (board::serial.sending()) meanwhile_();
-    return Text(board::serial.payload(), Link::kPayload);
+    while (link_.sending()) meanwhile_();
+    return Text(link_.payload(), Link::kPayload);
 }
 
 void Console::say_lines(char type, LineWriter line) {
     for (uint8_t index = 0;; ++index) {
         Text text = compose();
         if (!line(session_, index, text)) return;
-        board::serial.send(type, static_cast<uint8_t>(text.length()));
+        link_.send(type, static_cast<uint8_t>(text.length()));
     }
 }
 
@@ -126,7 +126,7 @@ void Console::say_session() {
     Text text = compose();
     text.put(FLASH("session="));
     text.hex(session_.id(), 8);
-    board::serial.send('H', static_cast<uint8_t>(text.length()));
+    link_.send('H', static_cast<uint8_t>(text.length()));
 }
 
 const FlashChar* Console::carry_out(char* line) {
@@ -172,7 +172,7 @@ Trouble Console::list() {
         Text text = compose();
         trouble = logfile::next_log(session_.work(), text);
         if (!text.length()) break;
-        board::serial.send('L', static_cast<uint8_t>(text.length()));
+        link_.send('L', static_cast<uint8_t>(text.length()));
     }
     return trouble;
 }
@@ -183,7 +183,7 @@ const FlashChar* Console::get(char* name) {
     uint32_t block;
     uint32_t count;
     if (!read_number(first, kLastBlock, block) || !read_number(many, 0xFFFF, count) || !count) {
-        return wrong_value();
+        return FLASH("write get NAME BLOCK COUNT");
     }
     logfile::Work& work = session_.work();
     Trouble trouble = logfile::open_file(work, name, block);
@@ -192,11 +192,11 @@ const FlashChar* Console::get(char* name) {
         const uint32_t at = f_tell(&work.file);
         const uint16_t to_end = 512 - at % 512;
         uint8_t got;
-        trouble = logfile::read_file(work, board::serial.payload() + sizeof at,
+        trouble = logfile::read_file(work, link_.payload() + sizeof at,
                                      to_end < kPiece ? to_end : kPiece, got);
         if (!got) break;
-        memcpy(board::serial.payload(), &at, sizeof at);
-        board::serial.send('F', sizeof at + got);
+        memcpy(link_.payload(), &at, sizeof at);
+        link_.send('F', sizeof at + got);
         left -= got;
     }
     return text_of(trouble);
@@ -209,17 +209,21 @@ const FlashChar* Console::set(char* line) {
     if (problem) return problem;
     if (same(key, FLASH("clock_ppm"))) {
         int16_t ppm;
-        if (!read_signed(value, identity::kLargestPpm, ppm)) return wrong_value();
+        if (!read_signed(value, identity::kLargestPpm, ppm)) {
+            return FLASH("clock_ppm must be -20000 to 20000");
+        }
         session_.set_clock_ppm(ppm);
         return nullptr;
     }
     if (session_.running()) return not_now();
     if (same(key, FLASH("device"))) {
         uint32_t number;
-        if (!read_number(value, 65534, number)) return wrong_value();
+        if (!read_number(value, 65534, number)) return FLASH("device must be 0 to 65534");
         identity::set_device(static_cast<uint16_t>(number));
     } else if (same(key, FLASH("calibration"))) {
-        if (strlen(value) >= identity::kCalibrationSize) return wrong_value();
+        if (strlen(value) >= identity::kCalibrationSize) {
+            return FLASH("calibration: at most 15 characters");
+        }
         identity::set_calibration(value);
     } else {
         problem = session_.settings.apply(key, value);
@@ -230,7 +234,7 @@ const FlashChar* Console::set(char* line) {
 
 const FlashChar* Console::set_time(const char* text) {
     uint32_t now_s;
-    if (!read_number(text, 0xFFFFFFFF, now_s)) return wrong_value();
+    if (!read_number(text, 0xFFFFFFFF, now_s)) return FLASH("time: seconds since 1970");
     session_.epoch_s = now_s - board::milliseconds() / 1000;
     return nullptr;
 }

@@ -15,32 +15,7 @@ struct Scan {
     uint8_t packed[13];
 };
 
-enum class End : uint8_t { Command, Button, Full, Gone };
-
-namespace memory {
-
-// RAM holds two sectors. Both are the ring's during a session; before and after it one is FatFs's,
-// the other holds the header, the summary, or what FatFs needs besides.
-union First {
-    First() {}
-    Block block;
-    logfile::Work work;
-};
-union Second {
-    Block block;
-    FATFS volume;
-};
-extern First first;
-extern Second second;
-
-// A board with more RAM has blocks that are the ring's alone.
-#ifdef __AVR_ATmega2560__
-extern Block more[Ring::kBlocks - 2];
-#else
-constexpr Block* more = nullptr;
-#endif
-
-}  // namespace memory
+enum class End : uint8_t { Command, Button, Full };
 
 // One recording: from scans to blocks on the card, and what there is to tell about it.
 class Session {
@@ -58,24 +33,12 @@ class Session {
 
     // `config_problem` is told every line of HOP.CFG that was not understood.
     using ConfigProblem = void (*)(uint16_t line_number, const FlashChar* problem);
-    explicit constexpr Session(ConfigProblem config_problem)
-        : config_problem_(config_problem),
-          ring_(memory::first.block, memory::second.block, memory::more),
-          running_(false),
-          asked_(false),
-          stopped_(false),
-          known_card_(false),
-          in_flight_(false),
-          sealed_(false),
-          gone_(false),
-          waking_(false),
-          tries_(0) {}
+    Session(Sampler& sampler, ConfigProblem config_problem);
 
     void begin();
 
-    // Whether to meet the card, and to begin if that is due: once after a start, again when a
-    // card comes that was not there, and after any other trouble with it while there is a session
-    // to begin, until somebody has ended one. Never waits.
+    // Whether to meet the card, and to begin if that is due: once after a start, and again whenever
+    // a card comes that was not there, until somebody has ended a session. Never waits.
     bool wants_to_begin();
 
     // Mount the card. A card not met before: close what a reset left open, read HOP.CFG; again
@@ -91,10 +54,7 @@ class Session {
     bool running() const { return running_; }
     // A reset, or the end of its file, has ended a session that shall go on.
     bool interrupted() const;
-    // The file takes no more: it is full, or no longer on the card.
-    bool over() const {
-        return running_ && (gone_ || tally.blocks + Ring::kBlocks + 3 > place_.blocks);
-    }
+    bool full() const { return running_ && tally.blocks + Ring::kBlocks + 3 > place_.blocks; }
 
     // Fetch a finished scan from the sampler; while a session runs it is kept for the card.
     bool take(Scan& scan);
@@ -126,18 +86,18 @@ class Session {
 
   private:
     Trouble begin_file(uint16_t number) __attribute__((noinline));
-    void recover(uint16_t number);
     bool write_header() __attribute__((noinline));  // saves memory on the stack
     bool write_now();
     bool flush();
     Trouble close_file();
     bool settle_block();
-    bool wake_card(uint16_t pause_ms, bool leave_present = false);
+    void wake_card();
     void store_clock();
     void read_supply(uint32_t scan);
     void tell_supply();
     static void take_config_line(void* session, uint16_t number, Line::State state, char* text);
 
+    Sampler& sampler_;
     ConfigProblem config_problem_;
     Ring ring_;
     logfile::Place place_ = {};
@@ -158,7 +118,4 @@ class Session {
     bool known_card_ : 1;
     bool in_flight_ : 1;  // the card is busy with a block of ours
     bool sealed_ : 1;     // the waiting block has its CRC
-    bool gone_ : 1;       // the card has come back without our file
-    bool waking_ : 1;     // the card was started because of trouble
-    uint8_t tries_ : 2;   // of a card that is there: each waits twice as long as the one before
 };

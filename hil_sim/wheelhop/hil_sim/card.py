@@ -5,7 +5,6 @@ import shutil
 import struct
 import subprocess
 import tempfile
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -144,26 +143,6 @@ class CardImage:
             file.flush()
             self._mtool("mcopy", "-o", file.name, f"::{name}")
 
-    def write_all(self, files: Mapping[str, bytes]) -> None:
-        """Put many files into the root directory."""
-        with tempfile.TemporaryDirectory() as folder:
-            for name, data in files.items():
-                (Path(folder) / name).write_bytes(data)
-            names = [str(Path(folder) / name) for name in files]
-            self._mtool("mcopy", "-o", *names, "::")
-
-    def delete(self, name: str) -> None:
-        """Delete a file of the root directory."""
-        self._mtool("mdel", f"::{name}")
-
-    def make_folder(self, name: str) -> None:
-        """Make a folder in the root directory."""
-        self._mtool("mmd", f"::{name}")
-
-    def protect(self, name: str) -> None:
-        """Mark a file as read-only."""
-        self._mtool("mattrib", "+r", f"::{name}")
-
     def fill(self, leave: int = 0) -> None:
         """Fill the card with one file, up to `leave` bytes (rounded down to clusters)."""
         self._allocate("FULL.BIN", leave)
@@ -176,10 +155,6 @@ class CardImage:
         """Occupy one cluster in every `free_run` + 1, so that no more are free in one piece."""
         self._allocate("PIECES.BIN", 0)
         self._file_system().scatter("PIECES.BIN", free_run)
-
-    def free_bytes(self) -> int:
-        """Room in free clusters."""
-        return self._file_system().free_bytes()
 
     def check(self) -> str:
         """What fsck.vfat finds wrong, "" if nothing."""

@@ -19,6 +19,7 @@ TEST(a_run_up_to_the_last_cluster_is_found_and_does_not_go_on_at_the_first) {
     FATFS volume;
     CHECK(logfile::mount(volume) == kNoTrouble);
     const uint32_t full = volume.n_fatent & ~255u;  // the table's last sector
+    uint8_t sector[512];
     logfile::Run found;
     for (uint32_t unused : {0, 100, 255}) {
         volume.n_fatent = full;
@@ -27,12 +28,12 @@ TEST(a_run_up_to_the_last_cluster_is_found_and_does_not_go_on_at_the_first) {
         volume.n_fatent -= unused;  // behind it zeros mean nothing
         for (uint32_t from : {uint32_t{2}, uint32_t{1000}, last, last + 80, volume.n_fatent, ~0u}) {
             volume.last_clst = from;
-            CHECK(logfile::find_room(volume, 33, 1000, found) == FR_OK);
+            CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
             CHECK(found.start == last && found.length == 90);
         }
     }
     volume.fs_type = FS_FAT12;  // whose entries are of 12 bits
-    CHECK(logfile::find_room(volume, 33, 10, found) == FR_NO_FILESYSTEM);
+    CHECK(logfile::find_room(volume, 10, sector, found) == FR_NO_FILESYSTEM);
     f_mount(nullptr, "", 0);
 }
 
@@ -41,20 +42,21 @@ TEST(the_longest_run_of_free_clusters_is_found) {
     FATFS volume;
     CHECK(logfile::mount(volume) == kNoTrouble);
     set_free(volume, {{500, 50}, {2000, 120}, {5000, 80}});
+    uint8_t sector[512];
     logfile::Run found;
     fake::fed_us = fake::now_us;
     fake::longest_unfed_us = 0;
-    CHECK(logfile::find_room(volume, 33, 1000, found) == FR_OK);
+    CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
     CHECK(fake::longest_unfed_us < 20000 && fake::now_us - fake::fed_us < 20000);
     CHECK(found.start == 2000 && found.length == 120);
     volume.last_clst = 4900;  // the search begins behind, and comes round
-    CHECK(logfile::find_room(volume, 33, 1000, found) == FR_OK);
+    CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
     CHECK(found.start == 2000 && found.length == 120);
-    CHECK(logfile::find_room(volume, 33, 60, found) == FR_OK);
+    CHECK(logfile::find_room(volume, 60, sector, found) == FR_OK);
     CHECK(found.start == 5000 && found.length == 60);
     set_free(volume, {{1000, 1200}});
     volume.last_clst = 1100;  // in the middle of it
-    CHECK(logfile::find_room(volume, 33, 2000, found) == FR_OK);
+    CHECK(logfile::find_room(volume, 2000, sector, found) == FR_OK);
     CHECK(found.start >= 1000 && found.start + found.length == 2200);
     f_mount(nullptr, "", 0);
 }
@@ -68,6 +70,7 @@ TEST(a_cluster_is_free_only_if_nothing_stands_in_its_entry) {
     volume.n_fatent = 512;
     volume.last_clst = 2;
     uint8_t* table = &fake::card.content[volume.fatbase * 512];
+    uint8_t sector[512];
     logfile::Run found;
     for (int size : {2, 4}) {
         volume.fs_type = size == 2 ? FS_FAT16 : FS_FAT32;
@@ -78,7 +81,7 @@ TEST(a_cluster_is_free_only_if_nothing_stands_in_its_entry) {
                 }
             }
             memset(table, 0xFF, 2 * size);
-            CHECK(logfile::find_room(volume, 33, 1000, found) == FR_OK);
+            CHECK(logfile::find_room(volume, 1000, sector, found) == FR_OK);
             CHECK(found.length == (bit < 28 ? 0 : volume.n_fatent - 2));
         }
     }
