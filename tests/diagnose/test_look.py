@@ -2,10 +2,12 @@
 
 import gc
 from dataclasses import replace
+from threading import Thread
 from types import FunctionType, ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
+from numba.core.dispatcher import Dispatcher
 
 from tests.diagnose.test_score import noise, rung
 from tests.report.small import write_small_campaign
@@ -209,11 +211,12 @@ def test_where_an_effect_could_not_be_screened_it_says_nothing_of_it(searched):
 
 def reachable(thing):
     """All that is kept in memory because `thing` is; what functions close over, but not the
-    modules they stand in."""
+    modules they stand in, nor what numba holds with a compiled function and pytest with a thread
+    (in the end all that the tests before this one have left)."""
     seen, waiting = {}, [thing]
     while waiting:
         one = waiting.pop()
-        if id(one) in seen or issubclass(type(one), ModuleType | type):
+        if id(one) in seen or issubclass(type(one), ModuleType | type | Dispatcher | Thread):
             continue
         seen[id(one)] = one
         if type(one) is FunctionType:
