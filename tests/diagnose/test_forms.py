@@ -7,7 +7,7 @@ import pytest
 from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
 from wheelhop.diagnose import climb
-from wheelhop.diagnose.confirm.starts import richer
+from wheelhop.diagnose.confirm.starts import in_form, other_forms
 from wheelhop.effects import form_of
 
 STOPS = {"clearance_m": 0.02, "rebound_clearance_m": 0.032, "stiffness_N_m": 1.5e4}
@@ -43,22 +43,27 @@ def test_a_pair_of_stops_begins_where_one_of_them_has_ended(stopped):
         ("bump-stop", "compression", ["both"]),
         ("bump-stop", "rebound", ["both"]),
         ("bump-stop", "both", []),
-        ("dry-friction", "elastic", ["sticking"]),
-        ("dry-friction", "sticking", []),
+        ("dry-friction", "elastic", ["creeping"]),
+        ("dry-friction", "creeping", ["elastic"]),
         ("sensor-mount", "B1", []),
         ("mount-bushing", "", []),
     ],
 )
-def test_a_richer_form_has_all_numbers_and_more(stopped, effect, form, expected):
-    """What was found stays as it was, the vehicle and other effects included."""
+def test_another_form_has_some_of_the_numbers_and_some_of_its_own(stopped, effect, form, expected):
+    """These stay as they are, as do the vehicle and the other effects; what it has not is gone."""
     base = baseline_of(stopped)
     workshop, driver = base.workshop, LIBRARY["driver-seat"]
     chosen = LIBRARY[effect].with_choice(form)
-    model = base.rung.model.with_effect(driver, workshop.parameters_of(driver))
-    model = model.with_effect(chosen, workshop.parameters_of(chosen))
-    found = list(richer(workshop, SimpleNamespace(model=model)))
-    channels = workshop.campaign.channels
-    assert [form_of(m.effects[-1], channels) for m in found] == expected
-    for other in found:
-        assert other.effects[:-1] == model.effects[:-1]
-        assert other.values.items() > model.values.items()
+    model = base.rung.model.with_effect(chosen, workshop.parameters_of(chosen))
+    model = model.with_effect(driver, workshop.parameters_of(driver))
+    found = SimpleNamespace(model=model, fit=base.rung.fit)
+    others = other_forms(workshop, chosen)
+    assert list(others) == expected
+    for other in others.values():
+        after = in_form(workshop, found, other)
+        assert after.effects == (other, model.effects[-1])
+        numbers = {f"{other.id}.{p.name}" for p in workshop.parameters_of(other)}
+        assert {name for name in after.values if name.startswith(f"{other.id}.")} == numbers
+        same = after.values.keys() & model.values.keys()
+        assert all(after.values[name] == model.values[name] for name in same)
+        assert any(name.startswith(f"{other.id}.") for name in same)

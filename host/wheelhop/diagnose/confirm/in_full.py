@@ -15,8 +15,9 @@ import numpy as np
 from wheelhop.diagnose.confirm.starts import (
     Start,
     begun,
+    in_form,
+    other_forms,
     placings,
-    richer,
     shapes_as_believed,
     starts,
 )
@@ -32,6 +33,7 @@ from wheelhop.diagnose.score import (
     unforeseen,
 )
 from wheelhop.diagnose.screen.first_order import Screened
+from wheelhop.effects import Effect
 from wheelhop.fit import CONVERGED_QUICK, Fit, RunFit, Workshop, effect_parameters, fit
 from wheelhop.simulate import Model
 
@@ -188,14 +190,15 @@ def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = Fal
 def best_form(incumbent: Incumbent, screened: Screened, found: Rung) -> Rung:
     """The effect that was added to a rung in the form that explains most in full simulation.
 
-    Forms that screening could not tell from the one `found` are begun where screening puts them:
+    Places that screening could not tell from the one `found` are begun where screening puts them:
     to first order a strong effect shows little difference. One with no hope to come as far as that
-    in the runs fitted is fitted no further, and what held-out runs say of it means nothing. Where
-    something is left, a `richer` form begins where it has ended.
+    in the runs fitted is fitted no further, and what held-out runs say of it means nothing. Other
+    forms begin where it has ended.
     """
-    workshop = incumbent.workshop
+    workshop, effect = incumbent.workshop, found.model.effects[-1]
     tried = (screened, *screened.others)
-    present = {s.variant.choice for s in tried if s.variant.effect in found.model.effects}
+    present = {s.variant.choice for s in tried if s.variant.effect is effect}
+    present |= other_forms(workshop, effect).keys()
     for other in tried:
         if other.variant.choice not in present:
             present.add(other.variant.choice)
@@ -203,12 +206,19 @@ def best_form(incumbent: Incumbent, screened: Screened, found: Rung) -> Rung:
             if rival.error_judging <= HOPELESS * found.error_judging:
                 rival = refit(workshop, rival, least_cost([found]))
             found = _better(workshop, found, rival)
-    for model in () if at_noise(found, workshop.noise) else richer(workshop, found):
-        effect = model.effects[-1]
-        free = effect_parameters(workshop.parameters_of(effect), model, effect)
-        shared, benches = [*incumbent.rung.fit.shared, *free], workshop.of_role("fit")
-        fitted = fit(workshop, model, shared, benches, bar=least_cost([found]))
-        found = _better(workshop, found, validate(workshop, fitted, before=model))
+    return in_other_forms(workshop, found, found.model.effects[-1])
+
+
+def in_other_forms(workshop: Workshop, found: Rung, effect: Effect) -> Rung:
+    """A rung with one of its effects in the form that explains most; as it is where that leaves no
+    more than noise."""
+    others = [f for f in found.fit.shared if not f.name.startswith(f"{effect.id}.")]
+    for form in other_forms(workshop, effect).values():
+        if not at_noise(found, workshop.noise):
+            model = in_form(workshop, found, form)
+            shared = [*others, *effect_parameters(workshop.parameters_of(form), model, form)]
+            fitted = fit(workshop, model, shared, workshop.of_role("fit"), bar=least_cost([found]))
+            found = _better(workshop, found, validate(workshop, fitted, before=model))
     return found
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from math import copysign, inf, isclose, isfinite, sqrt
 from typing import TYPE_CHECKING
 
@@ -162,23 +162,36 @@ def _as_strong(screened: Screened) -> Screened:
     return replace(screened, amplitudes={**screened.amplitudes, **amplitudes})
 
 
-def richer(workshop: Workshop, found: Rung) -> Iterator[Model]:
-    """Where a rung has ended, its last effect in each form that has all of its numbers and more,
-    these at their starts: stops at both ends of the travel may be seen by neither of the clearances
-    that screening gives them, and by one of them all the same."""
-    effect = found.model.effects[-1]
+def other_forms(workshop: Workshop, effect: Effect) -> dict[str, Effect]:
+    """The other forms of an effect that have some of its numbers, and some of their own. (With all
+    alike it is not another form but another place.)"""
     known = {p.name for p in workshop.parameters_of(effect)}
+    found = {}
     for choice in effect.choices(workshop.campaign.channels):
         form = effect.with_choice(choice)
-        parameters = workshop.parameters_of(form)
-        more = {
-            f"{form.id}.{p.name}": p.starts[0] if p.is_shape else p.absent
-            for p in parameters
-            if p.name not in known
-        }
-        if more and len(known) + len(more) == len(parameters):
-            model = replace(found.model, effects=(*found.model.effects[:-1], form))
-            yield model.with_values(more)
+        names = {p.name for p in workshop.parameters_of(form)}
+        if names & known and names - known and form.applies_to(workshop.nominal):
+            found[choice] = form
+    return found
+
+
+def in_form(workshop: Workshop, found: Rung, form: Effect) -> Model:
+    """A rung with one of its effects in another form: the numbers that both have as they are, the
+    form's own at the starts that fit best. Stops at both ends of the travel may be seen by neither
+    of the clearances that screening gives them, and by one of them all the same."""
+    effects = [form if e.id == form.id else e for e in found.model.effects]
+    parameters = {f"{form.id}.{p.name}": p for p in workshop.parameters_of(form)}
+    values = {
+        name: value
+        for name, value in found.model.values.items()
+        if name in parameters or not name.startswith(f"{form.id}.")
+    }
+    model = replace(found.model, effects=tuple(effects), values=values)
+    own = {name: p for name, p in parameters.items() if name not in values}
+    begins = product(*(p.starts if p.is_shape else (p.absent,) for p in own.values()))
+    models = [model.with_values(dict(zip(own, begin, strict=True))) for begin in begins]
+    left = misfits(workshop, models, workshop.of_role("fit"), found.fit.sigma)
+    return models[int(np.argmin(left))]
 
 
 def shapes_as_believed(found: Fit) -> Iterator[Model]:

@@ -40,7 +40,12 @@ from wheelhop.diagnose.search.scored import (
     ids_of,
     with_derivatives,
 )
-from wheelhop.diagnose.search.together import exchange, look_for_several, without_idle
+from wheelhop.diagnose.search.together import (
+    exchange,
+    in_best_forms,
+    look_for_several,
+    without_idle,
+)
 from wheelhop.diagnose.verdict.conclude import conclude
 from wheelhop.diagnose.verdict.critic import criticism, refuted, upheld
 from wheelhop.diagnose.verdict.ranking import why_not
@@ -210,7 +215,8 @@ def climb(
                 if better is None:
                     break
                 search.settle()
-                rung = beginning_allowed_for(workshop, without_idle(search, search.best(better)))
+                rung = without_idle(search, in_best_forms(search, search.best(better)))
+                rung = beginning_allowed_for(workshop, rung)
                 step = step_of(workshop, rung, steps[0])
                 steps, better = with_step(below, step), None
                 if not _looked_on(search, steps):

@@ -21,12 +21,14 @@ from wheelhop.diagnose.confirm.in_full import (
     CONFIRMED,
     SEEN,
     confirm,
+    in_other_forms,
     least_cost,
     least_gain,
     refit,
     without,
     worth_simulating,
 )
+from wheelhop.diagnose.confirm.starts import other_forms
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import (
     HOPELESS,
@@ -223,6 +225,16 @@ def without_idle(search: Search, rung: Rung) -> Rung:
         if of_a_law(dropped, by_laws):
             rung = _without(search, rung, name)
     return replace(rung, by_laws=by_laws)
+
+
+def in_best_forms(search: Search, rung: Rung) -> Rung:
+    """A rung that leaves something, each of its effects but the last in the form that explains most
+    beside the others: what one of them shows is told better once the others are there."""
+    for effect in rung.model.effects[:-1]:
+        if not at_noise(rung, search.workshop.noise) and other_forms(search.workshop, effect):
+            search.progress(f"has {effect.id} another form?")
+            rung = search.best(in_other_forms(search.workshop, rung, effect))
+    return rung
 
 
 def _without(search: Search, rung: Rung, effect_id: str) -> Rung:
