@@ -1,4 +1,5 @@
-"""Draw docs/axle-to-body.png, the picture of identify.md: what was identified, models over it.
+"""Draw the pictures of identify.md: docs/axle-to-body.png, what was identified and models over it,
+and docs/predicted.png, a run as it was predicted.
 
 Run it from anywhere: python docs/make_axle_figure.py
 """
@@ -8,19 +9,35 @@ from __future__ import annotations
 from pathlib import Path
 
 import wheelhop as wh
-from wheelhop.identify import linearity
-from wheelhop.report.axle_to_body import matrix_figure
+from wheelhop.campaign import read_campaign
+from wheelhop.identify import Structure, identify, linearity, measure, predict
+from wheelhop.report.axle_to_body import linear_models, matrix_figure
+from wheelhop.report.identified import run_figure
 
 DOCS = Path(__file__).parent
-EXAMPLE = DOCS.parent / "examples/open-driver-seat"
+EXAMPLES = DOCS.parent / "examples"
 
 
 def main() -> None:
+    """Draw both."""
+    draw_predicted()
+    draw_models()
+
+
+def draw_predicted() -> None:
+    """Identify a car with friction, predict its runs, draw the first one held out."""
+    measured = measure(read_campaign(EXAMPLES / "open-dry-friction"))
+    model = identify(measured.fit, Structure("free"), order=6, noise_rms=measured.noise_rms)
+    run_figure(predict(model, measured)[0]).savefig(DOCS / "predicted.png", dpi=110)
+
+
+def draw_models() -> None:
     """Fit the baseline and the seat, identify, draw."""
-    fitted = wh.compare(EXAMPLE, add="driver-seat", progress=lambda text: print(text, flush=True))
+    example = EXAMPLES / "open-driver-seat"
+    fitted = wh.compare(example, add="driver-seat", progress=lambda text: print(text, flush=True))
     found = linearity(fitted.campaign, fitted.vehicle)
     assert found.model is not None
-    figure = matrix_figure(found.model, fitted.campaign, fitted.steps)
+    figure = matrix_figure(found.model, fitted.campaign, linear_models(fitted.steps))
     figure.savefig(DOCS / "axle-to-body.png", dpi=110)
 
 

@@ -90,7 +90,11 @@ def test_the_command_judges_draws_and_exports(tmp_path, capsys):
     arguments += ["--mat", str(files["mat"]), "--figure", str(files["png"])]
     drawn = tmp_path / "study.png"
     arguments += ["--study", "front-stiffness=1,1.5", "--study-figure", str(drawn)]
+    arguments += ["--report", str(tmp_path / "h.html")]
     assert main(arguments) == 0
+    page = (tmp_path / "h.html").read_text()
+    assert all(page.count(f">{run.id}</td>") == 1 for run in read_campaign(CLEAN).runs)
+    assert page.count("<svg") == 1 + len(read_campaign(CLEAN).runs)
     printed = capsys.readouterr().out
     assert "H itself symmetric (thesis)" in printed and "chassis-twist" in printed
     result = json.loads(files["json"].read_text())

@@ -190,7 +190,7 @@ def _of_struts(result: ComparisonResult | DiagnosisResult, kind: Kind) -> Drawin
 
 
 def _axles(result: ComparisonResult | DiagnosisResult) -> Drawing:
-    from wheelhop.report.axle_to_body import matrix_figure
+    from wheelhop.report.axle_to_body import linear_models, matrix_figure
 
     found = result.diagnosis.axle_to_body if isinstance(result, DiagnosisResult) else None
     if found is None or found.model is None:
@@ -198,4 +198,4 @@ def _axles(result: ComparisonResult | DiagnosisResult) -> Drawing:
             "from axles to body nothing was identified: it is where a diagnosis leaves something,"
             " and all axles and four points of the body were recorded"
         )
-    return matrix_figure(found.model, result.campaign, result.steps)
+    return matrix_figure(found.model, result.campaign, linear_models(result.steps))

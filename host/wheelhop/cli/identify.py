@@ -32,6 +32,7 @@ from wheelhop.identify import (
     measure,
     not_excited,
     of_orders,
+    predict,
     relaxed,
     suspensions,
     to_json,
@@ -39,6 +40,7 @@ from wheelhop.identify import (
 )
 from wheelhop.identify.figure import draw_matrix, physical_matrix
 from wheelhop.identify.linear import LASTING
+from wheelhop.report.identified import write_identified_report
 from wheelhop.vehicle import CORNERS, Vehicle, read_vehicle, wheels
 
 
@@ -120,18 +122,26 @@ def _print_model(
         remark = "may be a driven line" if rings else "overdamped" if z >= 1.0 else ""
         table.add_row(f"{number}", f"{f:.3f}", f"{df:.3f}", f"{z:.4f}", f"{dz:.4f}", remark)
     console.print(table)
-    held = "runs held out" if chosen.validate else "fitted runs (none is held out)"
-    judged = chosen.judging
-    console.print(
-        f"order {chosen.order}: error {judged.error:.4f} on {held};"
-        f" noise alone leaves {_floor(judged)}"
-    )
+    for sentence in _judgement(chosen, measured):
+        console.print(sentence)
     if len(candidates) == 1 and chosen.order < chosen.asked:
         console.print(
             f"{chosen.asked} poles were asked for; the runs do not need more than {chosen.order}"
         )
-    for motion in not_excited(measured.fit, measured.noise_rms):
-        console.print(f"the axles never move {motion}: what H says of it is not measured")
+
+
+def _judgement(chosen: Candidate, measured: Measured) -> list[str]:
+    """How far the matrix errs, and what of it no run has shown."""
+    held = "runs held out" if chosen.validate else "fitted runs (none is held out)"
+    judged = chosen.judging
+    return [
+        f"order {chosen.order}: error {judged.error:.4f} on {held};"
+        f" noise alone leaves {_floor(judged)}",
+        *(
+            f"the axles never move {motion}: what H says of it is not measured"
+            for motion in not_excited(measured.fit, measured.noise_rms)
+        ),
+    ]
 
 
 def _floor(judged: Judged) -> str:
@@ -194,6 +204,10 @@ def _write(
     physics: dict[str, Candidate],
     measured: Measured,
 ) -> None:
+    physical = initial_model(campaign, vehicle)
+    if arguments.report:
+        said, predicted = _judgement(chosen, measured), predict(chosen.model, measured)
+        write_identified_report(arguments.report, campaign, chosen, physical, predicted, said)
     if arguments.json:
         write_json(
             arguments.json,
@@ -218,7 +232,6 @@ def _write(
     if arguments.figure:
         low, high = campaign.band_hz
         frequency = np.geomspace(low, high, 300)
-        physical = initial_model(campaign, vehicle)
         nominal = physical_matrix(campaign.channels, physical, chosen.model, frequency)
         draw_matrix(chosen.model, nominal, frequency, arguments.figure)
 

@@ -63,6 +63,12 @@ def add_identify(commands: Any) -> None:
     )
     identify.add_argument("--study-figure", metavar="FILE.png", type=Path, help="draw the study")
     identify.add_argument("--figure", metavar="FILE.png", type=Path, help="draw H with its bands")
+    identify.add_argument(
+        "--report",
+        metavar="FILE",
+        type=Path,
+        help="write a page: H, and every run as H predicts it; .html, or .pdf",
+    )
     identify.add_argument("--mat", metavar="FILE.mat", type=Path, help="write H for MATLAB")
     identify.add_argument(
         "--force-N", metavar="N", type=float, default=1.0, help="of the steps (default 1)"

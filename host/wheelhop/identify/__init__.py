@@ -13,6 +13,7 @@ from wheelhop.identify.identify import identify
 from wheelhop.identify.judge import Judged, judge
 from wheelhop.identify.linear import Linearity, linearity
 from wheelhop.identify.matrix import TransferMatrix
+from wheelhop.identify.predicted import Predicted, predict
 from wheelhop.identify.quarter_car import (
     Struts,
     Wheels,
@@ -41,6 +42,7 @@ __all__ = [
     "Judged",
     "Linearity",
     "Measured",
+    "Predicted",
     "Row",
     "Sections",
     "Spectra",
@@ -74,6 +76,7 @@ __all__ = [
     "other_suspensions",
     "poles_and_residues",
     "polynomials",
+    "predict",
     "read_steps",
     "relaxed",
     "rigid_inertia",

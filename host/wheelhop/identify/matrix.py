@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,23 +51,45 @@ class TransferMatrix:
     def standard_error(self, s: Points) -> Array:
         """Standard error (len(s), n, m) of |H(s)| as √(variance of real and imaginary part / 2)."""
         s = np.atleast_1d(np.asarray(s, complex))
+        out = np.zeros((len(s), len(self.outputs), len(self.inputs)))
+        for i in range(len(self.outputs)):
+            for j, by in enumerate(self._slopes(s, i)):
+                out[:, i, j] = self._deviation(by)
+        return out
+
+    def doubt(self, s: Points, inputs: ComplexArray) -> Array:
+        """Standard deviation (r, len(s), n) of real or imaginary part of what H, uncertain as it
+        is, makes of inputs (r, len(s), m)."""
+        s = np.atleast_1d(np.asarray(s, complex))
+        out = np.zeros((*inputs.shape[:2], len(self.outputs)))
+        for i in range(len(self.outputs)):
+            slopes = list(self._slopes(s, i))
+            for run, given in enumerate(inputs):
+                by = sum(given[:, j, None] * slope for j, slope in enumerate(slopes))
+                out[run, :, i] = self._deviation(np.asarray(by))
+        return out
+
+    def _slopes(self, s: Points, i: int) -> Iterator[ComplexArray]:
+        """Derivatives (len(s), numbers) of each element of row i with respect to all numbers that
+        the covariance is of."""
         basis, factor = self.sections.basis(s), self._factor(s)
         slopes = self.sections.basis_slopes(s)
         count, order = len(self.covariance), self.order
         free = count - order - 3
-        out = np.zeros((len(s), len(self.outputs), len(self.inputs)))
-        for i in range(len(self.outputs)):
-            for j in range(len(self.inputs)):
-                by = np.zeros((len(s), count), complex)
-                by[:, self.index[i, j * order : (j + 1) * order]] = factor[:, j, None] * basis
-                moved = np.einsum("pkl,l->kp", slopes, self.theta[i, j])
-                by[:, free : free + order] = factor[:, j, None] * moved
-                if self.suspensions is not None:
-                    bend = self.suspensions.slopes(self.suspensions.value, s, (self.inputs[j],))
-                    by[:, -3:] = (bend[:, :, 0] * (basis @ self.theta[i, j])).T
-                variance = np.einsum("kp,pq,kq->k", by, self.covariance, by.conj()).real
-                out[:, i, j] = np.sqrt(np.maximum(variance, 0.0) / 2)
-        return out
+        for j in range(len(self.inputs)):
+            by = np.zeros((len(s), count), complex)
+            by[:, self.index[i, j * order : (j + 1) * order]] = factor[:, j, None] * basis
+            moved = np.einsum("pkl,l->kp", slopes, self.theta[i, j])
+            by[:, free : free + order] = factor[:, j, None] * moved
+            if self.suspensions is not None:
+                bend = self.suspensions.slopes(self.suspensions.value, s, (self.inputs[j],))
+                by[:, -3:] = (bend[:, :, 0] * (basis @ self.theta[i, j])).T
+            yield by
+
+    def _deviation(self, by: ComplexArray) -> Array:
+        """√(variance of real and imaginary part / 2) (k,) of what has these derivatives."""
+        variance = np.einsum("kp,pq,kq->k", by, self.covariance, by.conj()).real
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0) / 2))
 
     def poles_table(self) -> list[tuple[float, float, float, float]]:
         """Natural frequency (Hz), its standard error, damping ratio, its standard error; one row a

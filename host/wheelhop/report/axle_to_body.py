@@ -19,6 +19,7 @@ from wheelhop.report import tables
 from wheelhop.report.figures import AFTER, BEFORE, INK, MEASURED, WIDTH
 from wheelhop.report.page import figure, paragraph, section
 from wheelhop.report.svg import STYLE, Drawing, inline
+from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -35,7 +36,7 @@ def axle_to_body(found: Linearity | None, campaign: Campaign, steps: Sequence[St
         return ""
     parts = [paragraph(found.sentence)]
     if found.model is not None:
-        drawing = matrix_figure(found.model, campaign, steps)
+        drawing = matrix_figure(found.model, campaign, linear_models(steps))
         words = "identified and modelled transfer functions from axles to body"
         parts.append(figure(inline(drawing, "axles", words), _caption(steps)))
     if found.levels:
@@ -46,15 +47,18 @@ def axle_to_body(found: Linearity | None, campaign: Campaign, steps: Sequence[St
     return section("Linear between axle and body?", *parts)
 
 
-def matrix_figure(model: TransferMatrix, campaign: Campaign, steps: Sequence[Step]) -> Drawing:
-    """Magnitude from each axle to each body point: as identified, and of the physical models."""
+def matrix_figure(
+    model: TransferMatrix, campaign: Campaign, models: Sequence[tuple[str, str, Model]]
+) -> Drawing:
+    """Magnitude from each axle to each body point: as identified, and of physical models, each with
+    its name and its colour."""
     low, high = campaign.band_hz
     frequency = np.geomspace(low, high, LINES)
     s = 2j * np.pi * frequency
     identified, doubt = np.abs(model(s)), 2 * model.standard_error(s)
     physical = [
-        (name, colour, np.abs(physical_matrix(campaign.channels, s.rung.model, model, frequency)))
-        for name, colour, s in _physical(steps)
+        (name, colour, np.abs(physical_matrix(campaign.channels, one, model, frequency)))
+        for name, colour, one in models
     ]
     top = 1.6 * max(float(h.max()) for h in (identified, *(h for _, _, h in physical)))
     with mpl.rc_context(STYLE):
@@ -89,11 +93,12 @@ def _scale(axes: Axes, frequency: Array, top: float) -> None:
     axes.minorticks_off()
 
 
-def _physical(steps: Sequence[Step]) -> list[tuple[str, str, Step]]:
-    """The baseline, and the last model if it has more and all of that is linear."""
-    out = [("baseline, fitted", BEFORE, steps[0])]
+def linear_models(steps: Sequence[Step]) -> list[tuple[str, str, Model]]:
+    """The baseline, and the last model if it has more and all of that is linear; each with its name
+    and its colour."""
+    out = [("baseline, fitted", BEFORE, steps[0].rung.model)]
     if len(steps) > 1 and not _bent(steps[-1]):
-        out.append((f"with {' + '.join(steps[-1].added)}", AFTER, steps[-1]))
+        out.append((f"with {' + '.join(steps[-1].added)}", AFTER, steps[-1].rung.model))
     return out
 
 
