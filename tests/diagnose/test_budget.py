@@ -1,6 +1,7 @@
 """A search that is ended has a verdict at any time, and says what it has not tried."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,7 +9,10 @@ from tests import truth
 from tests.diagnose.cases import CASES, LIBRARY
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import to_json
+from wheelhop.diagnose.posterior import AS_LIKELY
 from wheelhop.diagnose.search.ladder import diagnose_gated
+from wheelhop.diagnose.search.scored import Scored, Stand
+from wheelhop.diagnose.verdict.conclude import _untried
 from wheelhop.fit import OutOfBudget
 from wheelhop.gate import gate
 from wheelhop.vehicle import read_vehicle
@@ -101,3 +105,15 @@ def test_interrupted_anywhere_it_says_what_is_known_by_then(campaign, unlimited,
     else:
         assert found.verdict[0] == "dry-friction" and "dry-friction" not in names
         assert 0.2 < found.confidence <= unlimited.confidence
+
+
+@pytest.mark.parametrize(("came_to_its_choice", "chance"), [(True, 0.0), (False, AS_LIKELY)])
+def test_what_a_look_passed_over_before_it_chose_is_no_doubt(came_to_its_choice, chance):
+    """A search that goes to its end passes it over, too. One that is still at it may yet choose
+    it: to first order it leaves half of what the effect accepted does."""
+    model = SimpleNamespace(effects=(LIBRARY["dry-friction"],))
+    accepted = SimpleNamespace(model=model, fit=SimpleNamespace(error=0.02))
+    promising = SimpleNamespace(id="backlash", score=1.0, error=0.01)
+    beside = Scored(None, (promising,), looked=came_to_its_choice)
+    step, stand = SimpleNamespace(rung=accepted), Stand(accepted, None, (), beside)
+    assert _untried(step, "dry-friction", beside, stand) == chance

@@ -8,7 +8,6 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
 from wheelhop.diagnose import climb
 from wheelhop.diagnose.confirm.starts import in_form, other_forms
-from wheelhop.effects import form_of
 
 STOPS = {"clearance_m": 0.02, "rebound_clearance_m": 0.032, "stiffness_N_m": 1.5e4}
 

@@ -150,15 +150,15 @@ def _looked(search: Search, step: Step) -> Scored:
     present = ids_of(rung)
     left = [effect for effect in search.effects.values() if effect.id not in present]
     search.progress(f"screening {len(left)} effects")
-    scored = Scored(rung, tuple(screen(workshop, rung.fit, left)), looked=True)
+    scored = Scored(rung, tuple(screen(workshop, rung.fit, left)))
     if done or (present and len(present) >= search.max_effects):  # described, not explained
-        return scored
+        return replace(scored, looked=True)
     search.told(scored)
     incumbent = Incumbent(workshop, rung)
     candidates = _confirm_best(search, incumbent, scored, step.above_floor)
     candidates = _refit_leaders(incumbent, candidates, step.above_floor, search.progress)
     chosen = next((c for c in candidates if c.holds), None)
-    scored = replace(scored, candidates=tuple(candidates), chosen=chosen)
+    scored = replace(scored, candidates=tuple(candidates), chosen=chosen, looked=True)
     search.told(scored)
     return scored
 

@@ -62,7 +62,8 @@ class Scored:
     """What is known of a set of effects: the best model fitted in full so far, the other effects
     screened beside it, those of them simulated in full (best first), and the one to accept, if any.
 
-    ``looked`` says whether the ladder has stood here and screened the whole library. ``together``
+    ``looked`` says whether the ladder has stood here, screened the whole library, and come to what
+    to accept. ``together``
     are effects that only together explain what is left here: None until they were sought, empty if
     there are none."""
 

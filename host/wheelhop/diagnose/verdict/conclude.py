@@ -70,9 +70,12 @@ def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = N
 
 def _untried(step: Step, first: str, last: Scored, stand: Stand | None) -> float:
     """Chance that another entry would come first had all been simulated. What first order puts
-    ahead of the effect accepted is as likely, and so is any where nothing was screened; of what
-    nothing explains so far, the best of them may explain the share that first order says."""
+    ahead of the effect accepted is as likely, and so is any where nothing was screened, unless the
+    search had come to its choice there, and passed it over; of what nothing explains so far, the
+    best of them may explain the share that first order says."""
     if stand is not None:
+        if stand.beside.looked:
+            return 0.0
         present, left = ids_of(step.rung), stand.accepted.fit.error
         waiting = _not_simulated(stand.beside)
         ahead = any(error < left for name, error in waiting if name not in present)
