@@ -61,7 +61,7 @@ clean:
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 .venv/installed: pyproject.toml tools/setup.sh
-	tools/setup.sh .
+	tools/setup.sh '.[workbench,logger]'
 	touch $@
 
 .venv/installed-test: pyproject.toml tools/setup.sh

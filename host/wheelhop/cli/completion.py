@@ -8,15 +8,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wheelhop.cli.parser import make_parser
-from wheelhop.files import InputError
+from wheelhop.files import require
 
 
 def run(arguments: Namespace) -> int:
     """Print the script of a shell; raises InputError where the library that makes it is missing."""
-    try:
-        import shtab
-    except ModuleNotFoundError:
-        raise InputError("completion needs shtab: pip install 'wheelhop[completion]'") from None
+    require("shtab", "completion", "completion")
+    import shtab
+
     parser = make_parser()
     for action in _actions(parser):
         if action.type is Path:

@@ -13,6 +13,7 @@ from wheelhop.files.keys import (
     shown,
     similar_file,
 )
+from wheelhop.files.library import require
 from wheelhop.files.lock import claimed, locked
 from wheelhop.files.process import away_from_here
 from wheelhop.files.progress import Progress, Watching
@@ -80,6 +81,7 @@ __all__ = [
     "readable",
     "remove",
     "replacing",
+    "require",
     "shown",
     "similar_file",
     "sync_folder",

@@ -11,7 +11,7 @@ from io import StringIO
 from pathlib import Path
 from types import ModuleType
 
-from wheelhop.files import InputError
+from wheelhop.files import InputError, require
 
 LONGEST_REASON = 160  # characters of what a library says
 _PROCESS_WIDE = threading.RLock()
@@ -23,13 +23,8 @@ class ExchangeError(InputError):
 
 def need(module: str, extra: str, file: Path) -> ModuleType:
     """Import an optional library; raises `ExchangeError` with the pip command if it is missing."""
-    try:
-        return import_module(module)
-    except ImportError:
-        raise ExchangeError(
-            f"{file}: {file.suffix} needs {module.partition('.')[0]}: "
-            f"pip install 'wheelhop[{extra}]'"
-        ) from None
+    require(module.partition(".")[0], f"{file}: {file.suffix}", extra, ExchangeError)
+    return import_module(module)
 
 
 @contextmanager

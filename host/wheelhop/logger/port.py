@@ -6,6 +6,7 @@ import select
 import sys
 from typing import TYPE_CHECKING, Protocol
 
+from wheelhop.files import require
 from wheelhop.logger.error import LoggerError
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ class SerialPort:
     """
 
     def __init__(self, url: str, baud: int = BAUD) -> None:
+        require("serial", "a serial port", "logger", LoggerError)
         from serial import serial_for_url
 
         self.name = url
@@ -92,7 +94,8 @@ class SerialPort:
 
 
 def find_ports() -> list[str]:
-    """The serial ports over USB, by name."""
+    """The serial ports over USB, by name; raises LoggerError where pyserial is not installed."""
+    require("serial", "to look for the logger", "logger", LoggerError)
     from serial.tools.list_ports import comports
 
     return sorted(port.device for port in comports() if port.vid is not None)

@@ -12,6 +12,7 @@ from threading import Event, Lock, Thread
 from typing import Any
 
 from wheelhop.campaign import CampaignError
+from wheelhop.files import require
 from wheelhop.predict.identity import identity
 
 ANSWERS_S = 10.0
@@ -55,12 +56,8 @@ def cluster(
 
 
 def _connected(address: str, place: str) -> Any:
-    try:
-        dask: Any = import_module("distributed")
-    except ImportError:
-        raise CampaignError(
-            f"{place}: Dask is not installed: pip install 'wheelhop[cluster]'"
-        ) from None
+    require("distributed", place, "cluster", CampaignError)
+    dask: Any = import_module("distributed")
     for name in list(logging.root.manager.loggerDict):
         if name.partition(".")[0] == "distributed":
             logging.getLogger(name).setLevel(logging.CRITICAL)  # what is wrong is told by us

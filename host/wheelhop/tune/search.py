@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from wheelhop.campaign import CampaignError
+from wheelhop.files import require
 from wheelhop.tune.objectives import Judge
 from wheelhop.tune.variables import Freedom
 
@@ -54,7 +53,7 @@ class Search:
     def __init__(self, judge: Judge, freedom: Freedom) -> None:
         self.judge, self.freedom = judge, freedom
         self.now = np.array(freedom.now)
-        self._pymoo = _pymoo()
+        require("pymoo", "the search for a better setting", "tune")
 
     def try_out(self, shares: Array, varied: Sequence[int] | None = None) -> Tried:
         """Ride settings (n, d); the `varied` variables alone, if given, the others as they are."""
@@ -95,12 +94,14 @@ class Search:
         """All variables together, by NSGA-II (K. Deb et al., IEEE Trans. Evolutionary Computation 6
         (2002) 182), begun at what is known and spread over the bounds; `settings` of them are
         ridden."""
-        pymoo = self._pymoo
+        from pymoo.algorithms.moo.nsga2 import NSGA2
+        from pymoo.core.problem import Problem
+
         best = known.shares[known.front][:POPULATION]
         spread = qmc.LatinHypercube(len(self.now), seed=0).random(POPULATION)
         begin = np.vstack([self.now, best, spread])[:POPULATION]
-        algorithm = pymoo.NSGA2(pop_size=POPULATION, sampling=begin)
-        problem = pymoo.Problem(n_var=len(self.now), n_obj=known.scores.shape[1], xl=0.0, xu=1.0)
+        algorithm = NSGA2(pop_size=POPULATION, sampling=begin)
+        problem = Problem(n_var=len(self.now), n_obj=known.scores.shape[1], xl=0.0, xu=1.0)
         algorithm.setup(problem, termination=("n_gen", settings // POPULATION + 1), seed=0)
         tried = known
         for _ in range(max(settings // POPULATION, 1)):
@@ -135,17 +136,3 @@ def spread_out(scores: Array, kept: list[int], count: int) -> list[int]:
             break
         taken.append(int(away.argmax()))
     return taken
-
-
-def _pymoo() -> Any:
-    """What is used of pymoo; raises CampaignError where it is not installed."""
-    from types import SimpleNamespace
-
-    try:
-        from pymoo.algorithms.moo.nsga2 import NSGA2
-        from pymoo.core.problem import Problem
-    except ImportError:
-        raise CampaignError(
-            'tune: the search needs pymoo: pip install "wheelhop[tune]" brings it'
-        ) from None
-    return SimpleNamespace(NSGA2=NSGA2, Problem=Problem)

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from wheelhop.campaign import CampaignError
+from wheelhop.files import require
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.guard import EVERYWHERE, LOCAL, Guard, known_as
 
@@ -34,8 +35,10 @@ def serve(
 
     ``port`` 0 takes any that is free; ``tell`` is given the address; ``emulated`` switches on an
     emulated logger; ``progress`` is told how far reading is. Raises CampaignError for a campaign
-    that cannot be read, a folder that has a workbench already, and an address that is taken.
+    that cannot be read, a folder that has a workbench already, and an address that is taken;
+    InputError where NiceGUI is not installed.
     """
+    require("nicegui", "the workbench", "workbench")
     bench = Workbench(effects_file)
     if folder is not None:
         bench.put(folder, progress)
