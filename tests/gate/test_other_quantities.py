@@ -11,11 +11,14 @@ from tests.truth import Sensor
 from wheelhop.campaign import TrackSpec, read_campaign
 from wheelhop.cli.main import main
 from wheelhop.gate import gate
+from wheelhop.gate.records import noise_findings
+from wheelhop.gate.spectra import spectra_of
 from wheelhop.vehicle import read_nominal
 
 AXLES = tuple(Sensor(f"A{i}", "acceleration", f"A{i}", 0.1) for i in (1, 2, 3, 4))
 RODS = tuple(Sensor(f"rod{i}", "force", str(i), 8.0, -1.4, -700.0) for i in (1, 2, 3, 4))
 INCHES = 1 / 0.0254
+TIME = np.arange(600) / 100.0
 
 
 @pytest.fixture(scope="module")
@@ -239,3 +242,36 @@ def test_check_says_what_every_channel_is_and_what_is_kept(tmp_path, capsys):
         "axle, body: m/s²; travel: m; rate: rad/s; force: N rms without the mean",
     ):
         assert words in said, (words, said)
+
+
+@pytest.mark.parametrize(
+    ("spring", "damper", "said"), [(1.0, 1.7, set()), (0.8, 1.0, set()), (2.0, 2.0, {"ratio"})]
+)
+def test_a_damper_that_is_not_as_stated_is_no_wrong_ratio(spring, damper, said, on_any_road):
+    """It moves the body as a wrong ratio of the end's potentiometers would, but for the spring,
+    which such a ratio would change alike."""
+    campaign, vehicle = on_any_road
+    times = {"stiffness_N_m": spring, "damping_N_s_m": damper}
+    rear = {f"suspension.rear.{key}": factor for key, factor in times.items()}
+    changed = vehicle.with_values({key: factor * vehicle[key] for key, factor in rear.items()})
+    believed = {key: factor * vehicle.uncertainty[key] for key, factor in rear.items()}
+    changed = replace(changed, uncertainty={**vehicle.uncertainty, **believed})
+    assert {finding.kind for finding in gate(campaign, changed).findings} == said
+
+
+@pytest.mark.parametrize(("times", "named"), [(1.0, False), (1.4, False), (3.0, True)])
+def test_the_noise_of_one_sensor_is_known_as_well_as_its_amplitudes_are_many(driven, times, named):
+    """Of white noise the quietest quarter of the band, in the quietest of eight short runs, holds
+    less than half of it by chance; stated three times as large it is not that."""
+    rng, first, said = np.random.default_rng(4), driven[0].runs[0], []
+    for _ in range(20):
+        runs = tuple(
+            replace(first, id=str(i), record=rng.normal(size=(600, 1)), time_s=TIME)
+            for i in range(8)
+        )
+        spectra = [spectra_of(run, 100.0, (0.5, 30.0), np.ones(1)) for run in runs]
+        stated = times * np.sqrt(29.5 / 50.0)
+        (channel, *_) = (c for c in driven[0].channels if c.is_acceleration)
+        campaign = replace(driven[0], channels=(channel,), runs=runs, noise_rms=float(stated))
+        said.append(any("more" in each.text for each in noise_findings(campaign, spectra)))
+    assert said == [named] * 20

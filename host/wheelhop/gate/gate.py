@@ -66,7 +66,7 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
         for run in sound.runs
     ]
     if not numbers and not _of(findings, "units"):
-        nominal = Nominal(evened, vehicle.values, counted.noise_scale)
+        nominal = Nominal(evened, vehicle, counted.noise_scale)
         findings += _driven(nominal, vehicle, spectra, {run.id for c in copies for run in c.runs})
     if not _of(findings, "units"):
         findings += noise_findings(evened, spectra)
