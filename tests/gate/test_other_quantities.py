@@ -237,7 +237,7 @@ def test_check_says_what_every_channel_is_and_what_is_kept(tmp_path, capsys):
         "pot1 (travel of strut 1, 0.65 per wheel)",
         "pitch_rate (rate of pitch)",
         "rod1 (force of strut 1, -1.4 per wheel)",
-        "kept gps (speed, m/s): read and checked, not used yet",
+        "speed as gps shows it, in 8 of 8 runs",
         "0.1 m/s², 0.0002 m, 0.004 rad/s rms in band; of force not stated, will be estimated",
         "axle, body: m/s²; travel: m; rate: rad/s; force: N rms without the mean",
     ):

@@ -248,7 +248,7 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
     """What a run says of its speed; None if it stands, has no two axles to compare, or its speed
     changes along the track."""
     run = spectra.run
-    if run.speed_m_s <= 0 or run.course is not None:
+    if run.speed_m_s <= 0 or run.course is not None or _changes(run):
         return None
     if run.track.kind not in ("unknown", "flat"):
         period = make_track(run.track).period_m
@@ -268,6 +268,13 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
     )
     told = pairs and spectra.spread([column for pair in pairs for column in pair]) > BROAD
     return Passing(spectra, behind_m(nominal.values, 2), pairs) if told else None
+
+
+def _changes(run: Run) -> bool:
+    """Whether a channel shows a speed that no hand held."""
+    if run.driven is None:
+        return False
+    return bool(np.abs(run.driven.faster(run.time_s) - 1.0).max() > REACH)
 
 
 def speeds_about(speed_m_s: float, reach: float = REACH, count: int = 17) -> Array:
