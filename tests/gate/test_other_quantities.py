@@ -10,7 +10,12 @@ from tests import truth
 from tests.truth import Sensor
 from wheelhop.campaign import TrackSpec, read_campaign
 from wheelhop.cli.main import main
+from wheelhop.compare import weighed
 from wheelhop.gate import gate
+from wheelhop.gate.drive import Nominal, drive_of
+from wheelhop.gate.gate import _evened
+from wheelhop.gate.identities import identity_findings
+from wheelhop.gate.match import Places
 from wheelhop.gate.records import noise_findings
 from wheelhop.gate.spectra import spectra_of
 from wheelhop.vehicle import read_nominal
@@ -275,3 +280,51 @@ def test_the_noise_of_one_sensor_is_known_as_well_as_its_amplitudes_are_many(dri
         campaign = replace(driven[0], channels=(channel,), runs=runs, noise_rms=float(stated))
         said.append(any("more" in each.text for each in noise_findings(campaign, spectra)))
     assert said == [named] * 20
+
+
+def test_the_likeliest_springs_and_dampers_are_found_whatever_the_description(
+    on_any_road, monkeypatch
+):
+    """As likely as they become at last, within the odds of one to five."""
+    campaign, vehicle = on_any_road
+    evened = _evened(weighed(campaign))
+    nominal = Nominal(evened, vehicle, weighed(campaign).noise_scale)
+    spectra = [spectra_of(run, 100.0, (0.5, 30.0), evened.noise_scale) for run in campaign.runs]
+    pots = tuple(i for i, c in enumerate(campaign.channels) if c.quantity == "travel")
+
+    def likely(gain):
+        place = Places(pots, pots, (gain,) * len(pots), (0.0,) * len(pots))
+        drives = (drive_of(evened, each, nominal) for each in spectra)
+        return sum(drive.match(np.ones(1), [place])[0].log_likelihood for drive in drives)
+
+    soon = [likely(gain) for gain in (1.0, 1.5, 0.4, 4.0)]
+    monkeypatch.setattr("wheelhop.gate.by_travel.ROUNDS", 50)
+    at_last = [likely(gain) for gain in (1.0, 1.5, 0.4, 4.0)]
+    assert soon == pytest.approx(at_last, abs=np.log(5.0))
+
+
+def test_ratios_and_clocks_are_wrong_by_as_much_as_people_make_them(on_any_road):
+    """Four times, as a ratio of 0.5 that was squared the wrong way round is, which friction makes
+    look less; half a second."""
+    campaign, vehicle = on_any_road
+
+    def found(change):
+        return {
+            (f.kind, f.text.split(" all ")[0]) for f in gate(change(campaign), vehicle).findings
+        }
+
+    wide = found(recorded(times(3.9, *POTS)))
+    (said,) = (text for kind, text in wide if kind == "ratio")
+    assert "about 3.1 times" in said or "about 4 times" in said
+    behind = found(recorded(late(48, *POTS)))
+    assert any(kind == "out-of-step" and "480 ms late" in text for kind, text in behind)
+
+
+def test_accelerometers_at_both_ends_tell_a_ratio_that_is_two_fifths_off(driven):
+    """One that is a fifth off may be their noise."""
+    campaign, vehicle = driven
+    counted = weighed(campaign)
+    for factor, named in ((1.2, False), (1 / 1.2, False), (1.4, True), (1 / 1.4, True)):
+        wrong = changed(counted, times(factor, "pot2"))
+        said = {(f.kind, f.about) for f in identity_findings(wrong, vehicle.values)}
+        assert said == ({("ratio", "per_wheel of pot2")} if named else set()), factor

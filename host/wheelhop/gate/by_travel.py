@@ -32,8 +32,6 @@ ComplexArray = NDArray[np.complex128]
 
 
 FORCES = ("stiffness_N_m", "damping_N_s_m")
-CERTAIN = 1e-3
-"""Relative uncertainty of what is said to have none."""
 ROUNDS = 4
 """So often the weights of channels follow what is left of them."""
 
@@ -90,7 +88,7 @@ class Struts:
         spread = np.array([vehicle.uncertainty[key] / values[key] for key in forces])
         shown, parts = shown[:, body], parts[:, :, body]
         power = (np.abs(shown) ** 2 * noise[list(pots)] ** 2).sum(axis=2) + noise[list(body)] ** 2
-        return cls(body, pots, shown, parts, np.maximum(spread, CERTAIN), 1.0 / power)
+        return cls(body, pots, shown, parts, np.maximum(spread, np.finfo(float).eps), 1.0 / power)
 
 
 @dataclass(frozen=True, eq=False)
