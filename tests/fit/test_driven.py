@@ -17,6 +17,8 @@ from tests.simulate.setup import (
 from tests.truth.effect import Effect
 from wheelhop.campaign import TrackSpec
 from wheelhop.campaign.driven import Driven
+from wheelhop.effects.base import RunSetting
+from wheelhop.effects.speed_fluctuation import SpeedFluctuation
 from wheelhop.fit import find_start
 from wheelhop.fit.parameters import run_parameters, speed_uncertainty
 from wheelhop.simulate import RunSimulator
@@ -149,3 +151,11 @@ def test_what_is_stated_is_believed_in_the_fit():
     assert (speed.mean, speed.sigma) == (of_it.speed_m_s, 0.01 * of_it.speed_m_s)
     assert (start.mean, start.sigma) == (7.0, 0.5)
     assert speed_uncertainty(replace(of_it, driven=None)) == 0.06
+
+
+@pytest.mark.parametrize(("noise", "wander"), [(0.02, 0.02), (0.0, 0.04 * 4.0), (0.9, 0.04 * 4.0)])
+def test_of_a_speed_that_is_recorded_its_noise_is_left_to_fluctuate(noise, wander):
+    """And no more than of one that a hand held: 4 %, which over 5 s is a way of 5 s / 2π of it."""
+    setting = RunSetting("run", 4.0, -4.0, 0.0, 10.0, True, driven=recorded_speed(noise_rms=noise))
+    (scale,) = {p.scale for p in SpeedFluctuation().per_run(setting)}
+    assert scale == pytest.approx(wander * 5.0 / (2 * np.pi))
