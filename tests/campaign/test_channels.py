@@ -90,7 +90,7 @@ def test_what_is_not_compared_is_kept_beside(folder):
 
 def test_what_is_kept_is_made_lighter_with_the_rest(folder):
     for seed, run in enumerate(("slow", "fast")):
-        values = np.random.default_rng(seed).normal(4.0, 0.5, (4 * ROWS, len(NAMES)))
+        values = np.random.default_rng(seed).normal(3.0, 0.4, (4 * ROWS, len(NAMES)))
         table = np.column_stack([np.arange(len(values)) / 400.0, values])
         head = ",".join(("time_s", *NAMES))
         file = folder / f"runs/{run}.csv"
