@@ -44,7 +44,11 @@ VALUES = {
     **{"seed": "1", "unevenness_m3": "4e-6", "waviness": "2.0", "angle_deg": "20.0"},
 }
 """Of a track's keys; of the others 500."""
-COURSE = 'speed_along = [[0, 5.0], [20, 12.0]]\nsetting = "soft"\n'
+COURSE = """speed_along = [[0, 5.0], [20, 12.0]]
+start_m = -5.0
+start_m_uncertainty = 0.5
+setting = "soft"
+"""
 
 
 def campaigns() -> list[str]:

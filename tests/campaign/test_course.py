@@ -1,5 +1,7 @@
 """Speeds that change along the track: closed forms, and a run that is found again."""
 
+import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +11,11 @@ from hypothesis import strategies as st
 
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.course import Course
+from wheelhop.cli.check import _print_known
 from wheelhop.cli.main import main
+from wheelhop.cli.output import open_console
 from wheelhop.fit import find_start
+from wheelhop.gate import gate
 from wheelhop.predict import Case, read_drives, read_speeds
 from wheelhop.vehicle import read_vehicle
 
@@ -96,4 +101,71 @@ def test_a_course_that_cannot_be_driven_is_a_line(along, tmp_path):
     file.write_text(changed, encoding="utf-8")
     with pytest.raises(CampaignError, match="speed_along") as error:
         read_campaign(folder)
+    assert "\n" not in str(error.value)
+
+
+@pytest.fixture(scope="module")
+def slow(tmp_path_factory):
+    """Two seconds at 8 km/h."""
+    folder = tmp_path_factory.mktemp("slow") / "made"
+    words = ["--tracks", "washboard/low", "--speed", "8", "--seconds", "2"]
+    assert main(["simulate", str(VEHICLE), *words, "--out", str(folder)]) == 0
+    return folder
+
+
+def with_gps(made, folder, kmph, channel="", run=""):
+    """The campaign with what a GPS shows, from its first sample to its last, in m/s."""
+    shutil.copytree(made, folder)
+    toml, (recording,) = folder / "campaign.toml", (folder / "runs").glob("*.csv")
+    head, *rows = recording.read_text(encoding="utf-8").splitlines()
+    names = head.split(",")[1:]
+    shown = np.linspace(*kmph, len(rows)) / 3.6
+    rows = [f"{row},{speed:.5f}" for row, speed in zip(rows, shown, strict=True)]
+    recording.write_text("\n".join([f"{head},gps", *rows]) + "\n", encoding="utf-8")
+    listed = "".join(f'{name} = "{name}"\n' for name in names)
+    listed += f'gps = {{ quantity = "speed"{channel} }}\n'
+    text = toml.read_text(encoding="utf-8").replace("speed_kmph = 8.0", f"speed_kmph = 8.0{run}")
+    toml.write_text(text.replace("[[run]]", f"[channels]\n{listed}\n[[run]]", 1), encoding="utf-8")
+    return folder
+
+
+def test_a_channel_of_speed_says_how_a_known_track_was_driven(slow, tmp_path, capsys):
+    own = ", scale_uncertainty = 0.01, noise_rms_m_s = 0.2"
+    start = "\nstart_m = 3.5\nstart_m_uncertainty = 0.4"
+    folder = with_gps(slow, tmp_path / "gps", (6.0, 10.8), own, start)
+    (run,) = read_campaign(folder).runs
+    assert run.speed_m_s == pytest.approx(8.4 / 3.6, rel=1e-4)
+    assert run.start_m == (3.5, 0.4)
+    driven = run.driven
+    assert (driven.stated_m_s, driven.uncertainty, driven.noise_rms) == (8.0 / 3.6, 0.01, 0.2)
+    assert driven.faster(run.time_s[-1]) == pytest.approx(10.8 / 8.4, rel=1e-4)
+    _print_known(read_campaign(folder), open_console())
+    assert capsys.readouterr().out == "speed     as gps shows it, in 1 of 1 runs\n"
+    unknown = re.sub(r"track\..*", "", (folder / "campaign.toml").read_text(encoding="utf-8"))
+    unknown = unknown.replace("start_m = 3.5", 'track.kind = "unknown"\nstart_m = 3.5')
+    (folder / "campaign.toml").write_text(unknown, encoding="utf-8")
+    (run,) = read_campaign(folder).runs
+    assert (run.driven, run.speed_m_s) == (None, 8.0 / 3.6)
+
+
+def test_a_channel_of_speed_in_another_unit_is_named(slow, tmp_path):
+    for kmph, seems in (((28.0, 29.6), "in km/h"), ((7.6, 9.2), ""), ((15.0, 15.0), "1.88 times")):
+        campaign = read_campaign(with_gps(slow, tmp_path / str(kmph[0]), kmph))
+        found = [f for f in gate(campaign, read_vehicle(VEHICLE)).findings if "gps" in f.about]
+        assert [seems in f.text and f.kind == "units" for f in found] == [True] * bool(seems)
+
+
+@pytest.mark.parametrize(
+    ("kmph", "run", "said"),
+    [
+        ((0.0, 0.0), "", "channel gps shows speeds"),
+        ((-3.0, 20.0), "", "channel gps shows speeds"),
+        ((8.0, 8.0), "\nspeed_along = [[0, 5], [9, 6]]", "delete one"),
+        ((8.0, 8.0), "\nstart_m = 4.0", "start_m_uncertainty"),
+        ((8.0, 8.0), "\nstart_m_uncertainty = 0.4", "start_m"),
+    ],
+)
+def test_speeds_and_starts_that_cannot_be_are_a_line(kmph, run, said, slow, tmp_path):
+    with pytest.raises(CampaignError, match=said) as error:
+        read_campaign(with_gps(slow, tmp_path / "gps", kmph, run=run))
     assert "\n" not in str(error.value)

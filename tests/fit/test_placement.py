@@ -7,6 +7,7 @@ from tests import truth
 from tests.simulate.setup import ATV, CHANNELS, campaign_of, model_of, simulated
 from wheelhop.campaign import TrackSpec
 from wheelhop.fit import Workshop, find_start, seek_again
+from wheelhop.fit.placement import _likelihood
 
 TIME = np.arange(1024) / 100.0
 NOMINAL = 4.0
@@ -147,3 +148,15 @@ def test_of_a_run_whose_start_is_not_free_none_is_sought():
     workshop = Workshop(campaign_of(runs), model, jobs=1)
     (bench,) = workshop.benches.values()
     assert seek_again(workshop.campaign, bench, model, workshop.systems(model)) == {}
+
+
+@pytest.mark.parametrize(("half_seconds", "whole_is_likelier"), [(5.0, False), (8.0, True)])
+def test_a_place_that_explains_all_has_to_do_so_for_a_while_against_a_better_gain(
+    half_seconds, whole_is_likelier
+):
+    """One explains the whole record, but shows half as much again; the other leaves 4 % of it,
+    and is as large as the vehicle is believed to make it."""
+    gain, share = np.array([0.7, 1.0]), np.array([1.0, 0.96])
+    energy = share / gain**2
+    whole, sized = _likelihood(gain * energy, energy, 1.0, half_seconds)
+    assert (whole > sized) == whole_is_likelier

@@ -10,12 +10,20 @@ from tests import truth
 from tests.truth import Sensor
 from wheelhop.campaign import TrackSpec, read_campaign
 from wheelhop.cli.main import main
+from wheelhop.compare import weighed
 from wheelhop.gate import gate
+from wheelhop.gate.drive import Nominal, drive_of
+from wheelhop.gate.gate import _evened
+from wheelhop.gate.identities import identity_findings
+from wheelhop.gate.match import Places
+from wheelhop.gate.records import noise_findings
+from wheelhop.gate.spectra import spectra_of
 from wheelhop.vehicle import read_nominal
 
 AXLES = tuple(Sensor(f"A{i}", "acceleration", f"A{i}", 0.1) for i in (1, 2, 3, 4))
 RODS = tuple(Sensor(f"rod{i}", "force", str(i), 8.0, -1.4, -700.0) for i in (1, 2, 3, 4))
 INCHES = 1 / 0.0254
+TIME = np.arange(600) / 100.0
 
 
 @pytest.fixture(scope="module")
@@ -234,8 +242,89 @@ def test_check_says_what_every_channel_is_and_what_is_kept(tmp_path, capsys):
         "pot1 (travel of strut 1, 0.65 per wheel)",
         "pitch_rate (rate of pitch)",
         "rod1 (force of strut 1, -1.4 per wheel)",
-        "kept gps (speed, m/s): read and checked, not used yet",
+        "speed as gps shows it, in 8 of 8 runs",
         "0.1 m/s², 0.0002 m, 0.004 rad/s rms in band; of force not stated, will be estimated",
         "axle, body: m/s²; travel: m; rate: rad/s; force: N rms without the mean",
     ):
         assert words in said, (words, said)
+
+
+@pytest.mark.parametrize(
+    ("spring", "damper", "said"), [(1.0, 1.7, set()), (0.8, 1.0, set()), (2.0, 2.0, {"ratio"})]
+)
+def test_a_damper_that_is_not_as_stated_is_no_wrong_ratio(spring, damper, said, on_any_road):
+    """It moves the body as a wrong ratio of the end's potentiometers would, but for the spring,
+    which such a ratio would change alike."""
+    campaign, vehicle = on_any_road
+    times = {"stiffness_N_m": spring, "damping_N_s_m": damper}
+    rear = {f"suspension.rear.{key}": factor for key, factor in times.items()}
+    changed = vehicle.with_values({key: factor * vehicle[key] for key, factor in rear.items()})
+    believed = {key: factor * vehicle.uncertainty[key] for key, factor in rear.items()}
+    changed = replace(changed, uncertainty={**vehicle.uncertainty, **believed})
+    assert {finding.kind for finding in gate(campaign, changed).findings} == said
+
+
+@pytest.mark.parametrize(("times", "named"), [(1.0, False), (1.4, False), (3.0, True)])
+def test_the_noise_of_one_sensor_is_known_as_well_as_its_amplitudes_are_many(driven, times, named):
+    """Of white noise the quietest quarter of the band, in the quietest of eight short runs, holds
+    less than half of it by chance; stated three times as large it is not that."""
+    rng, first, said = np.random.default_rng(4), driven[0].runs[0], []
+    for _ in range(20):
+        runs = tuple(
+            replace(first, id=str(i), record=rng.normal(size=(600, 1)), time_s=TIME)
+            for i in range(8)
+        )
+        spectra = [spectra_of(run, 100.0, (0.5, 30.0), np.ones(1)) for run in runs]
+        stated = times * np.sqrt(29.5 / 50.0)
+        (channel, *_) = (c for c in driven[0].channels if c.is_acceleration)
+        campaign = replace(driven[0], channels=(channel,), runs=runs, noise_rms=float(stated))
+        said.append(any("more" in each.text for each in noise_findings(campaign, spectra)))
+    assert said == [named] * 20
+
+
+def test_the_likeliest_springs_and_dampers_are_found_whatever_the_description(
+    on_any_road, monkeypatch
+):
+    """As likely as they become at last, within the odds of one to five."""
+    campaign, vehicle = on_any_road
+    evened = _evened(weighed(campaign))
+    nominal = Nominal(evened, vehicle, weighed(campaign).noise_scale)
+    spectra = [spectra_of(run, 100.0, (0.5, 30.0), evened.noise_scale) for run in campaign.runs]
+    pots = tuple(i for i, c in enumerate(campaign.channels) if c.quantity == "travel")
+
+    def likely(gain):
+        place = Places(pots, pots, (gain,) * len(pots), (0.0,) * len(pots))
+        drives = (drive_of(evened, each, nominal) for each in spectra)
+        return sum(drive.match(np.ones(1), [place])[0].log_likelihood for drive in drives)
+
+    soon = [likely(gain) for gain in (1.0, 1.5, 0.4, 4.0)]
+    monkeypatch.setattr("wheelhop.gate.by_travel.ROUNDS", 50)
+    at_last = [likely(gain) for gain in (1.0, 1.5, 0.4, 4.0)]
+    assert soon == pytest.approx(at_last, abs=np.log(5.0))
+
+
+def test_ratios_and_clocks_are_wrong_by_as_much_as_people_make_them(on_any_road):
+    """Four times, as a ratio of 0.5 that was squared the wrong way round is, which friction makes
+    look less; half a second."""
+    campaign, vehicle = on_any_road
+
+    def found(change):
+        return {
+            (f.kind, f.text.split(" all ")[0]) for f in gate(change(campaign), vehicle).findings
+        }
+
+    wide = found(recorded(times(3.9, *POTS)))
+    (said,) = (text for kind, text in wide if kind == "ratio")
+    assert "about 3.1 times" in said or "about 4 times" in said
+    behind = found(recorded(late(48, *POTS)))
+    assert any(kind == "out-of-step" and "480 ms late" in text for kind, text in behind)
+
+
+def test_accelerometers_at_both_ends_tell_a_ratio_that_is_two_fifths_off(driven):
+    """One that is a fifth off may be their noise."""
+    campaign, vehicle = driven
+    counted = weighed(campaign)
+    for factor, named in ((1.2, False), (1 / 1.2, False), (1.4, True), (1 / 1.4, True)):
+        wrong = changed(counted, times(factor, "pot2"))
+        said = {(f.kind, f.about) for f in identity_findings(wrong, vehicle.values)}
+        assert said == ({("ratio", "per_wheel of pot2")} if named else set()), factor

@@ -5,14 +5,20 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 import wheelhop as wh
 from tests import truth
 from tests.diagnose.cases import diagnosed
+from tests.simulate.setup import CHANNELS
+from wheelhop.cli.detectable import _said
 from wheelhop.cli.main import main
+from wheelhop.diagnose.diagnosis import Limit
 from wheelhop.predict import detectable as module
+from wheelhop.predict.additions import Addition
+from wheelhop.predict.detectable import Added
 
 FINE = tuple(
     replace(sensor, noise_rms=5e-5) if sensor.quantity == "travel" else sensor
@@ -107,6 +113,44 @@ def test_on_unsurveyed_roads_a_channel_counts_as_if_it_were_there(tmp_path):
     more = tuple(s for s in FINE if s in few or s.name in names)
     added = wh.detectable(driven(tmp_path / "with", more, surveyed=False))
     assert strengths(without.best.limits) == pytest.approx(strengths(added.limits), rel=0.1)
+
+
+SEEN = ("driver-seat", "dry-friction", "bump-stop")
+BEFORE = (1.0, 1.0, 1.0)
+
+
+def limits(strengths_N):
+    pairs = zip(SEEN, strengths_N, strict=True)
+    return tuple(Limit(effect, "", {"front_N": N}, True, 0.0) for effect, N in pairs)
+
+
+@pytest.mark.parametrize(
+    ("of_one", "of_many", "best", "times"), [(40.0, 2.7, "one", 10.0), (40.0, 3.5, "many", 3.5)]
+)
+def test_what_shows_one_effect_ten_times_better_is_not_worth_more_for_a_hundred_times(
+    of_one, of_many, best, times
+):
+    """Two channels are offered: one for the seat alone, one for the seat and friction."""
+    offered = [Addition(word, (CHANNELS[0],)) for word in ("one", "many")]
+    shown = {2: (1 / of_one, 1.0, 1.0), 3: (1 / of_many, 1 / of_many, 1.0)}
+    equations = SimpleNamespace(
+        seen=lambda kept: SimpleNamespace(strengths=lambda campaign: shown[kept[-1]]),
+        limits=limits,
+    )
+    campaign = SimpleNamespace(channels=CHANNELS[:2])
+    found = module._best(equations, campaign, offered, BEFORE)
+    assert found.channels == best
+    assert found.less["driver-seat"] == pytest.approx(times)
+
+
+@pytest.mark.parametrize(("less", "named"), [(1.6, True), (1.3, False)])
+def test_a_sensor_is_worth_a_word_from_half_as_much_again_on(less, named):
+    gains = dict.fromkeys(SEEN, 1.0) | {"dry-friction": less}
+    added = Added("a gyro", limits((1.0, 1.0 / less, 1.0)), gains)
+    said = _said(added, limits(BEFORE))
+    assert ("a gyro: it would show dry-friction" in said) == named
+    assert ("No further channel would add much" in said) != named
+    assert "driver-seat" not in said
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from wheelhop.campaign.common import (
 )
 from wheelhop.campaign.component import read_component
 from wheelhop.campaign.course import Course
+from wheelhop.campaign.driven import Driven
 from wheelhop.campaign.duplicates import refuse_leaks
 from wheelhop.campaign.low_pass import read_low_pass
 from wheelhop.campaign.paths import file_inside
@@ -43,6 +44,7 @@ TOP_KEYS = (
     *("format", "kind", "title", "vehicle", "sample_rate_hz", "band_hz", "averaging_ms"),
     *(*NOISE_KEYS, "filter", "channels", "run"),
 )
+START_KEYS = ("start_m", "start_m_uncertainty")
 CONSTANTS_FILE = "calibration.toml"
 LONGEST_AVERAGING = 3.0  # sample periods
 ROUNDED = 1e-3
@@ -144,6 +146,7 @@ class _Drive(Entry):
 
     speed_m_s: float
     course: Course | None
+    start_m: tuple[float, float] | None
     track: TrackSpec
     setting: str
 
@@ -160,14 +163,23 @@ def _averaging(top: Table, rate_hz: float) -> float:
 
 
 def _drive(run: Table, folder: Path) -> _Drive:
-    run.only((*RUN_KEYS, "speed_along", "setting"))
+    run.only((*RUN_KEYS, "speed_along", *START_KEYS, "setting"))
     return _Drive(
         **vars(entry(run, folder)),
         speed_m_s=run.number("speed_kmph", at_least=0.0) / 3.6,
         track=read_track(run, folder),
         course=_course(run),
+        start_m=_start(run),
         setting=run.text("setting", ""),
     )
+
+
+def _start(run: Table) -> tuple[float, float] | None:
+    """Where the run began, and how well that is known, m."""
+    if not any(key in run for key in START_KEYS):
+        return None
+    at, uncertainty = START_KEYS
+    return run.number(at), run.number(uncertainty, above=0.0)
 
 
 def _course(run: Table) -> Course | None:
@@ -218,10 +230,33 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progres
         beside_it = {channel.name: frozen(values[:, place[channel.name]]) for channel in known}
         for channel in (*channels, *known):
             _check_size(drive.file, channel, values[:, place[channel.name]])
-        runs.append(Run(**vars(drive), time_s=time_s, record=record, known=beside_it))
+        run = Run(**vars(drive), time_s=time_s, record=record, known=beside_it)
+        runs.append(_as_driven(run, known))
     if constants is not None:
         channels = _with_uncertainty(channels, constants)
     return replace(campaign, channels=channels, runs=tuple(runs))
+
+
+def _as_driven(run: Run, known: Sequence[Channel]) -> Run:
+    """The run at the speed that the first channel of the vehicle's speed shows, if there is one and
+    the run drives over something known."""
+    channel = next((c for c in known if (c.quantity, c.unit) == ("speed", "m/s")), None)
+    if channel is None or run.track.kind == "unknown" or run.speed_m_s == 0.0:
+        return run
+    if run.course is not None:
+        raise CampaignError(
+            f'{run.file}: speed_along of run "{run.id}" and channel {channel.name} both say how'
+            " fast it was: delete one of them"
+        )
+    speed = run.known[channel.name]
+    known_to = channel.scale_uncertainty, channel.noise_rms or 0.0
+    driven = Driven(channel.name, run.time_s, speed, run.speed_m_s, *known_to)
+    if driven.mean_m_s <= 0.0 or speed.min() < 0.0:
+        raise CampaignError(
+            f"{run.file}: channel {channel.name} shows speeds of {speed.min():g} to"
+            f" {speed.max():g} m/s: leave it out under [channels], or correct it"
+        )
+    return replace(run, speed_m_s=driven.mean_m_s, driven=driven)
 
 
 def _check_size(file: Path, channel: Channel, values: NDArray[np.float64]) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from wheelhop.campaign.common import frozen
 from wheelhop.campaign.types import Campaign, CampaignError, Run
 from wheelhop.files import did_you_mean
+from wheelhop.files.words import ending_of
 
 if TYPE_CHECKING:
     from wheelhop.campaign.types import Role
@@ -54,6 +55,25 @@ def of_channels(campaign: Campaign, names: Sequence[str]) -> dict[str, Any]:
         stated = [rms for rms in own if rms is not None]
         noise = float(np.sqrt(np.mean(np.square(stated)))) if len(stated) == len(own) else None
     return {"channels": channels, "runs": runs, "noise_rms": noise}
+
+
+def listed_runs(campaign: Campaign) -> list[dict[str, Any]]:
+    """A row for each run: its description, and the rms of the leading quantity."""
+    leading = [c.quantity == campaign.leading.quantity for c in campaign.channels]
+    return [
+        {
+            "run": run.id,
+            "role": run.role,
+            "track": run.track.kind,
+            "speed_m_s": run.speed_m_s,
+            "duration_s": len(run.time_s) / campaign.sample_rate_hz,
+            "samples": len(run.time_s),
+            f"rms{ending_of(campaign.unit)}": float(
+                np.sqrt(run.record[:, leading].var(axis=0).mean())
+            ),
+        }
+        for run in campaign.runs
+    ]
 
 
 def run_of(campaign: Campaign, run_id: str) -> Run:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.course import Course
+from wheelhop.campaign.driven import Driven
 from wheelhop.campaign.low_pass import LowPass
 from wheelhop.files import InputError, dotted, shown
 from wheelhop.files.words import ending_of
@@ -123,8 +124,10 @@ class Run:
     `time_s` is (n,), uniform at the campaign's sample rate; `record` is (n, n_channels), columns
     in the order of the campaign's channels and in their units. Both arrays are read-only.
     `speed_m_s` is nominal: the driver held it by hand, or drove a `course`, whose speeds it stands
-    for: all of them are faster or slower with it. `role` is "fit" or "validate". `known` holds what
-    was recorded and is not compared (n,), by the names of the campaign's `known` channels.
+    for: all of them are faster or slower with it; where a channel recorded the speed on a known
+    track, it is the mean of what was `driven`. `start_m` is where the front axle was at time 0, and
+    its standard uncertainty, None: nothing is said. `role` is "fit" or "validate". `known` holds
+    what was recorded and is not compared (n,), by the names of the campaign's `known` channels.
     `setting` names what of the vehicle was set for it, "" if nothing is said.
     """
 
@@ -137,6 +140,8 @@ class Run:
     record: NDArray[np.float64]
 
     course: Course | None = field(default=None, kw_only=True)
+    driven: Driven | None = field(default=None, kw_only=True)
+    start_m: tuple[float, float] | None = field(default=None, kw_only=True)
     known: Mapping[str, NDArray[np.float64]] = field(default_factory=dict, kw_only=True)
     setting: str = field(default="", kw_only=True)
 
@@ -355,23 +360,9 @@ class Campaign:
         """
         import pandas
 
-        leading = [c.quantity == self.leading.quantity for c in self.channels]
-        return pandas.DataFrame(
-            [
-                {
-                    "run": run.id,
-                    "role": run.role,
-                    "track": run.track.kind,
-                    "speed_m_s": run.speed_m_s,
-                    "duration_s": len(run.time_s) / self.sample_rate_hz,
-                    "samples": len(run.time_s),
-                    f"rms{ending_of(self.unit)}": float(
-                        np.sqrt(run.record[:, leading].var(axis=0).mean())
-                    ),
-                }
-                for run in self.runs
-            ]
-        ).set_index("run")
+        from wheelhop.campaign.selection import listed_runs
+
+        return pandas.DataFrame(listed_runs(self)).set_index("run")
 
     def __repr__(self) -> str:
         low, high = self.band_hz

@@ -41,9 +41,7 @@ def run(arguments: Namespace) -> int:
     console.print(Text(campaign.title, style="bold"))
     console.print(Text(_tested(nominal)))
     console.print(Text(f"channels  {', '.join(map(_place, campaign.channels))}"))
-    if campaign.known:
-        kept = ", ".join(f"{channel.name} ({_known(channel)})" for channel in campaign.known)
-        console.print(Text(f"kept      {kept}: read and checked, not used yet"))
+    _print_known(campaign, console)
     console.print(Text(f"samples   {_samples(campaign)}"))
     console.print(Text(f"noise     {_noise(campaign)}"))
     gated = gate(campaign, nominal)
@@ -72,6 +70,17 @@ def run(arguments: Namespace) -> int:
     if arguments.json:
         write_json(arguments.json, said)
     return 0
+
+
+def _print_known(campaign: Campaign, console: Console) -> None:
+    """What is recorded and not compared, used or not."""
+    driven = [run.driven.channel for run in campaign if run.driven is not None]
+    if driven:
+        runs = f"{len(driven)} of {len(campaign.runs)} runs"
+        console.print(Text(f"speed     as {driven[0]} shows it, in {runs}"))
+    kept = ", ".join(f"{c.name} ({_known(c)})" for c in campaign.known if c.name not in driven)
+    if kept:
+        console.print(Text(f"kept      {kept}: read and checked, not used yet"))
 
 
 def _print_marked(campaign: Campaign, console: Console, said: bool) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel, TrackSpec
 from wheelhop.campaign.course import Course
+from wheelhop.campaign.driven import Driven
 from wheelhop.track import Wheel, WheelPath
 from wheelhop.vehicle.assembly import Assembly, Law
 from wheelhop.vehicle.component import is_component
@@ -130,8 +131,8 @@ class RunSetting:
     """What an effect may know of a run: its id, nominal speed, the instants at which the run-up
     and the record begin and the record ends, whether the track under it is known, and whether it
     is no vehicle that runs but a component on a rig, or one that measured travel of its struts
-    moves; the speed along the track, where it changes; and whether a spring is believed to hold a
-    component about its rest."""
+    moves; the speed along the track, where it changes, or in time, where it was recorded; and
+    whether a spring is believed to hold a component about its rest."""
 
     run_id: str
     speed_m_s: float
@@ -142,6 +143,7 @@ class RunSetting:
     on_rig: bool = False
     by_travel: bool = False
     course: Course | None = None
+    driven: Driven | None = None
     is_held: bool = False
 
 

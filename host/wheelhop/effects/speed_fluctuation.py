@@ -45,7 +45,10 @@ class SpeedFluctuation(Effect):
         if not run.on_road or run.speed_m_s <= 0:
             return ()
         # A wander of period T and relative size f moves the vehicle by v f T / 2π; T about 5 s.
-        scale = EXPECTED * run.speed_m_s * 5.0 / (2 * np.pi)
+        # Of a speed that a channel shows, only the channel's noise is left.
+        noise = run.driven.noise_rms if run.driven else 0.0
+        wander = min(EXPECTED * run.speed_m_s, noise or np.inf)
+        scale = wander * 5.0 / (2 * np.pi)
         return History(run, self._knot_s).parameters("m", "distance gained", scale)
 
     def travel(

@@ -234,9 +234,9 @@ def run_parameters(run: Run, setting: RunSetting, model: Model) -> list[Free]:
     extension struts rest), and the effects' own."""
     free = list(_rig_start(run, model, setting.is_held)) if isinstance(run, RigRun) else []
     if setting.on_road and run.speed_m_s > 0:
-        sigma = SPEED_UNCERTAINTY * run.speed_m_s
+        sigma = speed_uncertainty(run) * run.speed_m_s
         free.append(Free("speed_m_s", run.speed_m_s, sigma, 1e-3 * run.speed_m_s, 0.0))
-        free.append(Free("start_m", 0.0, np.inf, 1e-2))
+        free.append(Free("start_m", *(run.start_m or (0.0, np.inf)), 1e-2))
     if setting.by_travel:
         for corner in wheels(model.values):
             free.append(Free(offset_name(corner), 0.0, REST_M, REST_M))
@@ -248,6 +248,12 @@ def run_parameters(run: Run, setting: RunSetting, model: Model) -> list[Free]:
         if effect.acts_in(setting):
             free.extend(effect_run_parameters(setting, effect))
     return free
+
+
+def speed_uncertainty(run: Run) -> float:
+    """How well the speed of a run is known, relative, one standard deviation."""
+    stated = 0.0 if run.driven is None else run.driven.uncertainty
+    return stated or SPEED_UNCERTAINTY
 
 
 def effect_run_parameters(setting: RunSetting, effect: Effect) -> list[Free]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from scipy import fft
 from wheelhop.campaign import Campaign, Run
 from wheelhop.compare.band import InBand
 from wheelhop.fit.bench import Bench
+from wheelhop.fit.parameters import SPEED_UNCERTAINTY, speed_uncertainty
 from wheelhop.simulate import Model, frequency_response
 from wheelhop.track import Track, make_track, wheel_envelope
 from wheelhop.vehicle import Drive, System, axle_name, behind_m, corner_position, wheels
@@ -21,9 +23,11 @@ ComplexArray = NDArray[np.complex128]
 
 REACH = 0.2
 """Speeds are sought within this fraction of the nominal one: a hand holds one to a tenth, and what
-it is read from may be another tenth off."""
+it is read from may be another tenth off. Where it is known better, or worse, in proportion."""
 
 FEW_SPEEDS = 40
+
+SLIP = 6
 
 UNEXPLAINED = 0.03
 """Share of a record's power that no nominal model explains: a few of its numbers count at a place,
@@ -45,7 +49,7 @@ def find_start(
     """Speed (m/s) and start (m) at which the linear model agrees best with a run, or with some of
     its channels, each counting by its noise.
 
-    On a periodic track the start is found modulo the period.
+    On a periodic track the start is found modulo the period, as near as can be to a stated one.
     """
     if run.speed_m_s <= 0:
         return {}
@@ -80,7 +84,7 @@ def seek_again(
     restored = replace(run, record=record)
     trials = [find_start(campaign, restored, model, systems[bench.drive])]
     period = _wavelength(run, bench.simulator.period_m)
-    if period is not None:
+    if period is not None and run.start_m is None:
         speeds = _speeds(run, period)
         if len(speeds) > FEW_SPEEDS:  # many waves: the speed at least is known well
             speeds = np.array([own["speed_m_s"]])
@@ -112,10 +116,21 @@ def _wavelength(run: Run, period_m: float | None) -> float | None:
 
 
 def _speeds(run: Run, wavelength_m: float) -> Array:
-    """Speeds so close that the phase at `wavelength_m` slips by less than 1/6 over the run."""
+    """Speeds so close that the phase at `wavelength_m` slips by less than 1/`SLIP` over the run."""
     duration = run.time_s[-1] - run.time_s[0]
-    count = int(np.ceil(2 * REACH * run.speed_m_s * duration * 6 / wavelength_m)) + 1
-    return run.speed_m_s * np.linspace(1 - REACH, 1 + REACH, count)
+    reach = REACH * speed_uncertainty(run) / SPEED_UNCERTAINTY
+    count = int(np.ceil(2 * reach * run.speed_m_s * duration * SLIP / wavelength_m)) + 1
+    return run.speed_m_s * np.linspace(1 - reach, 1 + reach, count)
+
+
+def _believed(run: Run, speed: float | Array, start_m: Array) -> Array:
+    """Logarithm of what is believed of speeds and starts, as far as they are stated."""
+    away = np.zeros(np.broadcast_shapes(np.shape(speed), start_m.shape))
+    if run.driven is not None and run.driven.uncertainty > 0.0:
+        away += ((speed / run.speed_m_s - 1.0) / run.driven.uncertainty) ** 2
+    if run.start_m is not None:
+        away += ((start_m - run.start_m[0]) / run.start_m[1]) ** 2
+    return -0.5 * away
 
 
 def _behind(model: Model) -> Array:
@@ -150,7 +165,8 @@ def _match_harmonics(
     cross, power = np.zeros((2, len(speeds), len(phases)))
     taper = np.hanning(len(run.time_s))[:, None]
     measured = taper * (run.record - run.record.mean(axis=0)) * 2 / taper.sum()
-    once = np.exp(-2j * np.pi * (speeds / period)[:, None] * run.time_s)
+    gone = run.time_s if run.driven is None else run.driven.gone(run.time_s)
+    once = np.exp(-2j * np.pi * (speeds / period)[:, None] * gone)
     kernel = np.ones_like(once)
     for k in (1, 2, 3):
         kernel = kernel * once
@@ -169,8 +185,16 @@ def _match_harmonics(
     share = np.clip(cross / np.maximum(power, np.finfo(float).tiny), 0.0, 1.0)
     # Sum of |measured − share · model|² over channels, less the part that none of them changes.
     match = 2 * share * cross - share**2 * power
-    i, j = np.unravel_index(np.argmax(match), match.shape)
-    return {"speed_m_s": float(speeds[i]), "start_m": float(phases[j] * period)}
+    starts = phases * period
+    if run.start_m is not None:
+        starts += period * np.rint((run.start_m[0] - starts) / period)
+    band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
+    held = 2.0 * float((band.signal(run.record[:, predicted]) ** 2).mean(axis=0).sum())
+    left = 1.0 - match / max(held, float(match.max()), np.finfo(float).tiny) + UNEXPLAINED
+    blocks = 2.0 * (run.time_s[-1] - run.time_s[0])
+    likely = -0.5 * blocks * np.log(left) + _believed(run, speeds[:, None], starts)
+    i, j = np.unravel_index(np.argmax(likely), match.shape)
+    return {"speed_m_s": float(speeds[i]), "start_m": float(starts[j])}
 
 
 def _match_shape(
@@ -183,8 +207,9 @@ def _match_shape(
 ) -> dict[str, float]:
     """Correlation of the record with the response to the whole track, for every speed."""
     duration = run.time_s[-1] - run.time_s[0]
-    speeds = (run.speed_m_s,) if run.course is None else run.course.speed_m_s
-    travelled = max(speeds) * duration * (1 + REACH)
+    slowest = min((run.speed_m_s,) if run.course is None else run.course.speed_m_s)
+    fastest = max((run.speed_m_s,) if run.course is None else run.course.speed_m_s)
+    travelled = fastest * duration * (1 + REACH)
     low = max(track.start_m, -2 * travelled) - travelled - 1.0
     high = min(track.end_m, 2 * travelled) + _behind(model).max() + 1.0
     x = np.linspace(low, high, int((high - low) / 0.01) + 1)
@@ -192,37 +217,84 @@ def _match_shape(
     step = 1.0 / campaign.sample_rate_hz
     band = InBand(len(run.time_s), campaign.sample_rate_hz, campaign.band_hz)
     measured = band.signal(run.record[:, predicted])
-    drives = {v: _drive(run, v, low, high) for v in _speeds(run, min(speeds) / 8.0)}
+    pieces = _pieces(run, slowest / 8.0)
+    drives = {
+        v: [_drive(run, v * faster, low, high) for _, faster in pieces]
+        for v in _speeds(run, slowest / 8.0)
+    }
     # As many samples at every speed: then they share frequencies, and the vehicle's response.
-    longest = max(until for until, _ in drives.values())
+    longest = max(until for each in drives.values() for until, _ in each)
     n = fft.next_fast_len(int(longest / step) + len(measured), real=True)
     frequency = fft.rfftfreq(n, step)
     inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
     response = _shown(campaign, system, frequency[inside])[:, predicted]
     response *= campaign.recorded(frequency[inside])[:, None, None]
-    sought = fft.rfft(measured, n, axis=0)[inside].conj()
+    sought = [fft.rfft(measured[rows], n, axis=0)[inside].conj() for rows, _ in pieces]
     held = float((measured**2).sum())
     best = (-np.inf, run.speed_m_s, 0.0)
-    for speed, (until, at) in drives.items():
-        # Where speed goes by the place alone, another start is the same drive at another time.
-        position = at(step * np.arange(n))
-        height = np.empty((n, profile.shape[1]))
-        for i, behind in enumerate(_behind(model)):
-            height[:, i] = np.interp(position - behind, x, profile[:, i])
-        spectrum = np.zeros((len(frequency), len(response[0])), dtype=complex)
-        spectrum[inside] = (response @ fft.rfft(height, axis=0)[inside, :, None])[:, :, 0]
-        cross = np.zeros(len(frequency), dtype=complex)
-        cross[inside] = (spectrum[inside] * sought).sum(axis=1)
-        square = (fft.irfft(spectrum, n, axis=0) ** 2).sum(axis=1)
-        power = np.concatenate([[0.0], np.cumsum(square)])
-        last = int(until / step)
-        energy = power[len(measured) : len(measured) + last] - power[:last]
-        match = _likelihood(fft.irfft(cross, n)[:last], energy, held, 2 * duration)
+    for speed, of_pieces in drives.items():
+        starts, along, energy = np.zeros((3, 0))
+        for (rows, _), wanted, (until, at) in zip(pieces, sought, of_pieces, strict=True):
+            # Where speed goes by the place alone, another start is the same drive at another time.
+            position = at(step * np.arange(n))
+            height = np.empty((n, profile.shape[1]))
+            for i, behind in enumerate(_behind(model)):
+                height[:, i] = np.interp(position - behind, x, profile[:, i])
+            spectrum = np.zeros((len(frequency), len(response[0])), dtype=complex)
+            spectrum[inside] = (response @ fft.rfft(height, axis=0)[inside, :, None])[:, :, 0]
+            cross = np.zeros(len(frequency), dtype=complex)
+            cross[inside] = (spectrum[inside] * wanted).sum(axis=1)
+            square = (fft.irfft(spectrum, n, axis=0) ** 2).sum(axis=1)
+            power = np.concatenate([[0.0], np.cumsum(square)])
+            last = int(until / step)
+            shown = power[rows.stop - rows.start :][:last] - power[:last]
+            since_s = np.asarray(step * np.arange(last), np.float64)
+            begun = _begun(run, speed, rows.start, since_s, at)
+            common = fft.irfft(cross, n)[:last]
+            if len(starts):
+                along = along + np.interp(starts, begun, common)
+                energy = energy + np.interp(starts, begun, shown)
+            else:
+                starts, along, energy = begun, common, shown
+        match = _likelihood(along, energy, held, 2 * duration) + _believed(run, speed, starts)
         lag = int(np.argmax(match))
         if match[lag] > best[0]:
-            start = float(at(np.array(lag * step - run.time_s[0])))
-            best = (float(match[lag]), float(speed), float(start))
+            best = (float(match[lag]), float(speed), float(starts[lag]))
     return {"speed_m_s": best[1], "start_m": best[2]}
+
+
+def _pieces(run: Run, wavelength_m: float) -> list[tuple[slice, float]]:
+    """Rows of pieces of a run within which its speed is constant as far as the phase at
+    `wavelength_m` tells, and their speeds over the run's; without those that get no further."""
+    n = len(run.time_s)
+    if run.driven is None:
+        return [(slice(0, n), 1.0)]
+    way = run.speed_m_s * run.driven.gone(run.time_s)
+    count, pieces = 1, list[slice]()
+    while way[-1] - way[0] > 2 * count * wavelength_m:
+        edges = np.linspace(0, n - 1, count + 1).astype(int).tolist()
+        pieces = [slice(a, b) for a, b in pairwise(edges)]
+        bent = (
+            way[p] - np.linspace(way[p.start], way[p.stop], p.stop - p.start + 1)[:-1]
+            for p in pieces
+        )
+        if max(float(np.abs(each).max()) for each in bent) * 2 * SLIP <= wavelength_m:
+            break
+        count *= 2
+    period = float(run.time_s[-1] - run.time_s[0]) / (n - 1)
+    gone = [(p, float(way[p.stop] - way[p.start])) for p in pieces]
+    return [
+        (p, far / ((p.stop - p.start) * period) / run.speed_m_s)
+        for p, far in gone
+        if far > wavelength_m
+    ]
+
+
+def _begun(run: Run, speed: float, row: int, since_s: Array, at: Callable[[Array], Array]) -> Array:
+    """Where the front axle was at time 0 if it passed the places `at` some seconds in that row."""
+    if run.driven is None:
+        return at(since_s - run.time_s[row])
+    return at(since_s) - speed * float(run.driven.gone(run.time_s[row]))
 
 
 def _likelihood(along: Array, energy: Array, held: float, blocks: float) -> Array:

@@ -10,7 +10,7 @@ axle follows the front one after a wheelbase.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -24,7 +24,7 @@ from wheelhop.gate.match import MOST, Match, Places, log_likelihood
 from wheelhop.gate.spectra import PADDING, Spectra
 from wheelhop.simulate import Model, frequency_response
 from wheelhop.track import make_track, wheel_envelope
-from wheelhop.vehicle import axle_name, behind_m, corner_position, wheels
+from wheelhop.vehicle import Vehicle, axle_name, behind_m, corner_position, wheels
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -59,8 +59,8 @@ class Nominal:
     """What the nominal linear vehicle makes of any periodic track at any speed, and of measured
     travel; `noise` (c,) is how noisy the channels are, one beside the other."""
 
-    def __init__(self, campaign: Campaign, values: Mapping[str, float], noise: Array) -> None:
-        self.campaign, self.values = campaign, values
+    def __init__(self, campaign: Campaign, vehicle: Vehicle, noise: Array) -> None:
+        self.campaign, self.vehicle, self.values = campaign, vehicle, vehicle.values
         self.noise = noise / campaign.noise_scale
         self.grid_hz = np.arange(STEP_HZ, 2 * campaign.band_hz[1], STEP_HZ)
         unknown = {
@@ -69,7 +69,7 @@ class Nominal:
             if c.point == "body"
             for axis in ("x_m", "y_m")
         }
-        system = Model(values={**values, **unknown}).system(campaign.channels, "road")
+        system = Model(values={**self.values, **unknown}).system(campaign.channels, "road")
         response = frequency_response(system, self.grid_hz) / campaign.noise_scale[:, None]
         self._response = response * campaign.recorded(self.grid_hz)[:, None, None]
         self._paths: dict[tuple[object, ...], ComplexArray] = {}
@@ -248,7 +248,7 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
     """What a run says of its speed; None if it stands, has no two axles to compare, or its speed
     changes along the track."""
     run = spectra.run
-    if run.speed_m_s <= 0 or run.course is not None:
+    if run.speed_m_s <= 0 or run.course is not None or _changes(run):
         return None
     if run.track.kind not in ("unknown", "flat"):
         period = make_track(run.track).period_m
@@ -256,9 +256,10 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
         if period is not None and 2 * period < way:
             return OnWaves(spectra, nominal, period, nominal.paths(run.track))
     if run.track.kind == "unknown":
-        struts = Struts.of(campaign, nominal.values, spectra.frequency_hz[::PADDING], nominal.noise)
+        at_hz = spectra.frequency_hz[::PADDING]
+        struts = Struts.of(campaign, nominal.vehicle, at_hz, nominal.noise)
         if struts is not None:
-            return ByTravel(spectra, struts)
+            return ByTravel(spectra, struts, len(campaign.runs))
     points = [channel.point for channel in campaign.channels]
     pairs = tuple(
         (points.index(front), points.index(rear))
@@ -267,6 +268,13 @@ def drive_of(campaign: Campaign, spectra: Spectra, nominal: Nominal) -> Drive | 
     )
     told = pairs and spectra.spread([column for pair in pairs for column in pair]) > BROAD
     return Passing(spectra, behind_m(nominal.values, 2), pairs) if told else None
+
+
+def _changes(run: Run) -> bool:
+    """Whether a channel shows a speed that no hand held."""
+    if run.driven is None:
+        return False
+    return bool(np.abs(run.driven.faster(run.time_s) - 1.0).max() > REACH)
 
 
 def speeds_about(speed_m_s: float, reach: float = REACH, count: int = 17) -> Array:

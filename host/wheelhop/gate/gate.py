@@ -25,7 +25,7 @@ from wheelhop.gate.runs import run_findings
 from wheelhop.gate.sensors import Seen, examined, sensor_findings
 from wheelhop.gate.signs import sign_findings
 from wheelhop.gate.spectra import Spectra, spectra_of
-from wheelhop.gate.units import gravity_findings, unit_findings
+from wheelhop.gate.units import gravity_findings, speed_findings, unit_findings
 from wheelhop.vehicle import Vehicle
 
 
@@ -53,6 +53,7 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     symptoms = tuple(examined(campaign))
     findings, sound = sensor_findings(campaign, symptoms)
     findings += gravity_findings(sound)
+    findings += speed_findings(sound)
     copies = list(find_copies(campaign))
     findings += copy_findings(copies)
     findings += same_signal_findings(sound)
@@ -66,7 +67,7 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
         for run in sound.runs
     ]
     if not numbers and not _of(findings, "units"):
-        nominal = Nominal(evened, vehicle.values, counted.noise_scale)
+        nominal = Nominal(evened, vehicle, counted.noise_scale)
         findings += _driven(nominal, vehicle, spectra, {run.id for c in copies for run in c.runs})
     if not _of(findings, "units"):
         findings += noise_findings(evened, spectra)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import log
 
 from wheelhop.campaign import Campaign
+from wheelhop.gate.by_travel import ByTravel
 from wheelhop.gate.descriptions import (
     REVERSED,
     Description,
@@ -29,7 +30,11 @@ def likeliest(campaign: Campaign, drives: Sequence[Drive]) -> tuple[Runs, Findin
     found = all_matches(drives, descriptions)
     likely = [log_likelihood(each) for each in found]
     best = max(range(len(likely)), key=lambda i: likely[i])
-    if likely[best] - likely[0] <= needed(len(descriptions)):
+    tried = len(descriptions)
+    if descriptions[best].kind == "ratio" and all(isinstance(d, ByTravel) for d in drives):
+        # It is held against all that is believed of springs and dampers, and against its like.
+        tried = sum(d.kind == "ratio" for d in descriptions)
+    if likely[best] - likely[0] <= needed(tried):
         return Runs(drives, descriptions[0], found[0]), None
     near = [
         i for i, d in enumerate(descriptions) if d.kind and likely[i] > likely[best] - needed(1)

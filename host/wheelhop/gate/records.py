@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
+from math import expm1, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,8 @@ from wheelhop.campaign.channels import noise_key
 from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.compare import weighed
 from wheelhop.compare.quantisation import step_of
-from wheelhop.gate.finding import Finding
-from wheelhop.gate.spectra import Spectra
+from wheelhop.gate.finding import Finding, needed
+from wheelhop.gate.spectra import QUARTERS, Spectra
 
 Array = NDArray[np.float64]
 
@@ -228,7 +229,9 @@ def noise_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[F
         quietest = min(spectra, key=lambda s: s.quietest(of_it))
         rms = float(np.sqrt(quietest.quietest(of_it))) * first.noise_scale
         ratio = stated / max(rms, 1e-300)
-        if ratio < NOISE and (ratio > 1 / UNIT or not described):
+        tried = QUARTERS * len(spectra)
+        is_too_much = ratio > NOISE and not _by_chance(ratio, quietest.amplitudes(of_it), tried)
+        if not is_too_much and (ratio > 1 / UNIT or not described):
             continue
         key = noise_key(first.unit)
         what = "more" if ratio > 1 else "less"
@@ -242,6 +245,14 @@ def noise_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[F
             " the key out.",
             "certain" if ratio > 1 else "likely",
         )
+
+
+def _by_chance(ratio: float, amplitudes: float, tried: int) -> bool:
+    """Whether the least median power of so many amplitudes, `tried` times, may be that of noise
+    which is `ratio` times as large: by H. Chernoff's bound of the chance that half of them lie
+    below it (Annals of Mathematical Statistics 23 (1952) 493)."""
+    below = max(-expm1(-log(2.0) / ratio / ratio), 1e-300)
+    return -0.5 * amplitudes * log(4.0 * below * (1.0 - below)) < needed(tried)
 
 
 def rigid_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[Finding]:

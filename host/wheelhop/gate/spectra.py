@@ -57,6 +57,11 @@ class Spectra:
         filled = power.sum(axis=0) ** 2 / np.maximum((power**2).sum(axis=0), 1e-300)
         return float(np.min(filled)) / len(power)
 
+    def amplitudes(self, columns: Sequence[int]) -> float:
+        """Independent ones of some channels in a quarter of the band, at the least."""
+        band_hz = float(self.frequency_hz[-1] - self.frequency_hz[0])
+        return len(columns) * band_hz / (QUARTERS * self.bandwidth_hz)
+
     def quietest(self, columns: Sequence[int] | None = None) -> float:
         """Mean square in band, m²/s⁴, that white noise has if the quietest quarter of the band,
         taken over all channels, or some, is nothing else; what lines hold is left aside."""

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign
 from wheelhop.campaign.types import ACCELERATION
-from wheelhop.files.units import STANDARD_GRAVITY_M_S2
+from wheelhop.files.units import SPELT, STANDARD_GRAVITY_M_S2
 from wheelhop.gate.descriptions import OTHER_UNITS
-from wheelhop.gate.drive import OnWaves
+from wheelhop.gate.drive import REACH, OnWaves
 from wheelhop.gate.finding import FALSE_ALARM, Finding, needed
 from wheelhop.gate.runs import HEIGHT, Runs
 from wheelhop.vehicle import Vehicle
@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 KEPT = 0.03  # of 1 g: gains are that good, and sensors that upright
 OFFSET = 0.3  # units, standard deviation of a channel's offset, any sensor's
+OTHER_SPEEDS = {unit: 1 / SPELT[unit][1] for unit in ("km/h", "mph", "kn")}
+"""What a channel of speed may be in, and its number over the same in m/s."""
 SUSTAINED_M_S2 = 50.0
 """No vehicle holds a mean of 5 g: such a mean is no acceleration."""
 OTHER = 0.2
@@ -59,6 +61,27 @@ def gravity_findings(campaign: Campaign) -> Iterator[Finding]:
             f"Multiply the recordings by {STANDARD_GRAVITY_M_S2}.",
             "certain",
         )
+
+
+def speed_findings(campaign: Campaign) -> Iterator[Finding]:
+    """A channel of the vehicle's speed that shows other speeds than the runs state."""
+    drives = [run.driven for run in campaign.runs if run.driven is not None]
+    if not drives:
+        return
+    times = float(np.median([each.mean_m_s / each.stated_m_s for each in drives]))
+    if abs(log(times)) <= log(1 + REACH):
+        return
+    name = drives[0].channel
+    units = {unit: abs(log(times / factor)) for unit, factor in OTHER_SPEEDS.items()}
+    unit = min(units, key=lambda each: units[each])
+    seems = f": it seems to be in {unit}" if units[unit] < log(1 + REACH) else ""
+    yield Finding(
+        "before",
+        "units",
+        f"units of {name}",
+        f"{name} shows {times:.3g} times the speeds that speed_kmph states{seems}.",
+        f"Convert {name} to m/s, or correct speed_kmph.",
+    )
 
 
 def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[Finding]:

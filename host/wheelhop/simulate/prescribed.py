@@ -143,6 +143,9 @@ def ways(model: Model, run: RunSetting, time_s: Array) -> tuple[Array, Array]:
         faster = speed / run.speed_m_s
         position = run.course.place(run.course.time(start) + faster * time_s)
         now = faster * run.course.speed(position)
+    if run.driven is not None:
+        position = start + speed * run.driven.gone(time_s)
+        now = speed * run.driven.faster(time_s)
     stretch = model.stretch(run.run_id)
     position, now = stretch * position, stretch * now
     x = position[:, None] - np.array([behind_m(model.values, i) for i in CORNERS])

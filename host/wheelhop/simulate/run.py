@@ -116,6 +116,7 @@ class RunSimulator:
             self.drive == "road",
             by_travel=self.drive == "travel",
             course=run.course,
+            driven=run.driven,
         )
         self._track = make_track(run.track) if self.drive == "road" else None
         self.series = self._series()
@@ -133,7 +134,9 @@ class RunSimulator:
         if not self.setting.on_road or self.run.speed_m_s <= 0:
             return None
         seconds = self.setting.end_s - self.setting.record_start_s + REMEMBERED_S
-        speeds = [self.run.speed_m_s, *(self.run.course.speed_m_s if self.run.course else ())]
+        run, speeds = self.run, [self.run.speed_m_s]
+        speeds += run.course.speed_m_s if run.course else ()
+        speeds += [run.driven.speed_m_s.max()] if run.driven else ()
         length = max(speeds) * seconds + REACH * REMEMBERED_M
         return HeightSeries(length, math.ceil(self.campaign.band_hz[1] * length / min(speeds)))
 
