@@ -2,41 +2,57 @@
 
     python -m benchmarks.logger_faults --seeds 500
 
-A trial is a session at 100, 200 or 400 Hz, with or without streaming, on a card of either
-addressing and behind one boot loader or another, and a fault of one cause at random moments.
-Afterwards it must still be recording, unless the power was off. The file is decoded as
-firmware/SPEC.md says, and every scan compared by its number with what the converter's inputs were;
-every block that the logger has acknowledged must be there. Exit code 1 if anything is wrong.
+A trial is a session at 100, 200 or 400 Hz, with or without streaming, behind one boot loader or
+another, with an EEPROM that may be full of noise. The card is of either addressing; it may have a
+thousand logs, be large, full and slow, or have something under the next name; the file may be as
+long as it can be on the card's clusters, mostly of 512 bytes. There are faults of
+one cause, or of three, at random moments. `start` may take 5 s, and after the faults the logger
+must be recording again within 10 s, unless the power was off. The files are decoded as
+firmware/SPEC.md says, and every scan compared by its number with what the converter's inputs were.
+Every scan that the logger has acknowledged must be on a card, in its file or for `wheelhop recover`
+to find, or among what was taken off it before it was edited; what is not the logger's must be as it
+was. Exit code 1 if anything is wrong.
 """
 
 import argparse
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.logger_causes import (
+    CARDS,
+    CAUSES,
+    IN_SMALL_FILES,
+    PHOTO,
+    PRECIOUS,
+    SLOW_READ_S,
+    THREE,
+    Rng,
+    Subject,
+    eeprom,
+    in_the_way,
+    large,
+    three,
+)
 from tests.firmware.promises.boot_loaders import LOADERS
-from tests.firmware.promises.logger import Logger, configure, faults_of
+from tests.firmware.promises.logger import configure, faults_of
 from tests.firmware.promises.reader import Log, acknowledgement, read_log
-from wheelhop.hil_sim import BadReply, CardImage, Event, Faults, PowerCut, Trace, from_array
+from wheelhop.hil_sim import CardImage, Event, Faults, Trace, from_array
+from wheelhop.logger.recovery import recover
 
 ROOT = Path(__file__).parents[1]
 ELF = ROOT / "build/firmware/nano/firmware.elf"
 SMALL = ROOT / "build/firmware/nano-small-files/firmware.elf"  # files of 64 blocks
 TABLE_HZ, TABLE_S = 400.0, 30.0
-WATCHDOG_S = 2.2  # it bites after 2 s
+START_S, GO_ON_S = 5.0, 10.0
 PAUSE_CYCLES = 10_000  # between conversions: two runs of the converter
-REPLIES = (0xFF, 0x00, 0x01, 0x04, 0x08, 0x40, 0x7F)
-COMMANDS = (0, 8, 9, 10, 13, 16, 24, 41, 55, 58, 59)
-
-Rng = np.random.Generator
 
 
 @dataclass
@@ -44,140 +60,13 @@ class Outcome:
     """Of one trial: counts, and in words what is wrong."""
 
     cause: str
+    chosen: list[str] = field(default_factory=list)
+    pause_s: float = 0.0  # until it was recording again, asked from 2.5 s on
     decoded: int = 0
     acknowledged: int = 0
     lost: int = 0
+    rescued: int = 0  # sessions that are in no file whole, and that `wheelhop recover` brings back
     wrong: list[str] = field(default_factory=list)
-
-
-def bounces(rng: Rng, now: float) -> list[tuple[float, float]]:
-    """Bursts of open contacts, 0.2 to 30 ms each."""
-    gaps = []
-    for burst in now + np.sort(rng.uniform(0.1, 2.5, rng.integers(1, 4))):
-        for start in burst + np.cumsum(rng.exponential(0.02, rng.integers(1, 6))):
-            gaps.append((float(start), float(start + rng.uniform(0.2e-3, 30e-3))))
-    return gaps
-
-
-def bounce(rng: Rng, one: Logger) -> Faults:
-    """Contacts open for moments; the card loses its power."""
-    return Faults(bounces=bounces(rng, one.board.time))
-
-
-def slow_sheets(rng: Rng, one: Logger) -> Faults:
-    """The same, and the card is slow to identify itself."""
-    latency = float(rng.uniform(1e-3, 0.15))
-    return Faults(bounces=bounces(rng, one.board.time), sheet_latency=latency)
-
-
-def bad_replies(rng: Rng, one: Logger) -> Faults:
-    """The same, and commands fail."""
-    bad = [
-        BadReply(int(rng.choice(COMMANDS)), int(rng.integers(0, 6)), int(rng.choice(REPLIES)))
-        for _ in range(rng.integers(1, 6))
-    ]
-    return Faults(bounces=bounces(rng, one.board.time), bad_replies=bad)
-
-
-def loosens(rng: Rng, one: Logger) -> Faults:
-    """The card goes and comes, and its CSD cannot be read at once: scans find no room."""
-    start = one.board.time + float(rng.uniform(0.1, 1.5))
-    gap = (start, start + float(rng.uniform(2e-3, 30e-3)))
-    bad = [BadReply(9, nth, 0xFF) for nth in range(int(rng.integers(1, 3)))]
-    return Faults(bounces=[gap], bad_replies=bad)
-
-
-def no_checks(rng: Rng, one: Logger) -> Faults:
-    """The same, with a card that checks nothing."""
-    return Faults(bounces=bounces(rng, one.board.time), ignores_crc=True)
-
-
-def stalls(rng: Rng, one: Logger) -> Faults:
-    """The card is busy for long."""
-    first = one.board.counters().card_writes
-    writes = first + rng.integers(0, 12, rng.integers(1, 5))
-    return Faults(stalls={int(write): float(rng.uniform(0.05, 0.9)) for write in writes})
-
-
-def waits(rng: Rng, one: Logger) -> Faults:
-    """The same, and the program waits for something meanwhile: scans are skipped."""
-    starts = one.board.time + rng.uniform(0.0, 3.0, rng.integers(10, 40))
-    holds = [(float(start), float(start + rng.uniform(2e-3, 60e-3))) for start in starts]
-    return replace(stalls(rng, one), holds=holds)
-
-
-def sags(rng: Rng, one: Logger) -> Faults:
-    """The sensors' supply sags and recovers, and the card is busy for long."""
-    faults = stalls(rng, one)
-    for volts in rng.uniform(2.6, 3.6, rng.integers(1, 5)):
-        one.board.reference_volts = float(volts)
-        one.run(float(rng.uniform(0.05, 0.5)))
-    one.board.reference_volts = 3.3
-    return faults
-
-
-def rejects(rng: Rng, one: Logger) -> Faults:
-    """Writes are refused."""
-    first = one.board.counters().card_writes
-    writes = first + rng.integers(0, 12, rng.integers(1, 6))
-    return Faults(rejects={int(w): "crc" if rng.random() < 0.5 else "write" for w in writes})
-
-
-def cut(rng: Rng, one: Logger) -> Faults:
-    """The power fails inside a write."""
-    write = one.board.counters().card_writes + int(rng.integers(0, 10))
-    tails: tuple[Literal["old", "ones", "noise"], ...] = ("old", "ones", "noise")
-    tail = tails[rng.integers(3)]
-    return Faults(power_cut=PowerCut(write, int(rng.integers(0, 513)), tail))
-
-
-def reset(rng: Rng, one: Logger) -> Faults:
-    """The controller starts anew, once or twice, the card does not; it may be away, or busy."""
-    one.run(float(rng.uniform(0.0, 2.0)))
-    kind = rng.integers(3)
-    away = one.board.time + rng.uniform(0.0, 0.6) + (kind == 2) * WATCHDOG_S
-    write = one.board.counters().card_writes
-    faults = (
-        Faults(),
-        Faults(bounces=[(float(away), float(away + rng.uniform(0.0, 2.0)))]),
-        Faults(stalls={write: float(rng.uniform(0.5, 1.9))}),
-    )[rng.integers(3)]
-    one.board.faults = faults
-    one.run(float(rng.uniform(0.0, 0.6)))
-    if kind == 2:
-        one.board.serial.write(b"reset\n")
-        one.run(WATCHDOG_S)
-    else:
-        one.board.reset("external" if kind else "brown-out")
-    if rng.random() < 0.5:
-        one.run(float(rng.uniform(0.0, 1.8)))
-        one.board.reset("brown-out")
-    return faults
-
-
-def fills(rng: Rng, one: Logger) -> Faults:
-    """A file is full, and the controller may start anew before the next one is there."""
-    one.until(lambda: bool(told := one.acknowledgements()) and told[-1].blocks >= 58, 30.0)
-    one.run(float(rng.uniform(0.0, 0.7)))
-    if rng.random() < 0.7:
-        one.board.reset("external" if rng.random() < 0.5 else "brown-out")
-    return Faults()
-
-
-CAUSES: dict[str, Callable[[Rng, Logger], Faults]] = {
-    "contact bounce": bounce,
-    "slow CSD and CID": slow_sheets,
-    "bad replies": bad_replies,
-    "CSD fails once": loosens,
-    "CMD59 ignored": no_checks,
-    "stalls to 0.9 s": stalls,
-    "program waits": waits,
-    "refused writes": rejects,
-    "power cuts": cut,
-    "resets": reset,
-    "full files": fills,
-    "supply sags": sags,
-}
 
 
 def inputs(rng: Rng) -> NDArray[np.float64]:
@@ -236,74 +125,132 @@ def check(outcome: Outcome, log: Log, run: NDArray[np.void]) -> None:
             outcome.wrong.append(f"summary: due {due}, written {written}, lost {lost}")
 
 
+def begin(outcome: Outcome, one: Subject) -> bool:
+    """Start a session, in time."""
+    one.boot()
+    asked_s = one.board.time
+    if not one.command("start", 60.0).ok:
+        outcome.wrong.append("does not start")
+        return False
+    if (took_s := one.board.time - asked_s) > START_S:
+        outcome.wrong.append(f"starts after {took_s:.1f} s")
+    return True
+
+
+def go_on(outcome: Outcome, one: Subject) -> None:
+    """The faults have ended: it records again in time, unless the power was off."""
+    one.board.faults = Faults()
+    ended_s = one.board.time
+    was_off = one.board.state != "running"
+    if was_off:
+        one.board.power_on()
+    one.run(2.5)
+
+    def records() -> bool:
+        return bool(one.command("status", 30.0).values["state"] == "recording")
+
+    while not (recording := records()) and not was_off and one.board.time - ended_s < GO_ON_S:
+        one.run(0.5)
+    if recording == was_off:
+        outcome.wrong.append("goes on by itself" if recording else "does not go on")
+    outcome.pause_s = 0.0 if was_off else one.board.time - ended_s
+
+
 def trial(seed: int, folder: Path, elf: Path = ELF, small: Path = SMALL) -> Outcome:
-    """One session with one fault; the seed chooses everything."""
+    """One session with one cause of faults, or three; the seed chooses everything."""
     rng = np.random.default_rng(seed)
-    cause = list(CAUSES)[seed % len(CAUSES)]
-    outcome = Outcome(cause)
+    cause = (*CAUSES, *[THREE] * len(CAUSES))[seed % (2 * len(CAUSES))]
+    chosen = [cause] if cause in CAUSES else [str(c) for c in rng.choice(list(CAUSES), 3, False)]
+    outcome = Outcome(cause, chosen)
     rate = (100, 200, 400)[rng.integers(3)]
     stream = "on" if rng.random() < 0.5 else "off"
-    path = folder / f"{seed}.img"
-    card = CardImage.fat16(path) if rng.random() < 0.3 else CardImage.fat32(path)
-    configure(card, f"size_mb = 1\nrate = {rate}\nstream = {stream}\n")
-    signals = from_array(inputs(rng), TABLE_HZ, repeat=True)
-    loader = (None, *LOADERS.values())[rng.integers(1 + len(LOADERS))]
-    program = small if cause == "full files" else elf
-    with Logger(program, card, signals=signals, trace=True, boot_loader=loader) as one:
-        one.boot()
-        if not one.command("start").ok:
-            outcome.wrong.append("does not start")
+    make = CARDS[rng.integers(len(CARDS))]
+    program = small if {*IN_SMALL_FILES} & {*chosen} else elf
+    size_mb = 128 if program is elf and rng.random() < 0.3 else 1
+    settings = f"size_mb = {size_mb}\nrate = {rate}\nstream = {stream}\n"
+    card = configure(make(rng, folder / f"{seed}.img"), settings)
+    options = {
+        "signals": from_array(inputs(rng), TABLE_HZ, repeat=True),
+        "boot_loader": (None, *LOADERS.values())[rng.integers(1 + len(LOADERS))],
+        "eeprom": eeprom(rng),
+        "faults": Faults(read_latency=SLOW_READ_S if make is large else 100e-6),
+        "trace": True,
+    }
+    with Subject(program, card, settings, **options) as one:
+        if not begin(outcome, one):
             return outcome
         one.run(float(rng.uniform(0.2, 1.0)))
-        faults = CAUSES[cause](rng, one)
-        one.board.faults = faults
+        one.board.faults = three(rng, one, chosen)
         one.run(3.0)
-        one.board.faults = Faults()
-        was_off = one.board.state != "running"
-        if was_off:
-            one.board.power_on()
-        one.run(2.5)
-        goes_on = one.command("status", 30.0).values["state"] == "recording"
-        if goes_on == was_off:
-            outcome.wrong.append("goes on by itself" if goes_on else "does not go on")
+        go_on(outcome, one)
         one.command("stop", 30.0)
         if not one.command("start", 30.0).ok:  # closes what is open
             outcome.wrong.append("does not start again")
         one.command("stop", 30.0)
-        runs = runs_of(one.board.trace())
-        began = {
-            int(frame.text[8:], 16): frame.time_s
-            for frame in one.frames
-            if frame.kind == "H" and frame.text.startswith("session=")
-        }
-        safe = {}
-        for frame in one.frames:
-            if frame.kind == "B":
-                told = acknowledgement(frame)
-                safe[told.session] = told
+        judge(outcome, one, in_the_way_of(make))
+    for used in one.cards:
+        used.path.unlink()
+    return outcome
+
+
+def in_the_way_of(make: object) -> dict[str, bytes]:
+    """What a card held before, and must hold still."""
+    return {"HOP00001.HOP": PRECIOUS} if make is in_the_way else {}
+
+
+def judge(outcome: Outcome, one: Subject, held: dict[str, bytes]) -> None:
+    """Compare all that was recorded with the inputs, and the cards with what was on them."""
+    runs = runs_of(one.board.trace())
     starts = np.array([run["cycle"][0] for run in runs]) / 16e6
-    logs = {}
-    for name in card.files():
-        if name.endswith(".HOP") and (log := read_log(card.read(name))) is not None:
-            logs[log.session] = log
+    began, safe = {}, {}
+    for frame in one.frames:
+        if frame.kind == "H" and frame.text.startswith("session="):
+            began[int(frame.text[8:], 16)] = frame.time_s
+        elif frame.kind == "B":
+            told = acknowledgement(frame)
+            safe[told.session] = told
+    logs = {log.session: log for log in one.taken}
+    for card in one.cards:
+        files = {name: card.read(name) for name, size in card.files().items() if size != 512}
+        found = [log for name in files if name[-4:] == ".HOP" and (log := read_log(files[name]))]
+        logs.update({log.session: log for log in found})
+        photo = one.photos.get(card.path)
+        if photo is not None and files.get(PHOTO) != photo:
+            outcome.wrong.append("a photo was written into")
+        if any(files[name] != held[name] for name in held.keys() & files.keys()):
+            outcome.wrong.append("a file of before was written into")
+        if damage := faults_of(card):
+            outcome.wrong.append(f"file system: {damage[0]}")
+    for log in logs.values():
+        if log.session in began:
             check(outcome, log, runs[int(np.searchsorted(starts, began[log.session])) - 1])
     for session, told in safe.items():
         outcome.acknowledged += told.written
         there = {block.number for block in logs[session].blocks} if session in logs else set()
-        if missing := set(range(told.blocks)) - there:
-            outcome.wrong.append(f"{len(missing)} acknowledged blocks are not in the file")
-        elif len(logs[session].scans) < told.written:
-            outcome.wrong.append(f"{told.written} scans acknowledged, fewer in the file")
-    if damage := faults_of(card):
-        outcome.wrong.append(f"file system: {damage[0]}")
-    path.unlink()
-    return outcome
+        missing = set(range(told.blocks)) - there
+        if not missing and len(logs[session].scans) >= told.written:
+            continue
+        if (log := rescued(one.cards, session)) is None or len(log.scans) < told.written:
+            outcome.wrong.append(f"of {told.written} scans acknowledged some are gone")
+        else:
+            outcome.rescued += 1
+            check(outcome, log, runs[int(np.searchsorted(starts, began[session])) - 1])
+
+
+def rescued(cards: Sequence[CardImage], session: int) -> Log | None:
+    """What `wheelhop recover` saves of a session that is in no file whole."""
+    with tempfile.TemporaryDirectory() as folder:
+        for number, card in enumerate(cards):
+            for saved in recover(card.path, Path(folder) / str(number)):
+                if saved.session == session:
+                    return read_log(saved.path.read_bytes())
+    return None
 
 
 def table(outcomes: list[Outcome]) -> str:
     """Figures by cause, and of all."""
     rows = [f"{'cause':18}{'trials':>8}{'decoded':>10}{'acknowledged':>14}{'lost':>8}{'wrong':>7}"]
-    for cause in (*CAUSES, "all"):
+    for cause in (*CAUSES, THREE, "all"):
         mine = [outcome for outcome in outcomes if cause in (outcome.cause, "all")]
         decoded, safe, lost = (
             sum(getattr(outcome, key) for outcome in mine)
@@ -311,7 +258,10 @@ def table(outcomes: list[Outcome]) -> str:
         )
         wrong = sum(bool(outcome.wrong) for outcome in mine)
         rows.append(f"{cause:18}{len(mine):>8}{decoded:>10}{safe:>14}{lost:>8}{wrong:>7}")
-    return "\n".join(rows)
+    saved = sum(outcome.rescued for outcome in outcomes)
+    pause_s = max((outcome.pause_s for outcome in outcomes), default=0.0)
+    rows.append(f"sessions that only `wheelhop recover` brings back: {saved}")
+    return "\n".join([*rows, f"recording again after {pause_s:.1f} s at the latest"])
 
 
 def main() -> int:
@@ -330,7 +280,7 @@ def main() -> int:
         for seed in range(options.first, options.first + options.seeds):
             outcomes.append(trial(seed, Path(folder)))
             for text in outcomes[-1].wrong:
-                print(f"seed {seed}, {outcomes[-1].cause}: {text}", flush=True)
+                print(f"seed {seed}, {', '.join(outcomes[-1].chosen)}: {text}", flush=True)
             print(f"\r{len(outcomes)} of {options.seeds}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     print(table(outcomes))

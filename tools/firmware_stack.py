@@ -34,7 +34,9 @@ POINTERS = {
 NEVER = (
     ("follow_path", "create_chain"),
     ("Session::meet", "f_open", "create_chain"),
-    ("close", "f_lseek", "put_fat"),
+    ("Console::get", "f_open", "create_chain"),
+    ("Console::stop", "f_open", "create_chain"),
+    ("close", "f_lseek", "create_chain"),
 )
 
 

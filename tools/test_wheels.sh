@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # The wheel and the sdist in clean environments, one for each Python given: tools/test_wheels.sh [PYTHON …]
 # Without arguments: python3.11 … python3.14. What is not there comes from Debian's next release, into a folder of
-# its own, if this is root and `debootstrap` is installed. Needs PyPI, and hatchling in .venv.
+# its own, if this is root and `debootstrap` is installed. Needs PyPI, hatchling in .venv, and
+# what tools/firmware_release.sh needs: the wheel carries the firmware.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 place=$(mktemp -d)
 trap 'rm -rf --one-file-system "$place"' EXIT
 
+tools/firmware_release.sh >/dev/null
 .venv/bin/python -m hatchling build --directory "$place/dist" >/dev/null 2>&1
 cp -r examples/clean "$place/clean"
 
@@ -20,6 +22,8 @@ try() {
       "$2" -m venv --clear env
       env/bin/pip install -qq --disable-pip-version-check "dist/$3"
       env/bin/wheelhop --help >/dev/null
+      env/bin/python -c "from wheelhop.logger.flash import PACKAGED, check_hex
+for name in (\"nano\", \"mega\"): check_hex(PACKAGED / f\"wheelhop-logger-{name}.hex\")"
       env/bin/wheelhop simulate clean/vehicle.toml --tracks washboard/low --speed 8 --out run.parquet >/dev/null
       env/bin/wheelhop compare clean --json result.json >/dev/null
       rm run.parquet result.json

@@ -5,8 +5,6 @@
 // into a block (ring), brings full blocks to a file on the card without ever waiting for it
 // (session, sdcard), sends scans to the host (stream) and does what the host asks for (console).
 // What is written and sent: SPEC.md; why so: DESIGN.md.
-#include <Arduino.h>
-
 #include "avr.h"
 #include "console.h"
 #include "panel.h"
@@ -19,9 +17,9 @@ namespace {
 void pump() __attribute__((noinline));  // its memory is not on the stack below FatFs
 void tell_config_problem(uint16_t line_number, const FlashChar* problem);
 
-Session session(board::sampler, tell_config_problem);
-ScanStream stream(board::serial);
-Console console(board::serial, session, pump);
+Session session(tell_config_problem);
+ScanStream stream;
+Console console(session, pump);
 Button button;
 Trouble shown = kNoTrouble;  // what the light shows
 
@@ -40,6 +38,9 @@ void tell_config_problem(uint16_t line_number, const FlashChar* problem) {
     console.say_config_problem(line_number, problem);
 }
 
+void say_ready() __attribute__((noinline));  // nor does main() hold what this does
+void say_ready() { console.say('M', FLASH("ready")); }
+
 void tell_trouble() {
     const Trouble trouble = session.trouble();
     if (trouble != shown) console.say('M', report::trouble_text(trouble));
@@ -57,14 +58,6 @@ void show_light() {
     board::set_led(led_lit(light, trouble, board::milliseconds()));
 }
 
-}  // namespace
-
-void setup() {
-    board::begin();
-    session.begin();
-    console.say('M', FLASH("ready"));
-}
-
 void loop() {
     board::feed_watchdog();
     if (session.wants_to_begin()) {
@@ -78,11 +71,21 @@ void loop() {
     }
     pump();
     console.poll();
-    if (session.full() && !console.stop(End::Full) && session.settings.resume) console.start(true);
+    if (session.over() && !console.stop(End::Full) && session.settings.resume) console.start(true);
     if (button.pressed(board::button_down(), board::milliseconds())) {
         session.running() ? console.stop(End::Button) : console.start();
     }
     tell_trouble();
     show_light();
     board::sleep();
+}
+
+}  // namespace
+
+int main() __attribute__((OS_main));  // nobody wants registers back
+int main() {
+    board::begin();
+    session.begin();
+    say_ready();
+    for (;;) loop();
 }

@@ -126,6 +126,7 @@ static void set_card_times(const Request* request) {
     config->write_protected = number(request, 5);
     config->sheet_latency = number(request, 6);
     config->ignores_crc = number(request, 7);
+    config->late_busy = (unsigned)number(request, 8);
     config->fault_count = config->reply_fault_count = config->gap_count = board.hold_count = 0;
     memset(board.card.commands, 0, sizeof board.card.commands);
     ok();

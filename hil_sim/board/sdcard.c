@@ -59,6 +59,7 @@ void sdcard_select(SdCard* card, bool selected) {
         card->command_length = card->reply_count = card->reply_used = 0;
     }
     card->selected = selected;
+    card->not_yet_busy = card->config.late_busy;
 }
 
 static void reply(SdCard* card, uint8_t byte) { card->replies[card->reply_count++] = byte; }
@@ -249,6 +250,7 @@ static void take_block(SdCard* card, uint64_t now) {
     reply(card, token);
     card->failed = token != TOKEN_ACCEPTED;
     card->busy_until = now + busy;
+    card->not_yet_busy = card->config.late_busy;
     card->state = card->multiple ? CARD_AWAITS_TOKEN : CARD_READY;
 }
 
@@ -281,6 +283,10 @@ static uint8_t next_output(SdCard* card, bool busy, uint64_t now) {
         uint8_t byte = card->replies[card->reply_used++];
         if (card->reply_used == card->reply_count) card->reply_used = card->reply_count = 0;
         return byte;
+    }
+    if (busy && card->not_yet_busy) {
+        card->not_yet_busy--;
+        return FLOATING;
     }
     if (busy) return BUSY;
     if (card->state != CARD_SENDS || now < card->data_at) return FLOATING;

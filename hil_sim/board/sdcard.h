@@ -53,6 +53,7 @@ typedef struct {
     uint64_t start_up;      // from the first ACMD41 until the card is ready
     uint64_t sheet_latency;  // before CSD and CID
     bool ignores_crc;        // CMD59 is answered, and nothing else
+    unsigned late_busy;      // bytes after chip select or a block before busy shows
     BadReply replies[MAX_FAULTS];
     size_t reply_fault_count;
     Interval gaps[MAX_FAULTS];  // the contacts are open
@@ -79,6 +80,7 @@ typedef struct {
     CardState state;
     uint8_t command[6], buffer[BLOCK_SIZE + 2], replies[8];
     unsigned command_length, buffer_length, buffer_used, reply_count, reply_used, clocks;
+    unsigned not_yet_busy;  // bytes for which the card does not show that it is busy
     uint64_t block, busy_until, data_at, ready_at;
     uint8_t status;  // second byte of R2
 

@@ -1,12 +1,13 @@
 #ifdef __AVR__
 #include "avr.h"
 
-#include <Arduino.h>
 #include <avr/eeprom.h>
 #include <avr/interrupt.h>
+#include <avr/io.h>
 #include <avr/pgmspace.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
+#include <util/atomic.h>
 
 #include "crc16.h"
 
@@ -57,6 +58,7 @@ const uint8_t kBandgap = 0x0E;
 uint8_t reset_flags __attribute__((section(".noinit")));
 uint16_t awake __attribute__((section(".noinit")));
 const uint16_t kAwake = 0x5AC3;
+uint32_t now_ms;
 
 uint16_t convert() {
     ADCSRA |= _BV(ADSC);
@@ -69,14 +71,17 @@ uint16_t convert() {
 //
 // Boot loaders clear the flags. Optiboot hands them on in r2 from its version 5 on, which the last
 // byte of the flash tells; those that Arduino ships do not. Then the RAM tells at least whether the
-// power was off.
+// power was off. Optiboot starts the program by its watchdog after an external reset: before
+// version 7 that cannot be told from ours, from then on both flags are up.
 extern "C" void save_reset_flags() __attribute__((naked, used, section(".init3")));
 void save_reset_flags() {
     uint8_t handed_on;
     asm volatile("mov %0, r2" : "=r"(handed_on));
     const uint8_t version = read_flash_byte(FLASHEND);
     uint8_t flags = MCUSR;
-    if (!flags && version >= 5 && version != 0xFF) flags = handed_on;
+    if (!flags && version >= 5 && version != 0xFF) {
+        flags = version < 7 ? handed_on & static_cast<uint8_t>(~_BV(WDRF)) : handed_on;
+    }
     if (!flags && awake != kAwake) flags = _BV(PORF);
     if (flags & _BV(PORF) || awake != kAwake) board::unfinished = 0;
     reset_flags = flags;
@@ -100,6 +105,10 @@ Sampler sampler;
 Link serial;
 
 void begin() {
+    TCCR0A = _BV(WGM01);  // Timer0 counts 250 times 64 clocks: a millisecond
+    TCCR0B = _BV(CS01) | _BV(CS00);
+    OCR0A = 249;
+    TIMSK0 = _BV(OCIE0A);
     BUTTON_PORT |= kButton;  // pull-up
     LED_DDR |= kLed;
     PORTB |= kSelect | kMiso;  // pull-up: an empty socket reads as 0xFF
@@ -115,22 +124,24 @@ void begin() {
     sample(0);
     set_sleep_mode(SLEEP_MODE_IDLE);
     wdt_enable(WDTO_2S);
+    sei();
 }
 
-uint32_t milliseconds() { return ::millis(); }
-
-uint16_t dice() {
-    return static_cast<uint16_t>(::micros() / 4) ^ static_cast<uint16_t>(::micros() << 5);
+uint32_t milliseconds() {
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { return now_ms; }
+    return 0;  // which is not reached
 }
+
+uint16_t dice() { return static_cast<uint16_t>(milliseconds() << 8 | TCNT0); }
 
 void feed_watchdog() { wdt_reset(); }
 
 const FlashChar* reset_cause() {
     const uint8_t flags = reset_flags;
-    if (flags & _BV(WDRF)) return FLASH("watchdog");
     if (flags & _BV(PORF)) return FLASH("power");
     if (flags & _BV(BORF)) return FLASH("brown-out");
     if (flags & _BV(EXTRF)) return FLASH("external");
+    if (flags & _BV(WDRF)) return FLASH("watchdog");
     return FLASH("unknown");
 }
 
@@ -173,12 +184,12 @@ uint16_t spi_receive(uint8_t* data, uint16_t size) {
     while (--size) {
         SPDR = 0xFF;
         crc = crc16_update(crc, byte);
-        *data++ = byte;
+        if (data) *data++ = byte;
         while (!(SPSR & _BV(SPIF))) {
         }
         byte = SPDR;
     }
-    *data = byte;
+    if (data) *data = byte;
     return crc16_update(crc, byte);
 }
 
@@ -247,6 +258,8 @@ ISR(ADC_vect) {
     if (clocks < kEarliestEnd && !(ADCSRA & _BV(ADSC))) board::sampler.note_late_trigger();
     board::sampler.collect(ended == kBandgap ? Sampler::kSupply : ended, ADC);
 }
+
+ISR(TIMER0_COMPA_vect) { ++now_ms; }
 
 ISR(USART_UDRE_vect) {
     uint8_t byte;

@@ -6,10 +6,6 @@
 // The ATmega328P or 2560 itself: what main.cpp needs beyond board.h.
 namespace board {
 
-// The interrupts' ends of these two are in avr.cpp.
-extern Sampler sampler;
-extern Link serial;
-
 void begin();
 bool button_down();
 void set_led(bool lit);

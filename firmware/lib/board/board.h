@@ -3,6 +3,9 @@
 
 #include "flash.h"
 
+class Link;
+class Sampler;
+
 // What the hardware-independent parts need of the board. avr.cpp implements it for the
 // ATmega328P and 2560; the tests on a PC bring an implementation of their own.
 namespace board {
@@ -19,17 +22,20 @@ void card_select(bool selected);
 void spi_fast(bool fast);  // 4 MHz instead of the 250 kHz that a card needs to wake up
 uint8_t spi_exchange(uint8_t sent);
 uint16_t spi_send(const uint8_t* data, uint16_t size);  // both return the data's CRC
-uint16_t spi_receive(uint8_t* data, uint16_t size);
+uint16_t spi_receive(uint8_t* data, uint16_t size);     // nullptr: data are not kept
 
 // EEPROM
 void eeprom_read(uint8_t address, void* data, uint8_t size);
 void eeprom_write(uint8_t address, const void* data, uint8_t size);
 
-// Converter
+// Converter; its interrupt's end is the board's
+extern Sampler sampler;
 void sample(uint8_t conversions);  // of each input in a scan; 0 stops
 uint16_t reference_code();         // of the internal reference; only while nothing is sampled
 
-// Serial line: fetch bytes from Link::transmit() until there are none
+// Serial line; its interrupts' ends are the board's: they fetch bytes from Link::transmit() until
+// there are none
+extern Link serial;
 void start_transmitter();
 
 }  // namespace board

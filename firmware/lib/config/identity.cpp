@@ -35,12 +35,12 @@ uint16_t slot_number(uint8_t index) {
 
 namespace identity {
 
-uint16_t session_number() {
-    const uint16_t even = slot_number(0);
-    const uint16_t odd = slot_number(1);
-    if (!even || !odd) return even | odd;
-    return static_cast<int16_t>(odd - even) > 0 ? odd : even;  // also after 65535
+uint16_t later(uint16_t one, uint16_t other) {
+    if (!one || !other) return one | other;
+    return static_cast<int16_t>(other - one) > 0 ? other : one;
 }
+
+uint16_t session_number() { return later(slot_number(0), slot_number(1)); }
 
 void set_session_number(uint16_t number) {
     const Slot slot = {number, crc16(&number, sizeof number)};

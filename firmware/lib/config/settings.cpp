@@ -63,40 +63,35 @@ const FlashChar* split(char* line, char*& key, char*& value) {
     return nullptr;
 }
 
+// What a value may be is told by who knows the key: the host, and SPEC.md.
+const FlashChar* wrong_value() { return FLASH("wrong value"); }
+
 const FlashChar* Settings::apply(const char* key, const char* value) {
     uint32_t number;
+    bool good = true;
     if (same(key, FLASH("rate"))) {
-        const bool is_number = read_number(value, 400, number);
-        if (!is_number || (number != 100 && number != 200 && number != 400)) {
-            return FLASH("rate must be 100, 200 or 400");
-        }
-        conversions = static_cast<uint8_t>(800 / number);
+        good = read_number(value, 400, number) && (number == 100 || number == 200 || number == 400);
+        if (good) conversions = static_cast<uint8_t>(800 / number);
     } else if (same(key, FLASH("channels"))) {
         char parsed[8][kChannelSize];
-        if (!parse_channels(value, parsed)) return FLASH("channels: 8 names or -");
-        memcpy(channels, parsed, sizeof channels);
+        good = parse_channels(value, parsed);
+        if (good) memcpy(channels, parsed, sizeof channels);
     } else if (same(key, FLASH("name"))) {
-        if (strlen(value) >= kNameSize) return FLASH("name: at most 15 characters");
-        strcpy(name, value);
+        good = strlen(value) < kNameSize;
+        if (good) strcpy(name, value);
     } else if (same(key, FLASH("start"))) {
-        if (!parse_choice(value, FLASH("button"), FLASH("power"), start_at_power)) {
-            return FLASH("start: button or power");
-        }
+        good = parse_choice(value, FLASH("button"), FLASH("power"), start_at_power);
     } else if (same(key, FLASH("stream"))) {
-        if (!parse_choice(value, FLASH("off"), FLASH("on"), stream)) {
-            return FLASH("stream: on or off");
-        }
+        good = parse_choice(value, FLASH("off"), FLASH("on"), stream);
     } else if (same(key, FLASH("resume"))) {
-        if (!parse_choice(value, FLASH("off"), FLASH("on"), resume)) {
-            return FLASH("resume: on or off");
-        }
+        good = parse_choice(value, FLASH("off"), FLASH("on"), resume);
     } else if (same(key, FLASH("size_mb"))) {
-        if (!read_number(value, 4095, number) || !number) return FLASH("size_mb must be 1 to 4095");
-        size_mb = static_cast<uint16_t>(number);
+        good = read_number(value, 4095, number) && number;
+        if (good) size_mb = static_cast<uint16_t>(number);
     } else {
         return FLASH("unknown key");
     }
-    return nullptr;
+    return good ? nullptr : wrong_value();
 }
 
 uint8_t Settings::mask() const {

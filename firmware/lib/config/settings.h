@@ -26,5 +26,7 @@ struct Settings {
     void put_channels(Text& text) const;  // as HOP.CFG has them
 };
 
+const FlashChar* wrong_value();
+
 // Cut `key = value` at the first `=` and trim both parts. Returns nullptr, or what is wrong.
 const FlashChar* split(char* line, char*& key, char*& value);

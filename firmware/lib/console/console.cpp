@@ -4,6 +4,7 @@
 
 #include "board.h"
 #include "identity.h"
+#include "link.h"
 #include "report.h"
 #include "text.h"
 
@@ -50,7 +51,7 @@ bool status_line(const Session& session, uint8_t index, Text& text) {
 
 void Console::poll() {
     const FlashChar* problem;
-    char* line = link_.command(problem);
+    char* line = board::serial.command(problem);
     if (!line) return;
     const bool reset = !problem && same(line, FLASH("reset"));
     const bool with_size = begins_with(line, FLASH("get "));
@@ -58,7 +59,7 @@ void Console::poll() {
     answer(problem, with_size);
     while (reset) {  // until the watchdog bites
     }
-    link_.next_command();
+    board::serial.next_command();
 }
 
 void Console::answer(const FlashChar* problem, bool with_size) {
@@ -68,9 +69,9 @@ void Console::answer(const FlashChar* problem, bool with_size) {
     } else if (with_size) {
         text.number(f_size(&session_.work().file));
     } else if (session_.running()) {
-        logfile::put_name(static_cast<uint16_t>(session_.id() >> 16), text);
+        logfile::put_name(session_.file_number(), text);
     }
-    link_.send(problem ? 'E' : 'K', static_cast<uint8_t>(text.length()));
+    board::serial.send(problem ? 'E' : 'K', static_cast<uint8_t>(text.length()));
 }
 
 Trouble Console::start(bool resumes) {
@@ -96,7 +97,7 @@ Trouble Console::stop(End end) {
 void Console::say(char type, const FlashChar* line) {
     Text text = compose();
     text.put(line);
-    link_.send(type, static_cast<uint8_t>(text.length()));
+    board::serial.send(type, static_cast<uint8_t>(text.length()));
 }
 
 void Console::say_config_problem(uint16_t line_number, const FlashChar* problem) {
@@ -105,20 +106,25 @@ void Console::say_config_problem(uint16_t line_number, const FlashChar* problem)
     text.number(line_number);
     text.put(FLASH(": "));
     text.put(problem);
-    link_.send('M', static_cast<uint8_t>(text.length()));
+    board::serial.send('M', static_cast<uint8_t>(text.length()));
 }
 
-// Wait for the frame before to leave; the text written is the payload of the next one.
+// Wait for the frame before to leave, and for the stream's if it has one; the text written is the
+// payload of the next one.
 Text Console::compose() {
-    while (link_.sending()) meanwhile_();
-    return Text(link_.payload(), Link::kPayload);
+    bool sending;
+    do {
+        sending = board::serial.sending();
+        meanwhile_();
+    } while (sending || board::serial.sending());
+    return Text(board::serial.payload(), Link::kPayload);
 }
 
 void Console::say_lines(char type, LineWriter line) {
     for (uint8_t index = 0;; ++index) {
         Text text = compose();
         if (!line(session_, index, text)) return;
-        link_.send(type, static_cast<uint8_t>(text.length()));
+        board::serial.send(type, static_cast<uint8_t>(text.length()));
     }
 }
 
@@ -126,7 +132,7 @@ void Console::say_session() {
     Text text = compose();
     text.put(FLASH("session="));
     text.hex(session_.id(), 8);
-    link_.send('H', static_cast<uint8_t>(text.length()));
+    board::serial.send('H', static_cast<uint8_t>(text.length()));
 }
 
 const FlashChar* Console::carry_out(char* line) {
@@ -172,7 +178,7 @@ Trouble Console::list() {
         Text text = compose();
         trouble = logfile::next_log(session_.work(), text);
         if (!text.length()) break;
-        link_.send('L', static_cast<uint8_t>(text.length()));
+        board::serial.send('L', static_cast<uint8_t>(text.length()));
     }
     return trouble;
 }
@@ -183,7 +189,7 @@ const FlashChar* Console::get(char* name) {
     uint32_t block;
     uint32_t count;
     if (!read_number(first, kLastBlock, block) || !read_number(many, 0xFFFF, count) || !count) {
-        return FLASH("write get NAME BLOCK COUNT");
+        return wrong_value();
     }
     logfile::Work& work = session_.work();
     Trouble trouble = logfile::open_file(work, name, block);
@@ -192,11 +198,11 @@ const FlashChar* Console::get(char* name) {
         const uint32_t at = f_tell(&work.file);
         const uint16_t to_end = 512 - at % 512;
         uint8_t got;
-        trouble = logfile::read_file(work, link_.payload() + sizeof at,
+        trouble = logfile::read_file(work, board::serial.payload() + sizeof at,
                                      to_end < kPiece ? to_end : kPiece, got);
         if (!got) break;
-        memcpy(link_.payload(), &at, sizeof at);
-        link_.send('F', sizeof at + got);
+        memcpy(board::serial.payload(), &at, sizeof at);
+        board::serial.send('F', sizeof at + got);
         left -= got;
     }
     return text_of(trouble);
@@ -209,21 +215,17 @@ const FlashChar* Console::set(char* line) {
     if (problem) return problem;
     if (same(key, FLASH("clock_ppm"))) {
         int16_t ppm;
-        if (!read_signed(value, identity::kLargestPpm, ppm)) {
-            return FLASH("clock_ppm must be -20000 to 20000");
-        }
+        if (!read_signed(value, identity::kLargestPpm, ppm)) return wrong_value();
         session_.set_clock_ppm(ppm);
         return nullptr;
     }
     if (session_.running()) return not_now();
     if (same(key, FLASH("device"))) {
         uint32_t number;
-        if (!read_number(value, 65534, number)) return FLASH("device must be 0 to 65534");
+        if (!read_number(value, 65534, number)) return wrong_value();
         identity::set_device(static_cast<uint16_t>(number));
     } else if (same(key, FLASH("calibration"))) {
-        if (strlen(value) >= identity::kCalibrationSize) {
-            return FLASH("calibration: at most 15 characters");
-        }
+        if (strlen(value) >= identity::kCalibrationSize) return wrong_value();
         identity::set_calibration(value);
     } else {
         problem = session_.settings.apply(key, value);
@@ -234,7 +236,7 @@ const FlashChar* Console::set(char* line) {
 
 const FlashChar* Console::set_time(const char* text) {
     uint32_t now_s;
-    if (!read_number(text, 0xFFFFFFFF, now_s)) return FLASH("time: seconds since 1970");
+    if (!read_number(text, 0xFFFFFFFF, now_s)) return wrong_value();
     session_.epoch_s = now_s - board::milliseconds() / 1000;
     return nullptr;
 }

@@ -1,5 +1,4 @@
 #pragma once
-#include "link.h"
 #include "session.h"
 
 // Commands from the host, and what the host is told (SPEC.md, "Serial line").
@@ -7,8 +6,8 @@ class Console {
   public:
     // `meanwhile` is called again and again while a frame waits for the one before to leave:
     // sampling and card go on.
-    Console(Link& link, Session& session, void (*meanwhile)())
-        : link_(link), session_(session), meanwhile_(meanwhile) {}
+    constexpr Console(Session& session, void (*meanwhile)())
+        : session_(session), meanwhile_(meanwhile) {}
 
     void poll();  // carry out a command, if there is one
 
@@ -36,7 +35,6 @@ class Console {
     const FlashChar* set(char* line) __attribute__((noinline));
     const FlashChar* set_time(const char* text) __attribute__((noinline));
 
-    Link& link_;
     Session& session_;
     void (*meanwhile_)();
 };

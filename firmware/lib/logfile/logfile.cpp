@@ -11,27 +11,33 @@
 
 namespace {
 
-// The steps of create(). Not inlined, so that their memory is not on the stack below FatFs's
-// deepest calls, which are those of f_open() when the directory has to grow.
+const BYTE kModified = 0x40;  // FatFs's mark for a changed directory entry
 
-__attribute__((noinline)) FRESULT choose_place(FATFS& volume, Block& scratch, uint16_t size_mb,
+// Of a large card not every small piece is looked for: reading its whole table takes too long. A
+// piece of a 512th is met in some 512 readings of 2 to 4 ms.
+const uint8_t kPieces = 9;  // as a power of two
+
+// Of small clusters a large file's chain takes too long to write: its end is at so many. They are
+// 128 sectors of a FAT32's table, 8 MiB of clusters of 512 bytes, and 512 MiB of 32 kB.
+const uint32_t kMostClusters = 16384;
+
+// Not inlined, so that its memory is not on the stack below FatFs's deepest calls, which are those
+// of f_open() when the directory has to grow.
+__attribute__((noinline)) FRESULT choose_place(FATFS& volume, uint16_t size_mb,
                                                logfile::Place& place) {
     // One cluster more than wanted: the directory may take one.
     const uint32_t per_mb = BLOCKS_PER_MB / volume.csize;
+    const uint32_t part = volume.n_fatent >> kPieces;
+    uint32_t wanted = size_mb * per_mb;
+    if (wanted > kMostClusters) wanted = kMostClusters;
     logfile::Run run;
     const FRESULT result =
-        logfile::find_room(volume, size_mb * per_mb + 1, reinterpret_cast<uint8_t*>(&scratch), run);
+        logfile::find_room(volume, (part > per_mb ? part : per_mb) + 1, wanted + 1, run);
     if (result != FR_OK) return result;
-    if (run.length < per_mb + 1) return FR_DENIED;
-    place.blocks = (run.length - 1) * volume.csize;
+    if (!run.length) return FR_DENIED;
+    place.blocks = (run.length > wanted ? wanted : run.length - 1) * volume.csize;
     volume.last_clst = run.start - 1;  // behind which FatFs looks for free clusters
     return FR_OK;
-}
-
-__attribute__((noinline)) FRESULT allocate(const FATFS& volume, FIL& file, logfile::Place& place) {
-    const FRESULT result = f_expand(&file, static_cast<FSIZE_t>(place.blocks) << 9, 1);
-    place.first_sector = volume.database + (file.obj.sclust - 2) * volume.csize;
-    return result;
 }
 
 }  // namespace
@@ -56,10 +62,15 @@ Trouble trouble(FRESULT result) {
     }
 }
 
-FRESULT open_session(FIL& file, char name[13], uint16_t number, uint8_t mode) {
+// Not inlined, so that its memory is not on the stack below FatFs.
+__attribute__((noinline)) static void write_name(char name[13], uint16_t number) {
     Text text(name, 12);
     put_name(number, text);
     name[12] = 0;
+}
+
+FRESULT open_session(FIL& file, char name[13], uint16_t number, uint8_t mode) {
+    write_name(name, number);
     return f_open(&file, name, mode);
 }
 
@@ -76,30 +87,39 @@ FRESULT cut_file(FIL& file, uint32_t size) {
     FRESULT result = f_lseek(&file, size);
     if (result != FR_OK) return result;
     file.obj.objsize = size;
-    file.flag |= 0x40;  // FatFs's mark for a changed directory entry
+    file.flag |= kModified;
     result = f_sync(&file);
     if (result != FR_OK) return result;
     file.obj.objsize = allocated;
     result = f_truncate(&file);
     if (result != FR_OK) return result;
-    return f_close(&file);
+    return f_sync(&file);
 }
 
 Trouble mount(FATFS& volume) { return trouble(f_mount(&volume, "", 1)); }
 
-Trouble create(FATFS& volume, Work& work, Block& scratch, uint16_t& number, uint16_t size_mb,
-               Place& place) {
-    FRESULT result = choose_place(volume, scratch, size_mb, place);
+Trouble create(FATFS& volume, Work& work, uint16_t& number, uint16_t size_mb, Place& place) {
+    FRESULT result = choose_place(volume, size_mb, place);
     FIL& file = work.file;
     while (result == FR_OK) {
         if (!++number) ++number;
         result = open_session(file, work.name, number, FA_WRITE | FA_OPEN_ALWAYS);
-        if (result == FR_OK && !f_size(&file)) return trouble(allocate(volume, file, place));
+        if (result == FR_OK && !f_size(&file)) break;
     }
+    if (result == FR_OK) result = f_sync(&file);
+    // What the directory has taken lies before it.
+    file.obj.sclust = volume.last_clst + 1;
+    place.first_sector = volume.database + (file.obj.sclust - 2) * volume.csize;
+    if (result == FR_OK) result = chain(volume, file.obj.sclust, place.blocks / volume.csize);
     return trouble(result);
 }
 
-Trouble publish(Work& work) { return trouble(f_sync(&work.file)); }
+Trouble publish(Work& work, const Place& place) {
+    FIL& file = work.file;
+    file.obj.objsize = static_cast<FSIZE_t>(place.blocks) << 9;
+    file.flag |= kModified;
+    return trouble(f_sync(&file));
+}
 
 Trouble cut(Work& work, uint16_t number, uint32_t blocks) {
     FRESULT result = open_session(work.file, work.name, number, FA_WRITE);
@@ -107,17 +127,20 @@ Trouble cut(Work& work, uint16_t number, uint32_t blocks) {
     return trouble(result);
 }
 
-void read_config(Work& work, TakeLine take, void* context) {
+Trouble read_config(Work& work, TakeLine take, void* context) {
     FIL& file = work.file;
     Line& line = work.line;
     uint16_t line_number = 1;
     bool at_start = true;
     line.clear();
-    if (f_open(&file, "HOP.CFG", FA_READ) != FR_OK) return;
-    for (bool more = true; more;) {
+    FRESULT result = f_open(&file, "HOP.CFG", FA_READ);
+    if (result == FR_NO_FILE) return kNoTrouble;
+    for (bool more = result == FR_OK; more;) {
         char byte;
         UINT count;
-        more = f_read(&file, &byte, 1, &count) == FR_OK && count;
+        result = f_read(&file, &byte, 1, &count);
+        if (result != FR_OK) break;
+        more = count;
         if (!more) byte = '\n';  // the last line may lack its end
         // Some editors mark UTF-8 by three bytes at the start.
         at_start = at_start && more && strchr("\xEF\xBB\xBF", byte);
@@ -129,7 +152,7 @@ void read_config(Work& work, TakeLine take, void* context) {
         }
         if (byte == '\n') ++line_number;
     }
-    f_close(&file);
+    return trouble(result);
 }
 
 }  // namespace logfile

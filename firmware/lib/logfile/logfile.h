@@ -32,30 +32,33 @@ void put_name(uint16_t number, Text& text);  // of the file of session `number`
 
 Trouble mount(FATFS& volume);
 
-// Create the file of the first session after `number` that has none, in one piece of `size_mb`, or
-// of as much as there is, at least 1 MiB. It stays open in `work`, and empty in the directory: an
-// empty file is no session's yet, and is taken by the next attempt. `work` and `scratch` may lie in
-// the same memory.
-Trouble create(FATFS& volume, Work& work, Block& scratch, uint16_t& number, uint16_t size_mb,
-               Place& place)
+// The latest number that a log on the card has; 0: there is none.
+uint16_t newest(Work& work);
+
+// Create the file of the first session after `number` that has none, and allocate a place for it:
+// one piece of `size_mb`, or of as much as there is, at least 1 MiB and a 512th of the card, at
+// most 16384 clusters. It stays open in `work`, and empty in the directory: an empty file is no
+// session's yet, and is taken by the next attempt.
+Trouble create(FATFS& volume, Work& work, uint16_t& number, uint16_t size_mb, Place& place)
     __attribute__((noinline));  // its caller's registers need not be saved on FatFs's deepest calls
 
-// Give the created file its size in the directory, after its first block has been written: no
-// reader shall find in it what an older file has left there.
-Trouble publish(Work& work);
+// Give the created file its place and its size, after its first block has been written: no reader
+// shall find in it what an older file has left there.
+Trouble publish(Work& work, const Place& place);
 
 // Cut the file of session `number` behind its first `blocks` blocks.
 Trouble cut(Work& work, uint16_t number, uint32_t blocks);
 
-// Close the file of a session that a reset has ended. `work` and `block` may lie in the same
-// memory; `describe` writes the summary's text.
+// Close the file of a session that a reset has ended; true if there was something to close, and a
+// block of it is in `block`. `work` and `block` may lie in the same memory; `describe` writes the
+// summary's text.
 using Describe = void (*)(Block& summary, uint32_t written);
-void recover(Work& work, Block& block, uint16_t number, Describe describe);
+bool recover(Work& work, Block& block, uint16_t number, Describe describe);
 
 // Hand every line of HOP.CFG to `take`, and `context` with it; nothing happens if there is no such
 // file.
 using TakeLine = void (*)(void* context, uint16_t line_number, Line::State state, char* text);
-void read_config(Work& work, TakeLine take, void* context) __attribute__((noinline));
+Trouble read_config(Work& work, TakeLine take, void* context) __attribute__((noinline));
 
 // For a host: name and size of one log file after another, `HOP00012.HOP 4736512`. `text` stays
 // empty when there is no other.

@@ -1,4 +1,8 @@
 // A session that a reset has ended: where does it end, and how is it closed?
+#include <ff.h>
+
+#include <diskio.h>
+
 #include "files.h"
 #include "logfile.h"
 
@@ -52,9 +56,9 @@ __attribute__((noinline)) bool summarise(FIL& file, Block& block, uint32_t end,
     block.late = late;
     describe(block, due - lost);
     block.seal(session, end);
-    UINT count;
-    return f_lseek(&file, end << 9) == FR_OK &&
-           f_write(&file, &block, sizeof block, &count) == FR_OK;
+    // A byte further: then FatFs tells the block's sector.
+    return f_lseek(&file, (end << 9) + 1) == FR_OK &&
+           disk_write(0, reinterpret_cast<const BYTE*>(&block), file.sect, 1) == RES_OK;
 }
 
 // Blocks of the file once it is closed; 0 if there is nothing to close.
@@ -73,21 +77,21 @@ __attribute__((noinline)) uint32_t closed_size(FIL& file, Block& block, uint16_t
 }
 
 // Not inlined, so that its memory is not yet on the stack while FatFs opens the file.
-__attribute__((noinline)) void close(const FIL& opened, Block& block, uint16_t number,
+__attribute__((noinline)) bool close(const FIL& opened, Block& block, uint16_t number,
                                      logfile::Describe describe) {
     FIL file = opened;  // `block` may lie in its memory
     const uint32_t blocks = closed_size(file, block, number, describe);
     if (blocks) logfile::cut_file(file, blocks << 9);
+    return blocks;
 }
 
 }  // namespace
 
 namespace logfile {
 
-void recover(Work& work, Block& block, uint16_t number, Describe describe) {
-    if (open_session(work.file, work.name, number, FA_READ | FA_WRITE) == FR_OK) {
-        close(work.file, block, number, describe);
-    }
+bool recover(Work& work, Block& block, uint16_t number, Describe describe) {
+    return open_session(work.file, work.name, number, FA_READ | FA_WRITE) == FR_OK &&
+           close(work.file, block, number, describe);
 }
 
 }  // namespace logfile

@@ -3,11 +3,6 @@
 #include <string.h>
 
 template <uint8_t blocks>
-RingOf<blocks>::RingOf(Block& one, Block& other, Block* more) : blocks_{&one, &other} {
-    for (uint8_t k = 2; k < kBlocks; ++k) blocks_[k] = more++;
-}
-
-template <uint8_t blocks>
 void RingOf<blocks>::begin(uint8_t scan_bytes) {
     next_ = lost_ = 0;
     scan_bytes_ = scan_bytes;
@@ -66,7 +61,7 @@ void RingOf<blocks>::release() {
 template <uint8_t blocks>
 void RingOf<blocks>::lose(uint8_t scans) {
     lost_ += scans;
-    for (uint8_t k = waiting_; k; --k) blocks_[before(k)]->lost += scans;
+    for (uint8_t k = waiting_; k; --k) at(before(k)).lost += scans;
     if (filling().count) filling().lost += scans;
 }
 
@@ -86,8 +81,8 @@ void RingOf<blocks>::abandon() {
 
 template <uint8_t blocks>
 uint16_t RingOf<blocks>::depth() const {
-    uint16_t scans = blocks_[filling_]->count;
-    for (uint8_t k = waiting_; k; --k) scans += blocks_[before(k)]->count;
+    uint16_t scans = at(filling_).count;
+    for (uint8_t k = waiting_; k; --k) scans += at(before(k)).count;
     return scans;
 }
 

@@ -14,7 +14,8 @@ class RingOf {
     static const uint8_t kBlocks = blocks;  // a power of two
 
     // Two of the blocks have other uses between sessions; `more` are those that have none.
-    RingOf(Block& one, Block& other, Block* more = nullptr);
+    constexpr RingOf(Block& one, Block& other, Block* more = nullptr)
+        : two_{&one, &other}, more_(more) {}
 
     void begin(uint8_t scan_bytes);
 
@@ -25,7 +26,7 @@ class RingOf {
     // While none waits: a block without scans that waits now, before the one being filled.
     Block& insert(char kind);
 
-    Block* waiting() { return waiting_ ? blocks_[oldest()] : nullptr; }
+    Block* waiting() { return waiting_ ? &at(oldest()) : nullptr; }
     void release();             // the card has taken the waiting block
     void lose(uint8_t scans);   // a block that was released has not reached the card after all
     void finish(uint32_t due);  // no scan follows: the last block may wait though it is not full
@@ -38,14 +39,17 @@ class RingOf {
     uint16_t room() const { return kBlocks * capacity_; }
 
   private:
-    Block& filling() { return *blocks_[filling_]; }
+    Block& at(uint8_t index) { return index < 2 ? *two_[index] : more_[index - 2]; }
+    const Block& at(uint8_t index) const { return const_cast<RingOf*>(this)->at(index); }
+    Block& filling() { return at(filling_); }
     // The waiting blocks are those before the one being filled.
     uint8_t oldest() const { return before(waiting_); }
     uint8_t before(uint8_t steps) const { return (filling_ - steps) & (kBlocks - 1); }
     bool spare() const { return waiting_ < kBlocks - 1; }  // one could wait besides
     void hand_over();
 
-    Block* blocks_[kBlocks];
+    Block* two_[2];
+    Block* more_;
     uint32_t next_ = 0;  // number of the scan that is due next
     uint32_t lost_ = 0;
     uint16_t deepest_ = 0;

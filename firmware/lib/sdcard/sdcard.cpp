@@ -41,6 +41,7 @@ void SdCard::begin() {
     state_ = Starting;
     step_ = Reset;
     traits_ = 0;
+    changed_ = false;
     since_ms_ = static_cast<uint16_t>(board::milliseconds());
 }
 
@@ -55,6 +56,7 @@ void SdCard::poll() {
 
 void SdCard::ask_if_busy() {
     board::card_select(true);
+    receive_byte();  // a card may take a byte to show that it is busy
     const bool done = receive_byte() == 0xFF;
     const uint16_t busy_ms = elapsed();
     if (busy_ms > longest_busy_ms) longest_busy_ms = busy_ms;
@@ -91,6 +93,13 @@ bool SdCard::read(uint32_t sector, void* data) {
     return received;
 }
 
+bool SdCard::watch(uint8_t which, uint32_t sector) {
+    watched_[which].sector = sector;
+    const bool received = read(sector, nullptr);
+    watched_[which].crc = crc_;
+    return received;
+}
+
 bool SdCard::settle() {
     while (state_ == Starting || state_ == Busy) {
         poll();
@@ -117,6 +126,7 @@ bool SdCard::present() {
 
 uint8_t SdCard::command(uint8_t index, uint32_t argument) {
     receive_byte();
+    if (receive_byte() != 0xFF) return kNoAnswer;  // busy: its zeros are no answer
     uint8_t crc = 0;
     for (int8_t shift = 32; shift >= 0; shift -= 8) {
         const uint8_t byte = shift == 32 ? 0x40 | index : static_cast<uint8_t>(argument >> shift);
@@ -159,10 +169,10 @@ bool SdCard::receive(void* data, uint16_t size) {
 }
 
 bool SdCard::receive_data(void* data, uint16_t size) {
-    const uint16_t crc = board::spi_receive(static_cast<uint8_t*>(data), size);
+    crc_ = board::spi_receive(static_cast<uint8_t*>(data), size);
     uint16_t told = static_cast<uint16_t>(receive_byte() << 8);
     told |= receive_byte();
-    return !(traits_ & kChecks) || crc == told;
+    return !(traits_ & kChecks) || crc_ == told;
 }
 
 // One question to a card that starts. It stays selected while it looks for a sheet.
@@ -182,9 +192,7 @@ void SdCard::start() {
         case Traits:
             right = ask_for_traits();
             board::spi_fast(true);
-            right = right && command(9, 0) == 0;
-            since_ms_ = static_cast<uint16_t>(board::milliseconds());
-            step_ = SpecificData;
+            right = right && ask_for_sheet(9, 0);
             break;
         default:
             right = take_sheet();
@@ -210,28 +218,40 @@ bool SdCard::ask_for_traits() {
     return traits_ & kBySector || command(16, 512) == 0;
 }
 
-// The card's specific data, then its identification: 16 bytes each, when the card has them ready.
+// The card's specific data, then its identification, 16 bytes each, then the sectors by which it is
+// known again: when the card has them ready.
 bool SdCard::take_sheet() {
     const uint8_t token = receive_byte();
     if (token == 0xFF) return elapsed() < kReadLimitMs;
     uint8_t sheet[16];
-    if (token != kDataToken || !receive_data(sheet, sizeof sheet)) return false;
+    const bool is_sheet = step_ < Watched;
+    if (token != kDataToken) return false;
+    if (!(is_sheet ? receive_data(sheet, sizeof sheet) : receive_data(nullptr, 512))) return false;
     if (step_ == SpecificData) {
         // The structure's version is another witness of how the card counts.
         if ((sheet[0] >> 6 != 0) != ((traits_ & kBySector) != 0)) return false;
         protected_ = sheet[14] & 0x30;  // permanently or for the time being
-        receive_byte();
-        if (command(10, 0) != 0) return false;
-        since_ms_ = static_cast<uint16_t>(board::milliseconds());
-        step_ = Identification;
-        return true;
+        return ask_for_sheet(10, 0);
     }
-    const uint16_t told = crc16(sheet, sizeof sheet);
-    if (known_traits_ && told == id_ && traits_ != (known_traits_ & ~kKnown)) return false;
-    id_ = told;
-    known_traits_ = traits_ | kKnown;
+    if (step_ == Identification) {
+        const uint16_t told = crc16(sheet, sizeof sheet);
+        if (known_traits_ && told == id_ && traits_ != (known_traits_ & ~kKnown)) return false;
+        id_ = told;
+        known_traits_ = traits_ | kKnown;
+    } else if (crc_ != watched_[step_ - Watched].crc) {
+        changed_ = true;
+    }
+    const uint8_t next = step_ - Identification;
+    if (next < 2 && watched_[0].sector) return ask_for_sheet(17, address(watched_[next].sector));
     state_ = Ready;
     return true;
+}
+
+bool SdCard::ask_for_sheet(uint8_t index, uint32_t argument) {
+    receive_byte();
+    ++step_;
+    since_ms_ = static_cast<uint16_t>(board::milliseconds());
+    return command(index, argument) == 0;
 }
 
 // The card is not busy any more, or not there: its status tells.

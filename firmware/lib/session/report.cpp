@@ -30,6 +30,8 @@ const FlashChar* end_text(End end) {
             return FLASH("button");
         case End::Full:
             return FLASH("full");
+        case End::Gone:
+            return FLASH("gone");
         default:
             return FLASH("command");
     }
@@ -182,7 +184,7 @@ const FlashChar* trouble_text(Trouble trouble) {
         case kNoCard:
             return FLASH("no card, or it does not answer");
         case kNoFileSystem:
-            return FLASH("no FAT file system: format the card as FAT32");
+            return FLASH("no FAT file system: format FAT32 with MBR");
         case kNoRoom:
             return FLASH("no room in one piece: delete files or format");
         case kWriteProtected:

@@ -1,6 +1,7 @@
 #pragma once
 #include <string.h>
 
+#include "board.h"
 #include "link.h"
 #include "session.h"
 
@@ -8,8 +9,6 @@
 // be sent before the next one comes is dropped: the file has it.
 class ScanStream {
   public:
-    explicit ScanStream(Link& link) : link_(link) {}
-
     // Send this scan; false if the one before was dropped for it.
     bool offer(uint32_t session, const Scan& scan) {
         const bool in_time = !scan_size_;
@@ -23,10 +22,10 @@ class ScanStream {
     void acknowledge() { block_is_safe_ = true; }
 
     void poll(const Session& session) {
-        if (link_.sending()) return;
+        if (board::serial.sending()) return;
         if (scan_size_) {
-            memcpy(link_.payload(), scan_, scan_size_);
-            link_.send('D', scan_size_);
+            memcpy(board::serial.payload(), scan_, scan_size_);
+            board::serial.send('D', scan_size_);
             scan_size_ = 0;
         } else if (block_is_safe_) {
             send_acknowledgement(session);
@@ -43,14 +42,13 @@ class ScanStream {
         const uint8_t bytes[] = {
             static_cast<uint8_t>(session.deepest() < 255 ? session.deepest() : 255),
             static_cast<uint8_t>(tally.card_errors < 255 ? tally.card_errors : 255)};
-        uint8_t* payload = link_.payload();
+        uint8_t* payload = board::serial.payload();
         memcpy(payload, counts, sizeof counts);
         memcpy(payload + sizeof counts, shorts, sizeof shorts);
         memcpy(payload + sizeof counts + sizeof shorts, bytes, sizeof bytes);
-        link_.send('B', sizeof counts + sizeof shorts + sizeof bytes);
+        board::serial.send('B', sizeof counts + sizeof shorts + sizeof bytes);
     }
 
-    Link& link_;
     uint8_t scan_[8 + 13] = {};
     uint8_t scan_size_ = 0;  // 0: none waits
     bool block_is_safe_ = false;

@@ -12,6 +12,7 @@ namespace {
 const uint16_t kWakeEveryMs = 500;
 const uint16_t kFlushLimitMs = 5000;
 const uint8_t kTries = 3;
+const uint8_t kMostTries = 3;  // that lengthen the pause before the next: 0.5, 1, 2, 4 s
 const uint16_t kBandgapMv = 1100;
 const uint16_t kSupplyStepMv = 50;  // a larger change goes into the file
 const uint8_t kSoon = 8;            // scans
@@ -27,37 +28,20 @@ Trouble card_trouble() {
     return card.write_protected() ? kWriteProtected : kCardError;
 }
 
-// RAM holds two sectors. Both are the ring's during a session; before and after it one is FatFs's,
-// the other holds the header, the summary, or what FatFs needs besides.
-union First {
-    First() {}
-    Block block;
-    logfile::Work work;
-} first;
-union {
-    Block block;
-    FATFS volume;
-} second;
-
-// A board with more RAM has blocks that are the ring's alone.
-#ifdef __AVR_ATmega2560__
-Block more[Ring::kBlocks - 2];
-#else
-Block* const more = nullptr;
-#endif
-
 }  // namespace
 
-Session::Session(Sampler& sampler, ConfigProblem config_problem)
-    : sampler_(sampler),
-      config_problem_(config_problem),
-      ring_(first.block, second.block, more),
-      running_(false),
-      asked_(false),
-      stopped_(false),
-      known_card_(false),
-      in_flight_(false),
-      sealed_(false) {}
+namespace memory {
+
+First first;
+Second second;
+#ifdef __AVR_ATmega2560__
+Block more[Ring::kBlocks - 2];
+#endif
+
+}  // namespace memory
+
+using memory::first;
+using memory::second;
 
 void Session::begin() {
     if (!identity::clock_ppm(clock_ppm_)) clock_ppm_ = kUnknownPpm;
@@ -66,26 +50,50 @@ void Session::begin() {
 
 bool Session::wants_to_begin() {
     if (!asked_) return asked_ = true;
-    if (running_ || stopped_ || trouble_ != kNoCard) return false;
+    if (running_ || stopped_ || !trouble_) return false;
+    if (trouble_ != kNoCard && !interrupted() && !settings.start_at_power) return false;
     card.poll();
-    if (card.state() == SdCard::Ready) return true;
-    wake_card();
+    if (card.state() == SdCard::Down) trouble_ = kNoCard;
+    // A card that is full, or not to be written to, stays so until it is taken out.
+    const bool lasts = trouble_ > kNoCard && trouble_ < kCardError;
+    if (waking_ && card.state() == SdCard::Ready) {
+        waking_ = false;
+        if (tries_ < kMostTries) ++tries_;
+        return true;
+    }
+    waking_ |= wake_card(trouble_ == kNoCard ? kWakeEveryMs : kWakeEveryMs << tries_, lasts);
     return false;
 }
 
 Trouble Session::meet() {
     trouble_ = logfile::mount(second.volume);
     if (!trouble_ && (!known_card_ || card.id() != card_id_)) {
-        known_card_ = true;
         card_id_ = card.id();
-        logfile::recover(first.work, first.block, identity::session_number(),
-                         report::put_recovered);
+        // The last session's file, and the card's last one, if that was made before the card was
+        // changed for another.
+        recover(identity::session_number());
+        find_newest();
+        recover(file_number());
         config_errors = 0;
-        logfile::read_config(first.work, take_config_line, this);
+        trouble_ = logfile::read_config(first.work, take_config_line, this);
         if (!card.present()) trouble_ = kNoCard;  // then nothing of this is sure
     }
-    if (trouble_ == kNoCard) known_card_ = false;
+    known_card_ = !trouble_;
     return trouble_;
+}
+
+uint16_t Session::last_number() const {
+    return identity::later(identity::session_number(), file_number());
+}
+
+void Session::find_newest() { id_ = static_cast<uint32_t>(logfile::newest(first.work)) << 16; }
+
+void Session::recover(uint16_t number) {
+    if (!number || !logfile::recover(first.work, first.block, number, report::put_recovered))
+        return;
+    // A reset may have come before it was noted that this session is the one to go on with.
+    const uint16_t unfinished = static_cast<uint16_t>(board::unfinished >> 16);
+    if (unfinished && number == unfinished + 1) board::unfinished = first.block.session;
 }
 
 logfile::Work& Session::work() { return first.work; }
@@ -95,15 +103,14 @@ bool Session::interrupted() const { return settings.resume && board::unfinished;
 Trouble Session::start(bool resumes) {
     if (meet()) return trouble_;
     continues = resumes ? board::unfinished : 0;
-    uint16_t number = identity::session_number();
-    trouble_ =
-        logfile::create(second.volume, first.work, first.block, number, settings.size_mb, place_);
+    uint16_t number = last_number();
+    trouble_ = logfile::create(second.volume, first.work, number, settings.size_mb, place_);
     return trouble_ ? trouble_ : begin_file(number);
 }
 
 // The file is there: write its header, and go.
 Trouble Session::begin_file(uint16_t number) {
-    identity::set_session_number(number);
+    known_card_ = false;  // if this fails, the next meeting finds what has become of the file
     board::sample(0);
     supply_mv = supply_from(board::reference_code());
     told_mv_ = supply_mv;
@@ -112,14 +119,21 @@ Trouble Session::begin_file(uint16_t number) {
     memset(&tally, 0, sizeof tally);
     id_ = static_cast<uint32_t>(number) << 16 | board::dice();
     if (!write_header()) return trouble_ = card_trouble();
-    trouble_ = logfile::publish(first.work);
+    trouble_ = logfile::publish(first.work, place_);
     if (trouble_) return trouble_;
+    board::unfinished = id_;
+    // By its entry in the directory and its header the file is known again.
+    if (!card.watch(0, first.work.file.dir_sect) || !card.watch(1, place_.first_sector)) {
+        board::unfinished = continues;
+        return trouble_ = card_trouble();
+    }
+    identity::set_session_number(number);
 
     ring_.begin(scan_size(settings.recorded()));
     card.longest_busy_ms = 0;
-    in_flight_ = sealed_ = false;
-    running_ = true;
-    board::unfinished = id_;
+    in_flight_ = sealed_ = gone_ = false;
+    tries_ = 0;
+    running_ = known_card_ = true;
     board::sample(settings.conversions);
     return kNoTrouble;
 }
@@ -129,18 +143,26 @@ Trouble Session::stop(End end) {
     if (stopped_) board::unfinished = continues = 0;
     const bool flushed = flush();
     running_ = false;
+    card.forget();
     store_clock();
-    end_ = end;
+    end_ = gone_ ? End::Gone : end;
     supply_mv = supply_from(board::reference_code());
     read_clock();
-    trouble_ = flushed ? close_file() : card_trouble();
-    if (trouble_) known_card_ = false;  // when the card is met again, its file is closed
+    known_card_ = false;  // when the card is met again, its file is closed
+    if (flushed) {
+        trouble_ = close_file();
+        known_card_ = !trouble_;
+    } else if (!gone_) {
+        trouble_ = card_trouble();
+    } else {
+        trouble_ = stopped_ ? kNoFile : kNoTrouble;
+    }
     return trouble_;
 }
 
 bool Session::take(Scan& scan) {
     uint16_t sums[Sampler::kInputs];
-    if (!sampler_.take(sums, scan.number, scan.late)) return false;
+    if (!board::sampler.take(sums, scan.number, scan.late)) return false;
     scan.size = pack_scan(sums, settings.mask(), scan.packed);
     if (running_) {
         ring_.add(scan.number, scan.packed, scan.late);
@@ -151,7 +173,7 @@ bool Session::take(Scan& scan) {
 }
 
 bool Session::poll() {
-    if (!running_) return false;
+    if (!running_ || gone_) return false;
     card.poll();
     if (in_flight_) return settle_block();
     Block* block = ring_.waiting();
@@ -160,7 +182,10 @@ bool Session::poll() {
         return false;
     }
     if (card.state() != SdCard::Ready || card.id() != card_id_) {
-        wake_card();
+        trouble_ = kNoCard;
+        wake_card(kWakeEveryMs);
+    } else if (card.changed()) {  // what is there now is not ours to write into
+        gone_ = true;
     } else if (!sealed_) {  // in a step of its own: together with the transfer it would take too
                             // long
         block->seal(id_, tally.blocks);
@@ -179,7 +204,7 @@ bool Session::poll() {
 }
 
 void Session::read_supply(uint32_t scan) {
-    const uint16_t mv = supply_from(sampler_.supply_code());
+    const uint16_t mv = supply_from(board::sampler.supply_code());
     if (!mv) return;
     supply_mv = mv;
     if (!tally.lowest_mv || mv < tally.lowest_mv) tally.lowest_mv = mv;
@@ -234,13 +259,14 @@ bool Session::settle_block() {
 
 // The card was pulled, or shaken loose, or has hung: try from the start now and then. Another card
 // does not count: our file is not there.
-void Session::wake_card() {
-    if (card.state() == SdCard::Starting) return;
-    trouble_ = kNoCard;
+bool Session::wake_card(uint16_t pause_ms, bool leave_present) {
+    if (card.state() == SdCard::Starting) return false;
     const uint16_t now_ms = static_cast<uint16_t>(board::milliseconds());
-    if (static_cast<uint16_t>(now_ms - woken_ms_) < kWakeEveryMs) return;
+    if (static_cast<uint16_t>(now_ms - woken_ms_) < pause_ms) return false;
     woken_ms_ = now_ms;
+    if (leave_present && card.present()) return false;
     card.begin();
+    return true;
 }
 
 // The header takes the memory that FatFs has its open file in.
@@ -276,19 +302,20 @@ Trouble Session::close_file() {
     if (!write_now()) return card_trouble();
     const Trouble mounting = logfile::mount(second.volume);
     if (mounting) return mounting;
-    return logfile::cut(first.work, static_cast<uint16_t>(id_ >> 16), tally.blocks);
+    return logfile::cut(first.work, file_number(), tally.blocks);
 }
 
 // Bring to the card what still waits; false if that fails.
 bool Session::flush() {
     const uint32_t start_ms = board::milliseconds();
-    do {
+    while (!gone_ && board::milliseconds() - start_ms < kFlushLimitMs) {
         board::feed_watchdog();
-        ring_.finish(sampler_.due());
+        ring_.finish(board::sampler.due());
         poll();
         if (!ring_.waiting() && !ring_.depth() && !in_flight_ && !untold_mv_)
             return card.state() == SdCard::Ready;
-    } while (board::milliseconds() - start_ms < kFlushLimitMs);
+    }
+    ring_.finish(board::sampler.due());
     if (in_flight_) ring_.lose(scans_in_flight_);
     ring_.abandon();
     return false;

@@ -15,7 +15,32 @@ struct Scan {
     uint8_t packed[13];
 };
 
-enum class End : uint8_t { Command, Button, Full };
+enum class End : uint8_t { Command, Button, Full, Gone };
+
+namespace memory {
+
+// RAM holds two sectors. Both are the ring's during a session; before and after it one is FatFs's,
+// the other holds the header, the summary, or what FatFs needs besides.
+union First {
+    First() {}
+    Block block;
+    logfile::Work work;
+};
+union Second {
+    Block block;
+    FATFS volume;
+};
+extern First first;
+extern Second second;
+
+// A board with more RAM has blocks that are the ring's alone.
+#ifdef __AVR_ATmega2560__
+extern Block more[Ring::kBlocks - 2];
+#else
+constexpr Block* more = nullptr;
+#endif
+
+}  // namespace memory
 
 // One recording: from scans to blocks on the card, and what there is to tell about it.
 class Session {
@@ -33,12 +58,24 @@ class Session {
 
     // `config_problem` is told every line of HOP.CFG that was not understood.
     using ConfigProblem = void (*)(uint16_t line_number, const FlashChar* problem);
-    Session(Sampler& sampler, ConfigProblem config_problem);
+    explicit constexpr Session(ConfigProblem config_problem)
+        : config_problem_(config_problem),
+          ring_(memory::first.block, memory::second.block, memory::more),
+          running_(false),
+          asked_(false),
+          stopped_(false),
+          known_card_(false),
+          in_flight_(false),
+          sealed_(false),
+          gone_(false),
+          waking_(false),
+          tries_(0) {}
 
     void begin();
 
-    // Whether to meet the card, and to begin if that is due: once after a start, and again whenever
-    // a card comes that was not there, until somebody has ended a session. Never waits.
+    // Whether to meet the card, and to begin if that is due: once after a start, again when a
+    // card comes that was not there, and after any other trouble with it while there is a session
+    // to begin, until somebody has ended one. Never waits.
     bool wants_to_begin();
 
     // Mount the card. A card not met before: close what a reset left open, read HOP.CFG; again
@@ -54,7 +91,10 @@ class Session {
     bool running() const { return running_; }
     // A reset, or the end of its file, has ended a session that shall go on.
     bool interrupted() const;
-    bool full() const { return running_ && tally.blocks + Ring::kBlocks + 3 > place_.blocks; }
+    // The file takes no more: it is full, or no longer on the card.
+    bool over() const {
+        return running_ && (gone_ || tally.blocks + Ring::kBlocks + 3 > place_.blocks);
+    }
 
     // Fetch a finished scan from the sampler; while a session runs it is kept for the card.
     bool take(Scan& scan);
@@ -64,6 +104,7 @@ class Session {
 
     Trouble trouble() const { return trouble_; }
     uint32_t id() const { return id_; }
+    uint16_t file_number() const { return static_cast<uint16_t>(id_ >> 16); }
     End end() const { return end_; }
     uint32_t due() const { return ring_.due(); }
     uint32_t lost() const { return ring_.lost(); }
@@ -86,22 +127,24 @@ class Session {
 
   private:
     Trouble begin_file(uint16_t number) __attribute__((noinline));
-    bool write_header() __attribute__((noinline));  // saves memory on the stack
+    void find_newest() __attribute__((noinline));  // these save memory on the stack
+    uint16_t last_number() const __attribute__((noinline));
+    void recover(uint16_t number);
+    bool write_header() __attribute__((noinline));
     bool write_now();
     bool flush();
     Trouble close_file();
     bool settle_block();
-    void wake_card();
+    bool wake_card(uint16_t pause_ms, bool leave_present = false);
     void store_clock();
     void read_supply(uint32_t scan);
     void tell_supply();
     static void take_config_line(void* session, uint16_t number, Line::State state, char* text);
 
-    Sampler& sampler_;
     ConfigProblem config_problem_;
     Ring ring_;
     logfile::Place place_ = {};
-    uint32_t id_ = 0;  // of the running or the last session
+    uint32_t id_ = 0;  // of the running or the last session; or the number of the card's last log
     int16_t clock_ppm_ = kUnknownPpm;
     uint32_t untold_scan_ = 0;
     uint16_t told_mv_ = 0;    // what the file says of the supply,
@@ -118,4 +161,7 @@ class Session {
     bool known_card_ : 1;
     bool in_flight_ : 1;  // the card is busy with a block of ours
     bool sealed_ : 1;     // the waiting block has its CRC
+    bool gone_ : 1;       // the card has come back without our file
+    bool waking_ : 1;     // the card was started because of trouble
+    uint8_t tries_ : 2;   // of a card that is there: each waits twice as long as the one before
 };

@@ -5,6 +5,7 @@ import shutil
 import struct
 import subprocess
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -15,7 +16,8 @@ from wheelhop.hil_sim.program import SimulationError
 BLOCK_SIZE = 512
 MIB = 1 << 20
 PARTITION_START = 2048  # block, where card makers put it
-FAT16_TYPE, FAT32_TYPE, EXFAT_TYPE = 0x06, 0x0C, 0x07
+FAT16_TYPE, FAT32_TYPE, EXFAT_TYPE, PROTECTIVE_TYPE = 0x06, 0x0C, 0x07, 0xEE
+BASIC_DATA = bytes.fromhex("a2a0d0ebe5b9334487c068b6b72699c7")  # kind of a partition, in a GPT
 
 CardKind = Literal["sdhc", "sdsc", "sd-v1"]
 
@@ -75,6 +77,17 @@ class CardImage:
         blocks = size_mib * MIB // BLOCK_SIZE - PARTITION_START
         card.write_block(0, _partition_table(EXFAT_TYPE, blocks))
         card.write_block(PARTITION_START, _exfat_boot_sector(blocks))
+        return card
+
+    @classmethod
+    def gpt(cls, path: Path | str, size_mib: int = 64) -> "CardImage":
+        """Make a card with FAT32 in a GUID partition table, as a PC may."""
+        card = cls.fat32(path, size_mib, partitioned=True)
+        blocks = size_mib * MIB // BLOCK_SIZE
+        card.write_block(0, _partition_table(PROTECTIVE_TYPE, blocks - 1, start=1))
+        card.write_block(1, b"EFI PART\0\0\1\0")
+        last = blocks - 34  # the table's copy is behind it
+        card.write_block(2, BASIC_DATA + bytes(16) + struct.pack("<QQ", PARTITION_START, last))
         return card
 
     @classmethod
@@ -143,6 +156,26 @@ class CardImage:
             file.flush()
             self._mtool("mcopy", "-o", file.name, f"::{name}")
 
+    def write_all(self, files: Mapping[str, bytes]) -> None:
+        """Put many files into the root directory."""
+        with tempfile.TemporaryDirectory() as folder:
+            for name, data in files.items():
+                (Path(folder) / name).write_bytes(data)
+            names = [str(Path(folder) / name) for name in files]
+            self._mtool("mcopy", "-o", *names, "::")
+
+    def delete(self, name: str) -> None:
+        """Delete a file of the root directory."""
+        self._mtool("mdel", f"::{name}")
+
+    def make_folder(self, name: str) -> None:
+        """Make a folder in the root directory."""
+        self._mtool("mmd", f"::{name}")
+
+    def protect(self, name: str) -> None:
+        """Mark a file as read-only."""
+        self._mtool("mattrib", "+r", f"::{name}")
+
     def fill(self, leave: int = 0) -> None:
         """Fill the card with one file, up to `leave` bytes (rounded down to clusters)."""
         self._allocate("FULL.BIN", leave)
@@ -155,6 +188,10 @@ class CardImage:
         """Occupy one cluster in every `free_run` + 1, so that no more are free in one piece."""
         self._allocate("PIECES.BIN", 0)
         self._file_system().scatter("PIECES.BIN", free_run)
+
+    def free_bytes(self) -> int:
+        """Room in free clusters."""
+        return self._file_system().free_bytes()
 
     def check(self) -> str:
         """What fsck.vfat finds wrong, "" if nothing."""
@@ -222,11 +259,9 @@ def _tool(tool: str, *arguments: str) -> str:
     return done.stdout
 
 
-def _partition_table(kind: int, blocks: int) -> bytes:
-    """A master boot record with one partition, from `PARTITION_START` on."""
-    entry = struct.pack(
-        "<B3sB3sII", 0, b"\xfe\xff\xff", kind, b"\xfe\xff\xff", PARTITION_START, blocks
-    )
+def _partition_table(kind: int, blocks: int, start: int = PARTITION_START) -> bytes:
+    """A master boot record with one partition."""
+    entry = struct.pack("<B3sB3sII", 0, b"\xfe\xff\xff", kind, b"\xfe\xff\xff", start, blocks)
     return (bytes(446) + entry).ljust(510, b"\0") + b"\x55\xaa"
 
 

@@ -48,6 +48,8 @@ class Faults:
     `holds`: from and to, board times in seconds between which the main program stands still and
     interrupts go on, as where a program waits for something.
     `ignores_crc`: the card answers CMD59 and checks nothing.
+    `late_busy`: bytes that the card lets pass, after it is selected and after a block, before it
+    shows that it is busy.
     `sheet_latency`: seconds before CSD and CID.
     `write_busy`, `read_latency`: seconds per block; `start_up`: from the first ACMD41 on.
     """
@@ -61,6 +63,7 @@ class Faults:
     bounces: Sequence[tuple[float, float]] = ()
     holds: Sequence[tuple[float, float]] = ()
     ignores_crc: bool = False
+    late_busy: int = 0
     sheet_latency: float = 100e-6
     write_protected: bool = False
     write_busy: float = 300e-6
@@ -78,7 +81,7 @@ class Faults:
         yield (
             f"card-times {cycles(self.write_busy)} {cycles(self.read_latency)} "
             f"{cycles(self.start_up)} {pulled} {int(self.write_protected)} "
-            f"{cycles(self.sheet_latency)} {int(self.ignores_crc)}"
+            f"{cycles(self.sheet_latency)} {int(self.ignores_crc)} {self.late_busy}"
         )
         for bad in self.bad_replies:
             if not (0 <= bad.command < 64 and 0 <= bad.reply < 256):

@@ -16,11 +16,17 @@ MISSING = (
     "the simulated board needs a C compiler, simavr and libelf; "
     "on Debian and Ubuntu: sudo apt-get install gcc libsimavr-dev libelf-dev"
 )
+ELSEWHERE = (
+    "the simulated board is in wheelhop's source tree, not in its packages: git clone the"
+    " repository, pip install -e . there, and make firmware"
+)
 
 
 def build() -> Path:
     """Compile the program if it is not there or older than its sources; return its path."""
     sources = sorted(SOURCES.glob("*.c"))
+    if not sources:
+        raise SimulationError(ELSEWHERE)
     newest = max(path.stat().st_mtime for path in SOURCES.iterdir())
     if PROGRAM.exists() and PROGRAM.stat().st_mtime >= newest:
         return PROGRAM

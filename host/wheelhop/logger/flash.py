@@ -3,6 +3,7 @@
 Both talk to the boot loader over the serial port and read back what they have written.
 """
 
+import importlib.util
 import re
 import shutil
 import subprocess
@@ -14,6 +15,7 @@ from wheelhop.logger.error import LoggerError
 from wheelhop.logger.port import find_ports
 
 SOURCE_TREE = Path(__file__).resolve().parents[3]
+PACKAGED = Path(__file__).with_name("firmware")  # in a wheel
 OLD_BOOTLOADER_BAUD = 57600  # ATmegaBOOT, on Nanos of before 2018
 
 
@@ -70,13 +72,13 @@ def plan_upload(
 ) -> Upload:
     """Find tool, port and firmware for a board, a key of `BOARDS`.
 
-    Without `hex_file` it is the one that `make firmware` has built in the source tree. Raises
-    LoggerError where a tool, the port or the firmware is missing or unfit.
+    Without `hex_file` it is the one that `make firmware` has built in the source tree, or else that
+    of the package. Raises LoggerError where a tool, the port or the firmware is missing or unfit.
     """
     board = BOARDS[env]
     if old_bootloader and env != "nano":
         raise LoggerError(f"--old-bootloader: {board.title} has none; it is for the Nano")
-    avrdude, pio = shutil.which("avrdude"), shutil.which("pio")
+    avrdude, pio = find_avrdude(), shutil.which("pio")
     if avrdude:
         firmware = hex_file or _built(env)
         check_hex(firmware)
@@ -88,8 +90,8 @@ def plan_upload(
         return Upload(board, port, str(firmware), tuple(command), Path.cwd(), old_bootloader)
     if not pio:
         raise LoggerError(
-            "neither avrdude nor PlatformIO is installed: sudo apt-get install avrdude"
-            " (macOS: brew install avrdude), or pip install platformio"
+            "neither avrdude nor PlatformIO is installed: sudo apt-get install avrdude (macOS: brew"
+            " install avrdude; Windows: pip install avrdude-windows), or pip install platformio"
         )
     if hex_file or old_bootloader:
         option = "--hex" if hex_file else "--old-bootloader"
@@ -126,11 +128,25 @@ def _meaning(output: str, plan: Upload) -> str:
     return f"{plan.tool} failed: {reasons[-1] if reasons else 'it does not say why'}"
 
 
+def find_avrdude() -> str | None:
+    """Return avrdude's path: the system's, or that of PyPI's avrdude-windows; None without one."""
+    if system := shutil.which("avrdude"):
+        return system
+    package = importlib.util.find_spec("avrdude_windows")
+    if package is None or package.origin is None:
+        return None
+    path = Path(package.origin).parent / "avrdude_binaries" / "x64" / "avrdude.exe"
+    return str(path) if path.exists() else None
+
+
 def find_port() -> str:
     """Return the only serial port over USB. Raises LoggerError if there is none, or several."""
     ports = find_ports()
     if not ports:
-        raise LoggerError("no serial port over USB found: plug the logger in, or give --port PORT")
+        raise LoggerError(
+            "no serial port over USB found: plug the logger in, or give --port PORT (Linux:"
+            " /dev/ttyUSB0 or /dev/ttyACM0; macOS: /dev/cu.usbserial-…; Windows: COM3)"
+        )
     if len(ports) > 1:
         raise LoggerError(f"several serial ports: {', '.join(ports)}; say which one with --port")
     return ports[0]
@@ -138,12 +154,14 @@ def find_port() -> str:
 
 def _built(env: str) -> Path:
     path = SOURCE_TREE / "build" / "firmware" / env / "firmware.hex"
-    if not path.exists():
-        raise LoggerError(
-            f"no firmware has been built: make firmware, or --hex wheelhop-logger-{env}.hex"
-            " from a release"
-        )
-    return path
+    packaged = PACKAGED / f"wheelhop-logger-{env}.hex"
+    for file in (path, packaged):
+        if file.exists():
+            return file
+    raise LoggerError(
+        f"no firmware has been built, and this package holds none: make firmware, or --hex"
+        f" {packaged.name} from a release"
+    )
 
 
 def check_hex(file: Path) -> None:

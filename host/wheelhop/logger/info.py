@@ -26,6 +26,7 @@ ENDS = {
     "button": "closed by button",
     "full": "closed: the file was full",
     "recovered": "closed after a reset",
+    "gone": "ended: the card came back without the file",
 }
 
 

@@ -12,6 +12,7 @@ from wheelhop.logger.emulated import emulated_ports
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.frames import Frame, FrameReader, is_ready, pack_command
 from wheelhop.logger.port import BAUD, POLL_S, Port, PortLost, SerialPort, find_ports
+from wheelhop.logger.refusal import explain
 
 REPLY_S = 2.0
 SLOW_REPLY_S = 30.0  # while the card works
@@ -132,6 +133,7 @@ class Link(Closing):
             if refusal and not refusal.startswith(NOISE):
                 break
         if refusal:
+            refusal = explain(line, refusal)
             raise Refused(f"{self.port.name}: {line}: {refusal}", refusal)
         raise Silent(f"{self.port.name}: {self._silence(self.reader.bytes - before)}")
 

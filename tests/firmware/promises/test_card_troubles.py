@@ -64,6 +64,7 @@ def no_card(_):
 BAD = {
     "no card": (no_card, {}, 2, "no card"),
     "unformatted": (CardImage.unformatted, {}, 3, "no FAT file system"),
+    "GPT": (CardImage.gpt, {}, 3, "no FAT file system: format FAT32 with MBR"),
     "exFAT": (CardImage.exfat, {}, 3, ("no FAT file system", "card is exFAT")),
     "full": (lambda path: filled(path, 0), {}, 4, "no room"),
     "in pieces": (lambda path: fragmented(path, 100), {}, 4, "no room"),

@@ -1,11 +1,20 @@
-"""The stack: how deep it can go by the machine code, and how deep it goes."""
+"""Memory: flash that is left, and the stack: how deep it can go by the machine code, and goes."""
+
+import subprocess
 
 from tests.firmware.promises.logger import configure
 from tools import firmware_stack
 from wheelhop.hil_sim import CardImage
 
 ENTRIES = 16  # of a directory, in a cluster of one block
-SPARE = 256  # bytes of RAM that shall never be touched
+SPARE = 300  # bytes of RAM that shall never be touched
+FLASH = 30720 - 1024  # bytes: what the old boot loader leaves, and a kilobyte for what comes next
+
+
+def test_a_kilobyte_of_the_nanos_flash_is_left(elf):
+    listed = subprocess.run(["avr-size", str(elf)], capture_output=True, text=True, check=True)
+    text, data = map(int, listed.stdout.splitlines()[1].split()[:2])
+    assert text + data <= FLASH
 
 
 def test_the_deepest_life_found_comes_close_to_the_deepest_chain_of_calls(elf, logger, tmp_path):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wheelhop.hil_sim.double.card import Card, log_name
 from wheelhop.hil_sim.double.commands import checked_command
 from wheelhop.hil_sim.double.session import Session
-from wheelhop.hil_sim.double.settings import LARGEST_TIME, Refusal, number
+from wheelhop.hil_sim.double.settings import LARGEST_TIME, WRONG_VALUE, Refusal, number
 from wheelhop.logger.block import BLOCK_BYTES
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ class Console:
     def _set_time(self, text: str) -> None:
         unix_s = number(text, LARGEST_TIME)
         if unix_s is None:
-            raise Refusal("time: seconds since 1970")
+            raise Refusal(WRONG_VALUE)
         self._epoch_s = unix_s - self._up_s()
 
     def _get(self, words: str) -> Generator[Payload, None, bytes]:
@@ -133,7 +133,7 @@ class Console:
         first = number(parts[1], LARGEST_BLOCK) if len(parts) == 3 else None
         count = number(parts[2], 0xFFFF) if len(parts) == 3 else None
         if first is None or not count:
-            raise Refusal("write get NAME BLOCK COUNT")
+            raise Refusal(WRONG_VALUE)
         path = self._idle_card().find(parts[0])
         if path is None:
             raise Refusal("no such file")
@@ -169,7 +169,7 @@ class Console:
     def _header(self) -> dict[str, object]:
         settings = self._device.settings
         return {
-            "firmware": "1.2.0",
+            "firmware": "1.3.0",
             "device": settings.device,
             "calibration": settings.calibration,
             "name": settings.name,

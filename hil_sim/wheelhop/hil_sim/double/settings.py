@@ -9,6 +9,7 @@ LARGEST_PPM = 20_000
 LARGEST_DEVICE = 65_534
 LARGEST_TIME = 0xFFFF_FFFF
 LONGEST_TEXT = 15
+WRONG_VALUE = "wrong value"
 
 
 class Refusal(Exception):
@@ -56,7 +57,7 @@ class Settings:
             negative = value.startswith("-")
             size = number(value[negative:], LARGEST_PPM)
             if size is None:
-                raise Refusal("clock_ppm must be -20000 to 20000")
+                raise Refusal(WRONG_VALUE)
             return replace(self, clock_ppm=-size if negative else size)
         if running:
             raise Refusal("not during a session")
@@ -75,7 +76,7 @@ def number(text: str, most: int) -> int | None:
 def _rate(settings: Settings, value: str) -> Settings:
     rate = number(value, 400)
     if str(rate) not in RATES:
-        raise Refusal("rate must be 100, 200 or 400")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, conversions=RATES[str(rate)])
 
 
@@ -85,45 +86,45 @@ def _channels(settings: Settings, value: str) -> Settings:
     used = [word for word in words if word != "-"]
     plain = all(re.fullmatch("[0-9A-Za-z_]{1,4}", word) for word in used)
     if len(words) != 8 or not used or not plain or len(set(used)) < len(used):
-        raise Refusal("channels: 8 names or -")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, channels=tuple(words))
 
 
 def _text(settings: Settings, key: str, value: str) -> Settings:
     if len(value) > LONGEST_TEXT:
-        raise Refusal(f"{key}: at most 15 characters")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, **{key: value})  # type: ignore[arg-type]
 
 
 def _device(settings: Settings, value: str) -> Settings:
     device = number(value, LARGEST_DEVICE)
     if device is None:
-        raise Refusal("device must be 0 to 65534")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, device=device)
 
 
 def _start(settings: Settings, value: str) -> Settings:
     if value not in ("button", "power"):
-        raise Refusal("start: button or power")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, start=value)
 
 
 def _stream(settings: Settings, value: str) -> Settings:
     if value not in ("on", "off"):
-        raise Refusal("stream: on or off")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, stream=value == "on")
 
 
 def _resume(settings: Settings, value: str) -> Settings:
     if value not in ("on", "off"):
-        raise Refusal("resume: on or off")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, resume=value == "on")
 
 
 def _size(settings: Settings, value: str) -> Settings:
     size = number(value, 4095)
     if not size:
-        raise Refusal("size_mb must be 1 to 4095")
+        raise Refusal(WRONG_VALUE)
     return replace(settings, size_mb=size)
 
 

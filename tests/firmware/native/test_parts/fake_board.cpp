@@ -14,7 +14,7 @@ uint32_t now_us = 0;
 std::vector<uint8_t> eeprom;
 uint8_t sampling = 0;
 uint16_t reference_code = 341;  // 3300 mV
-Sampler sampler;
+Sampler& sampler = board::sampler;
 Card card;
 uint32_t longest_unfed_us = 0, fed_us = 0;
 static bool transmitting = false;
@@ -241,6 +241,9 @@ void Card::store() {
 
 namespace board {
 
+Sampler sampler;
+Link serial;
+
 uint32_t milliseconds() { return fake::now_us / 1000; }
 uint16_t dice() { return 0x1234; }
 void feed_watchdog() {
@@ -261,8 +264,13 @@ uint16_t spi_send(const uint8_t* data, uint16_t size) {
 }
 
 uint16_t spi_receive(uint8_t* data, uint16_t size) {
-    for (uint16_t k = 0; k < size; ++k) data[k] = spi_exchange(0xFF);
-    return crc16(data, size);
+    uint16_t crc = 0;
+    for (uint16_t k = 0; k < size; ++k) {
+        const uint8_t byte = spi_exchange(0xFF);
+        crc = crc16_update(crc, byte);
+        if (data) data[k] = byte;
+    }
+    return crc;
 }
 
 void eeprom_read(uint8_t address, void* data, uint8_t size) {

@@ -15,7 +15,7 @@ extern uint32_t now_us;
 extern std::vector<uint8_t> eeprom;
 extern uint8_t sampling;         // what board::sample() was told last
 extern uint16_t reference_code;  // of the internal reference
-extern Sampler sampler;
+extern Sampler& sampler;
 extern uint32_t fed_us, longest_unfed_us;  // when the watchdog was fed last, and its longest wait
 
 void power_on();               // everything as new

@@ -234,8 +234,8 @@ TEST(a_full_file_ends_the_session_in_time) {
     Rig rig;
     rig.session.settings.conversions = 2;
     CHECK(rig.session.start() == kNoTrouble);
-    for (int k = 0; k < 3000 && !rig.session.full(); ++k) rig.run(37);
-    CHECK(rig.session.full() && rig.stop() == kNoTrouble);
+    for (int k = 0; k < 3000 && !rig.session.over(); ++k) rig.run(37);
+    CHECK(rig.session.over() && rig.stop() == kNoTrouble);
     CHECK(decode("HOP00001.HOP").kinds == "HS" && rig.session.lost() == 0);
 }
 
