@@ -47,7 +47,8 @@ AT_ONCE = 8
 """So many variants are held in memory together: each takes a table of every run."""
 
 NEAR, FEW = 0.6, 2
-"""So many more variants of an effect, that explain this share of what the best does, are kept."""
+"""Variants of an effect that explain this share of what the best does are kept: one of each form,
+so many in all."""
 
 LINE = 5.0
 """A frequency so many times as far from what is expected as the middle one is a line: of the
@@ -268,14 +269,20 @@ def tabulated(
 
 
 def _best_of(variants: Sequence[Screened]) -> Screened:
-    """The best variant of an effect with the next few behind it, and the next few starts of the
-    same form: to first order the wrong end of a grid may explain twice as much."""
+    """The best variant of an effect with what comes near it: first the best start of each other
+    form, as screening hardly tells forms, then a few more starts of these and of the best form: to
+    first order the wrong end of a grid may explain twice as much."""
     best, *others = sorted(variants, key=lambda s: -s.score)
     others = [s for s in others if s.score > 0]
-    near = [s for s in others if s.gain > NEAR * best.gain][:FEW]
-    same = [s for s in others if s.variant.choice == best.variant.choice and s not in near]
+    near = [s for s in others if s.gain > NEAR * best.gain]
+    form = best.variant.choice
+    of_form = {s.variant.choice: s for s in reversed(near) if s.variant.choice != form}
+    forms = [s for s in near if s is of_form.get(s.variant.choice)]
+    starts = [s for s in near if s not in forms][: max(FEW - len(forms), 0)]
+    same = [s for s in others if s.variant.choice == form and s not in starts][:FEW]
     # Only the best is held against other effects: the others' contributions are not kept.
-    return replace(best, others=tuple(replace(s, contribution={}) for s in (*near, *same[:FEW])))
+    kept = (replace(s, contribution={}) for s in (*forms, *starts, *same))
+    return replace(best, others=tuple(kept))
 
 
 def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:
