@@ -19,6 +19,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import lmfit
@@ -108,7 +109,7 @@ def simulated(name: str, folder: Path) -> Path:
 
 
 class Rig:
-    """A campaign as peers see it: motion and force of the runs of a role, E of what they foresee."""
+    """A campaign as peers see it: motion and force of its runs, E of what they foresee."""
 
     def __init__(self, campaign: ComponentCampaign) -> None:
         self.campaign, self.dt = campaign, 1.0 / campaign.sample_rate_hz
@@ -194,13 +195,14 @@ def by_pysindy(rig: Rig) -> Answer:
     return rig.error(lambda moved: level * np.asarray(model.predict(scaled(moved)))[:, 0]), terms
 
 
-def by_wheelhop(rig: Rig) -> tuple[Answer, str]:
-    """The best of its ladder, names before laws; and what it is called."""
+def by_wheelhop(rig: Rig, said: list[str]) -> Answer:
+    """The best of its ladder, names before laws; what it is called is `said`."""
     found = diagnose(rig.campaign, jobs=1, progress=False)
     laws = [] if found.law is None else list(found.law.steps)
     best = min([found.steps[-1], *laws], key=lambda s: s.rung.error)
     sure = f"{'+'.join(found.verdict)}, {100 * found.confidence:.0f} %"
-    return (best.rung.error, len(best.rung.fit.shared)), f"{sure}; {best.added[-1]}"
+    said.append(f"{sure}; {best.added[-1] if best.added else 'baseline'}")
+    return best.rung.error, len(best.rung.fit.shared)
 
 
 def main() -> None:
@@ -215,28 +217,20 @@ def main() -> None:
             campaign = read_campaign(folder)
             assert isinstance(campaign, ComponentCampaign)
             rig, known = Rig(campaign), None if folders else RIGS[folder.name]
-            said = ""
-
-            def wheelhop(rig: Rig = rig) -> Answer:
-                nonlocal said
-                answer, said = by_wheelhop(rig)
-                return answer
-
+            said = list[str]()
             peers: dict[str, Callable[[], Answer]] = {
-                "wheelhop": wheelhop,
-                "lmfit": lambda rig=rig: by_lmfit(rig),
-                "PySINDy": lambda rig=rig: by_pysindy(rig),
+                "wheelhop": partial(by_wheelhop, rig, said),
+                "lmfit": partial(by_lmfit, rig),
+                "PySINDy": partial(by_pysindy, rig),
             }
             if known is not None:
-                peers["SciPy, told the law"] = lambda rig=rig, k=known: by_scipy(rig, k[0], k[1])
+                peers["SciPy, told the law"] = partial(by_scipy, rig, known[0], known[1])
             for name, answer in peers.items():
                 begin = time.process_time()
                 error, count = answer()
-                took, more = time.process_time() - begin, said if name == "wheelhop" else ""
-                print(
-                    f"{folder.name:12} {name:20} {100 * error:6.2f} % {count:3} {took:6.1f} s {more}",
-                    flush=True,
-                )
+                took, more = time.process_time() - begin, said.pop() if said else ""
+                line = f"{folder.name:12} {name:20} {100 * error:6.2f} % {count:3} {took:6.1f} s"
+                print(line, more, flush=True)
 
 
 if __name__ == "__main__":
