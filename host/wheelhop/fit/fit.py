@@ -55,8 +55,7 @@ WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
 
 AHEAD = 10.0
-"""A fit has no hope to come where ten more steps as good as the last would not lead, once steps no
-longer gain more than the ones before: far from its end they may grow for long."""
+"""A fit has no hope where ten more steps as good as the last would not lead, once they shrink."""
 
 
 def fit(
@@ -155,8 +154,7 @@ def linearised(
 
 @RUNS_AWAY
 def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
-    state, damping = problem.linearise(problem.completed(model)), FIRST_DAMPING
-    before = 0.0
+    state, damping, before = problem.linearise(problem.completed(model)), FIRST_DAMPING, 0.0
     if not np.isfinite(state.cost):
         return state
     for iteration in range(ITERATIONS):

@@ -40,15 +40,13 @@ from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
 
-ABSURD = 1e3
-"""So many times its scale no amplitude is believed to be: one standard deviation."""
+ABSURD = 1e3  # times its scale no amplitude is believed to be: one standard deviation
 
-AT_ONCE = 8
-"""So many variants are held in memory together: each takes a table of every run."""
+AT_ONCE = 8  # variants are held in memory together: each takes a table of every run
 
 NEAR, FEW = 0.6, 2
-"""Variants of an effect that explain this share of what the best does are kept: one of each form,
-so many in all."""
+"""So many variants of an effect that explain this share of what the best does, or one of each form,
+are kept."""
 
 LINE = 5.0
 """A frequency so many times as far from what is expected as the middle one is a line: of the
@@ -269,20 +267,18 @@ def tabulated(
 
 
 def _best_of(variants: Sequence[Screened]) -> Screened:
-    """The best variant of an effect with what comes near it: first the best start of each other
-    form, as screening hardly tells forms, then a few more starts of these and of the best form: to
-    first order the wrong end of a grid may explain twice as much."""
+    """The best variant of an effect with the best start of each other form that comes near, and a
+    few more starts: to first order the wrong end of a grid may explain twice as much."""
     best, *others = sorted(variants, key=lambda s: -s.score)
     others = [s for s in others if s.score > 0]
     near = [s for s in others if s.gain > NEAR * best.gain]
-    form = best.variant.choice
-    of_form = {s.variant.choice: s for s in reversed(near) if s.variant.choice != form}
-    forms = [s for s in near if s is of_form.get(s.variant.choice)]
+    form, of_form = best.variant.choice, {s.variant.choice: s for s in reversed(near)}
+    forms = [s for s in near if s is of_form[s.variant.choice] and s.variant.choice != form]
     starts = [s for s in near if s not in forms][: max(FEW - len(forms), 0)]
     same = [s for s in others if s.variant.choice == form and s not in starts][:FEW]
     # Only the best is held against other effects: the others' contributions are not kept.
-    kept = (replace(s, contribution={}) for s in (*forms, *starts, *same))
-    return replace(best, others=tuple(kept))
+    others = [replace(s, contribution={}) for s in (*forms, *starts, *same)]
+    return replace(best, others=tuple(others))
 
 
 def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:
