@@ -106,6 +106,19 @@ def test_motion_that_does_not_repeat_says_nothing(campaign):
         )
 
 
+def test_the_quietest_of_few_runs_are_no_quieter_than_their_noise(campaign):
+    """White noise of one channel in three runs that never repeat, and nothing else: of twelve parts
+    the quietest alone is a quarter below it."""
+    rng, ratios = np.random.default_rng(5), []
+    for _ in range(8):
+        still = recorded(campaign, [rng.normal(0.0, 0.01, 1280) for _ in range(3)], sigma=0.0)
+        runs = [replace(run, record=rng.normal(0.0, 3.0, (1280, 1))) for run in still.runs]
+        floor = floor_of(replace(still, runs=tuple(runs)))
+        assert floor.basis == QUIETEST
+        ratios.append(floor.noise_rms[0] / in_band_of(3.0))
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.05)
+
+
 def test_a_vehicle_is_asked_for_no_repeats(bench):
     made, _ = bench.campaign([2.0, 2.0], lambda t, v: bench.noise(0.1), noise=None)
     assert found(made) is None

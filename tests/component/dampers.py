@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import copysign, exp, inf, tanh
 
+from numba import njit
+
 from tests.component.hysteresis import STEP_S, changes
 
 Law = Callable[[float, float], float]
@@ -28,36 +30,46 @@ def compliant_damper(
 ) -> Law:
     """A node between a spring of c / lag and valves that resist its rate r with V(r)."""
     node, last, joint = 0.0, None, c / lag_s
-
-    def resists(rate: float) -> float:
-        side = c * (1.0 + asymmetry if rate > 0.0 else 1.0 - asymmetry)
-        opens, r = opening_N * bleed / side, abs(rate)
-        force = min(r, opens) * side / bleed
-        more = max(r - opens, 0.0)
-        blows = blow_off_N / side
-        force += min(more, blows) * side + max(more - blows, 0.0) * side * (1.0 - loss)
-        return copysign(force, rate)
+    numbers = (c, asymmetry, opening_N, bleed, loss, blow_off_N)
 
     def force(x: float, v: float) -> float:
         nonlocal node, last
         if last is None:  # the valves have long resisted this rate
-            node, last = x - resists(v) / joint, x
-        step = STEP_S / PARTS
-        for part in range(PARTS):
-            at = last + (x - last) * (part + 1) / PARTS
-            most = abs(at - node) / step
-            low, high = -most, most
-            for _ in range(50):
-                rate = 0.5 * (low + high)
-                if joint * (at - node - step * rate) > resists(rate):
-                    low = rate
-                else:
-                    high = rate
-            node += step * low
-        last = x
+            node, last = x - resists(v, *numbers) / joint, x
+        node, last = followed(node, last, x, joint, *numbers), x
         return k * x + joint * (x - node)
 
     return force
+
+
+@njit(cache=True)  # ten million bisections in Python take minutes
+def resists(rate, c, asymmetry, opening_N, bleed, loss, blow_off_N):
+    side = c * (1.0 + asymmetry if rate > 0.0 else 1.0 - asymmetry)
+    opens, r = opening_N * bleed / side, abs(rate)
+    force = min(r, opens) * side / bleed
+    more = max(r - opens, 0.0)
+    blows = blow_off_N / side
+    force += min(more, blows) * side + max(more - blows, 0.0) * side * (1.0 - loss)
+    return copysign(force, rate)
+
+
+@njit(cache=True)
+def followed(node, last, x, joint, c, asymmetry, opening_N, bleed, loss, blow_off_N):
+    """Where the node is once its spring has come from `last` to x."""
+    step = STEP_S / PARTS
+    for part in range(PARTS):
+        at = last + (x - last) * (part + 1) / PARTS
+        most = abs(at - node) / step
+        low, high = -most, most
+        for _ in range(50):
+            rate = 0.5 * (low + high)
+            resisted = resists(rate, c, asymmetry, opening_N, bleed, loss, blow_off_N)
+            if joint * (at - node - step * rate) > resisted:
+                low = rate
+            else:
+                high = rate
+        node += step * low
+    return node
 
 
 def hardening(

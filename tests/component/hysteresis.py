@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import exp, tanh
 
+from numba import njit
+
 Law = Callable[[float, float], float]
 STEP_S = 1.0 / 8192.0  # of the rig
 
@@ -89,18 +91,24 @@ def mr_damper(k: float, c: float, yield_N: float, yield_m: float, creep_m_s: flo
 
     def force(x: float, v: float) -> float:
         nonlocal node
-        most = abs(x - node) / STEP_S
-        low, high = -most, most
-        for _ in range(50):
-            rate = 0.5 * (low + high)
-            if joint * (x - node - STEP_S * rate) > yield_N * tanh(rate / creep_m_s):
-                low = rate
-            else:
-                high = rate
-        node += STEP_S * low
+        node += STEP_S * flow(x - node, joint, yield_N, creep_m_s)
         return k * x + c * v + joint * (x - node)
 
     return force
+
+
+@njit(cache=True)
+def flow(away, joint, yield_N, creep_m_s):
+    """The rate at which a node so far away from the other end of its spring follows it."""
+    most = abs(away) / STEP_S
+    low, high = -most, most
+    for _ in range(50):
+        rate = 0.5 * (low + high)
+        if joint * (away - STEP_S * rate) > yield_N * tanh(rate / creep_m_s):
+            low = rate
+        else:
+            high = rate
+    return low
 
 
 def payne_effect(k: float, c: float, force_N: float, half_way_m: float) -> Law:

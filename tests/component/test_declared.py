@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.component import rig
+from tests.component.cases import diagnosed
 from tests.component.rig import Component
 from tests.component.test_read import edit
 from wheelhop.campaign import CampaignError, read_campaign
@@ -108,3 +109,17 @@ def test_a_rack_has_no_spring(tmp_path):
     assert "stiffness_N_m" not in free_of(none)
     assert fitted(unknown).model.values["component.stiffness_N_m"] > 100.0
     assert np.isfinite(fitted(none).error)
+
+
+def test_friction_on_a_rack_is_friction(tmp_path):
+    """Not a fluid that yields, though that comes near it, and to first order bristles that stick
+    look twice as good as the joint that slips."""
+    numbers = {"coulomb_N": 58.0, "joint_N_m": 2.9e5}
+    rack = Component(0.0, NO_SPRING, 250.0, hidden="dry-friction", numbers=numbers)
+    said = "\n".join(f"{key} = {v}" for key, v in zip(KEYS, ('"none"', 0.0, 200.0), strict=True))
+    folder = rig.make_campaign(
+        tmp_path / "c", "displacement", rack, seed=0, noise=0.01, nominal=said
+    )
+    found = diagnosed(folder)
+    assert found.verdict == ("dry-friction",)
+    assert found.ladder[-1].parameters["dry-friction.strut_N"][0] == pytest.approx(58.0, rel=0.02)

@@ -188,17 +188,28 @@ def test_valves_behind_a_spring_never_give_energy(valves, frequency, amplitude):
     assert taken > 0.0
 
 
-def test_its_error_falls_with_the_square_of_the_step():
+@pytest.mark.parametrize(
+    ("name", "law", "numbers", "damping"),
+    [
+        (
+            "compliant-damper",
+            valves_in_series,
+            (0.005, 1500.0, 0.2, 60.0, 0.15, 0.6, 250.0),
+            1500.0,
+        ),
+        ("mr-damper", yielding, (100.0, 0.001, 0.03), 0.0),
+    ],
+)
+def test_its_error_falls_with_the_square_of_the_step(name, law, numbers, damping):
     """At the step that the library asks for it is below a thousandth of the force."""
-    numbers = (0.005, 1500.0, 0.2, 60.0, 0.15, 0.6, 250.0)
 
     def at(step, every):
         time = np.arange(0.0, 1.0, step)
         x = 0.02 * np.sin(2 * np.pi * 2.0 * time)
         v = 0.02 * 4 * np.pi * np.cos(2 * np.pi * 2.0 * time)
-        return (follow(valves_in_series, x, v, step, numbers) + 1500.0 * v)[::every]
+        return (follow(law, x, v, step, numbers) + damping * v)[::every]
 
-    step = LIBRARY["compliant-damper"].longest_step_s
+    step = LIBRARY[name].longest_step_s
     exact = at(step / 32, 32)
     errors = [np.std(at(step / n, n) - exact) / np.std(exact) for n in (1, 2, 4)]
     assert errors[0] < 1e-3

@@ -17,6 +17,7 @@ from wheelhop.diagnose.diagnosis import Grounds, Step
 from wheelhop.diagnose.posterior import CEILING, confidence
 from wheelhop.diagnose.posterior import grounds as grounds_of
 from wheelhop.diagnose.search.scored import Stand
+from wheelhop.effects import load_effects
 
 VERDICTS = (
     ("none",),
@@ -66,32 +67,46 @@ PUBLISHED = Path(__file__).parents[2] / "benchmarks" / "blind" / "published"
 
 
 def published():
-    """Of every published answer that named an effect and "unknown" beside it: the errors over the
-    floor of baseline and last rung, and whether the effect was hidden."""
+    """Of every published answer that named an effect and "unknown" beside it: what it stands on,
+    and whether the effect was hidden."""
+    library = load_effects()
     for file in sorted(PUBLISHED.glob("*.csv")):
         for row in csv.DictReader(file.open(newline="")):
             first, *others = row["verdict"].split("+")
             if row["asked"] == "yes" and "unknown" in others and not first.startswith("belief"):
                 before, after = (float(row[f"{b}_over_floor"]) for b in ("baseline", "error"))
-                yield before, after, first in row["name"]
+                left = {"baseline_over_floor": before, "over_floor": max(after, 1.001)}
+                is_law = first in library and library[first].on_rig
+                yield replace(CLEAR, **left, is_law=is_law), first in row["name"]
+
+
+def likelihood(answers):
+    """Logarithm of how likely what was right and wrong is by what was said of it."""
+    said = [min(max(confidence(("backlash", "unknown"), on), 0.01), 0.99) for on, _ in answers]
+    return sum(
+        log(sure if right else 1.0 - sure) for sure, (_, right) in zip(said, answers, strict=True)
+    )
 
 
 @pytest.mark.parametrize("odds", [0.5, 2.0])
 def test_what_leaves_a_part_is_right_as_often_as_is_said(monkeypatch, odds):
     """The odds beforehand make the published answers likelier than half and twice these do."""
-
-    def likelihood():
-        total = 0.0
-        for before, after, right in published():
-            left = replace(CLEAR, baseline_over_floor=before, over_floor=max(after, 1.001))
-            sure = min(max(confidence(("backlash", "unknown"), left), 0.01), 0.99)
-            total += log(sure if right else 1.0 - sure)
-        return total
-
-    assert sum(1 for _ in published()) > 50
-    found = likelihood()
+    answers = list(published())
+    assert len(answers) > 50
+    found = likelihood(answers)
     monkeypatch.setattr(posterior, "ODDS_RIGHT", odds * posterior.ODDS_RIGHT)
-    assert found > likelihood()
+    assert found > likelihood(answers)
+
+
+def test_laws_of_the_struts_leave_more_under_their_right_names():
+    """Published answers that named laws are likelier if right ones leave a tenth of the amplitude
+    and more than if they leave 0.3 % and more; the others are less likely so."""
+    answers = list(published())
+    for is_law in (True, False):
+        alike = [(on, right) for on, right in answers if on.is_law is is_law]
+        other = [(replace(on, is_law=not is_law), right) for on, right in alike]
+        assert len(alike) > 25
+        assert likelihood(alike) > likelihood(other)
 
 
 def test_what_explains_nearly_all_is_hardly_a_stand_in():

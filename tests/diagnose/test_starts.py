@@ -5,7 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 from wheelhop.diagnose.confirm import starts as starting
-from wheelhop.diagnose.confirm.starts import Start, starts
+from wheelhop.diagnose.confirm.starts import Start, plainer, starts
+from wheelhop.effects import load_effects
+from wheelhop.simulate import Model
 
 NOISE = 1.0
 SHAPE = SimpleNamespace(is_shape=True)
@@ -18,9 +20,10 @@ def ended(error, evidence, away=0.0):
     return SimpleNamespace(error=error, evidence=evidence, shared=[free], model=model)
 
 
-def begun(monkeypatch, forms, results, *, believed=True):
+def begun(monkeypatch, forms, results, *, believed=True, plain=()):
     """Why each fit of a stop began that screening expects to leave an error of 1, in these forms,
-    if they end like this; `believed`: whether the vehicle is believable."""
+    if they end like this; `believed`: whether the vehicle is believable; `plain`: forms with fewer
+    numbers than any of these."""
     item = SimpleNamespace(id="stop", error=1.0, variant=SimpleNamespace(parameters=[SHAPE]))
     known = SimpleNamespace(workshop=SimpleNamespace(noise=NOISE), rung="fitted")
     known.as_believed = None if believed else "believed"
@@ -33,6 +36,7 @@ def begun(monkeypatch, forms, results, *, believed=True):
 
     monkeypatch.setattr(starting, "_screened", screened)
     monkeypatch.setattr(starting, "saturated", saturated)
+    monkeypatch.setattr(starting, "plainer", lambda workshop, fit: [(p, None) for p in plain])
     monkeypatch.setattr(starting, "all_noise", lambda fit, noise: fit.error < NOISE)
     fits, why = [], []
     for start, result in zip(starts(known, item, fits), results, strict=False):
@@ -64,3 +68,31 @@ def test_a_fit_begins_anew_until_one_has_come_far_enough(forms, results, expecte
 def test_where_something_is_left_it_begins_in_the_vehicle_as_believed(result, more, monkeypatch):
     found = begun(monkeypatch, ["one"], [result] * 3, believed=False)
     assert found == ["one"] + more * ["in the vehicle as believed"]
+
+
+@pytest.mark.parametrize(
+    ("form", "result", "more"), [("other", NEAR, 1), ("other", IN_NOISE, 0), ("one", NEAR, 0)]
+)
+def test_where_something_is_left_it_begins_in_plainer_forms_once(form, result, more, monkeypatch):
+    found = begun(monkeypatch, ["one"], [result] * 5, plain=[form])
+    assert found == ["one"] + more * ["in a plainer form"]
+
+
+def test_plainer_forms_have_some_of_the_numbers_and_no_others():
+    """Friction that sticks, without what makes it stick: it begins where that has ended."""
+    library, vehicle = load_effects(), {"component.mass_kg": 0.0, "rig.force_N": 600.0}
+    vehicle |= {"component.stiffness_N_m": 2e4, "component.damping_N_s_m": 1500.0}
+    vehicle |= {"rig.travel_m": 0.02, "rig.speed_m_s": 0.2}
+    workshop = SimpleNamespace(
+        nominal=vehicle,
+        campaign=SimpleNamespace(channels=()),
+        parameters_of=lambda effect: effect.parameters_for(vehicle, ()),
+    )
+    form = library["dry-friction"].with_choice("sticking")
+    numbers = {"strut_N": 60.0, "presliding_N_m": 2e5, "sticking": 1.6, "stribeck_m_s": 0.02}
+    values = vehicle | {f"dry-friction.{k}": v for k, v in numbers.items()}
+    fit = SimpleNamespace(model=Model(values, (form,)))
+    ((choice, model),) = plainer(workshop, fit)
+    assert choice == "elastic" and model.effects[0].form == "elastic"
+    own = {"dry-friction.strut_N": 60.0, "dry-friction.presliding_N_m": 2e5}
+    assert model.values == vehicle | own

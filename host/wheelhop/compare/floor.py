@@ -28,6 +28,9 @@ BLOCKS = 4  # equal parts of the band whose quietness is judged separately
 LOBE = 4  # lines: half the main lobe of a Blackman-Harris window
 PIECE = 50  # samples
 QUIET_SHARE = 0.1  # of all (run, part of the band) pairs are taken to hold noise alone
+OF_MEDIAN = 1.0 / np.log(2.0)
+"""Scatter of the logarithm of the median of n exponentially distributed numbers, times √n."""
+ALIKE = 2.0  # lines of a Blackman-Harris window tell as much as one that is independent
 
 
 AXLES = "the axles that drive it"
@@ -217,7 +220,10 @@ def estimate_noise(records: Sequence[Record], quantities: Sequence[str] = ()) ->
     band ignores the harmonics in it, a Blackman-Harris window (side lobes at -92 dB) keeps
     them from leaking over it. All (run, part) pairs are ordered by their level averaged over
     the channels, which makes the choice nearly independent of any one channel's noise, and
-    the median over the quietest tenth is taken channel by channel. This is done
+    the median over the quietest tenth is taken channel by channel. Of a single channel the
+    quietest are those in which its noise is weak by chance, in three runs by a quarter. Then all
+    count that lie as far above the least as chance spreads m logarithms which scatter by s,
+    2 s √(2 ln m). This is done
     on the measurements and on the residuals, which may be quieter; the smaller
     result counts. A vehicle that is never quiet anywhere gives too high a value.
     """
@@ -280,19 +286,26 @@ def estimate_noise_between_samples(records: Sequence[Array], share: float, order
 
 def _quiet_level(signals: Sequence[tuple[Array, Record]]) -> Array:
     """Mean square in band (n_channels,) that the quietest parts of the spectra imply."""
-    levels = np.array([level for signal in signals for level in _levels(*signal)])
+    found = [part for signal in signals for part in _levels(*signal)]
+    levels = np.array([level for level, _ in found])
+    lines = np.array([count for _, count in found])
     with np.errstate(divide="ignore"):
         loudness = np.nanmean(np.log(levels), axis=1)
-    chosen = np.argsort(loudness)[: max(1, round(QUIET_SHARE * len(levels)))]
-    levels = levels[chosen]
+    spread = 2.0 * OF_MEDIAN * np.sqrt(2.0 * np.log(len(levels)) / np.maximum(lines / ALIKE, 1.0))
+    order = np.argsort(loudness)
+    tenth = max(1, round(QUIET_SHARE * len(levels)))
+    if levels.shape[1] == 1:
+        tenth = max(tenth, int(np.sum(loudness <= loudness[order[0]] + spread)))
+    levels = levels[order[:tenth]]
     out = np.full(levels.shape[1], np.nan)
     known = ~np.isnan(levels).all(axis=0)
     out[known] = np.nanmedian(levels[:, known], axis=0)
     return out
 
 
-def _levels(coefficients: Array, record: Record) -> Iterator[Array]:
-    """Level of white noise in band, as mean square, that each part of the band suggests."""
+def _levels(coefficients: Array, record: Record) -> Iterator[tuple[Array, int]]:
+    """Level of white noise in band, as mean square, that each part of the band suggests, and the
+    lines that it has."""
     band = record.band
     window = blackman_harris(band.n)
     spectrum = fft.rfft(band.from_coefficients(coefficients) * window[:, None], axis=0)
@@ -305,4 +318,4 @@ def _levels(coefficients: Array, record: Record) -> Iterator[Array]:
     edges = np.linspace(first + margin, last + 1 - margin, BLOCKS + 1).astype(int)
     for low, high in pairwise(np.unique(edges)):
         # The median of an exponentially distributed periodogram is ln 2 times its mean.
-        yield np.median(power[low:high], axis=0) / np.log(2.0)
+        yield np.median(power[low:high], axis=0) / np.log(2.0), int(high - low)

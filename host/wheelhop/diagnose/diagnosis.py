@@ -98,8 +98,7 @@ class Unfinished:
         return f"{said} Not simulated, with the error expected of each: {names}{others}."
 
 
-UNLIKELY = 0.05
-"""What noise leaves with less than this chance is said to be more than noise."""
+UNLIKELY = 0.05  # what noise leaves with less chance is said to be more than noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +178,7 @@ class Grounds:
     ``cramped``, whether a number of an effect sits on its bound; ``louder``, whether that is noise
     only if the sensors are noisier than stated; ``expected_over_floor``, what a right model may
     leave over the floor (`Floor.expected`); ``untried``, the chance that another entry would come
-    first had the search not been ended.
+    first had the search not been ended; ``is_law``, whether it is a law of the struts.
     """
 
     log_odds: float
@@ -194,6 +193,7 @@ class Grounds:
     louder: bool = False
     expected_over_floor: float = 1.0
     untried: float = 0.0
+    is_law: bool = False
 
     @property
     def over_expected(self) -> float:

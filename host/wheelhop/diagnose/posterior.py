@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from wheelhop.diagnose.diagnosis import UNLIKELY, Grounds, Step
-from wheelhop.diagnose.score import EXACT, Rung, by_chance, excess, lead, left, log_odds, p_value
+from wheelhop.diagnose.score import (
+    EXACT,
+    LAW,
+    Rung,
+    by_chance,
+    excess,
+    lead,
+    left,
+    log_odds,
+    p_value,
+)
 from wheelhop.diagnose.search.scored import Scored, Stand
 from wheelhop.fit import louder
 
@@ -157,14 +167,17 @@ def _no_stand_in(grounds: Grounds) -> float:
     """Chance that what leaves a part unexplained is no stand-in for something unknown.
 
     A stand-in leaves any share s of the power above the floor alike, density 1. What is right may
-    leave something small beside it, no size likelier than another down to what models are exact
-    to, density 1 / (s ln(1/EXACT²)). Beforehand the odds for it are `ODDS_RIGHT`.
+    leave something small beside it, no size likelier than another down to ε², the power that such
+    models are exact to, density 1 / (s ln(1/ε²)): a law of the struts leaves a tenth of the
+    amplitude, under its right name, as machines part from textbooks. Beforehand the odds for what
+    is right are `ODDS_RIGHT`.
     """
     excess = grounds.baseline_over_expected**2 - 1.0
     left = max(grounds.over_expected**2 - 1.0, 0.0)
     if left >= excess:
         return 0.0
-    return ODDS_RIGHT / (ODDS_RIGHT + left / excess * log(1.0 / EXACT**2))
+    exact = LAW if grounds.is_law else EXACT
+    return ODDS_RIGHT / (ODDS_RIGHT + left / excess * log(1.0 / exact**2))
 
 
 def _odds(rival: Rung, accepted: Rung, at_floor: bool) -> float:

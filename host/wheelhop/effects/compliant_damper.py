@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import copysign, inf, sqrt
+from math import copysign, inf
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.hysteresis import STAGE
 from wheelhop.vehicle import Assembly, Strut, ends, mounted, struts
-
-STAGE = 1.0 - sqrt(0.5)
-"""Share of the step in each of two implicit stages: with it they are second order and L-stable."""
 
 LEAST_BLEED, MOST_BLEED = 0.05, 0.5
 """A valve that bleeds less is hardly told from dry friction, one that bleeds more from a linear
@@ -37,8 +35,8 @@ def valves_in_series(
     p[1] the mean slope of the open valves, p[2] half of rebound less compression over it, p[3]
     the force that opens them, p[4] the share of the flow that bleeds past them, p[5] the share of
     the slope that is lost once p[6] more than the opening force has blown them off. z is the force:
-    τ ż = c (ẋ − q(z)), q straight between its knees, so that either stage of the implicit scheme
-    (R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006, eq. 8) is solved exactly.
+    τ ż = c (ẋ − q(z)), q straight between its knees, so that either implicit stage is solved
+    exactly.
     """
     damping, bleed = p[1], p[4]
     if damping <= 0.0:
@@ -81,7 +79,7 @@ class CompliantDamper(Effect):
         r"\quad c\,(1 \pm a)\,|q| = b\,|z| + (1 - b)\,(|z| - F_o)_+"
         r" + \frac{\lambda}{1 - \lambda}\,(|z| - F_o - F_b)_+"
     )
-    longest_step_s = 0.000625
+    longest_step_s = 0.00125
     source = (
         "valves with bleed, preload and blow-off: J. C. Dixon, The Shock Absorber Handbook, 2nd ed."
         " (Wiley 2007), ch. 6 and 7; the spring of oil and gas in series with them: R. Karadayi,"

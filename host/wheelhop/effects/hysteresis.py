@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import atanh, copysign, cosh, exp, expm1, log1p, tanh
+from math import copysign, exp, expm1, log1p, sqrt, tanh
 
 from wheelhop.effects.base import Array, law
 
-ALMOST = 1.0 - 1e-12
 STRAIGHT = 1e-9
-PARTS = 4
-"""Of a step, in which a yielding fluid follows the rate: it may relax much faster than that."""
+STAGE = 1.0 - sqrt(0.5)
+"""Share of the step in each of two implicit stages: with it they are second order and L-stable
+(R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006, eq. 8)."""
 
 
 @law
@@ -55,27 +55,31 @@ def bouc_wen(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tu
 @law
 def yielding(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tuple[float, float]:
     """p[0] z: a spring that gives way by p[1] at that force, in series with what creeps as
-    tanh(rate / p[2]). ż = (v − p[2] atanh z) / p[1]; the creep is that at the end of each
-    part of a step, so that any step is stable."""
+    tanh(rate / p[2]). ż = (v − p[2] atanh z) / p[1] in two implicit stages: it may relax much
+    faster than the step."""
     if dt <= 0.0:
         return p[0] * z, z
     # The rate grows evenly over the step, from what the way tells to v.
     begin = 2.0 * dx / dt - v
-    creep = dt / PARTS * p[2] / p[1]
-    for part in range(PARTS):
-        rate = begin + (v - begin) * (part + 0.5) / PARTS
-        end = z + rate * dt / PARTS / p[1]
-        way = abs(end)
-        # tanh(s) + creep s = way: from the left Newton's steps of a concave function never pass it.
-        s = max((way - 1.0) / creep, atanh(min(way / (1.0 + creep), ALMOST)))
+    stage = STAGE * dt / p[1]
+    creep, way, end = stage * p[2], z + stage * (begin + STAGE * (v - begin)), 0.0
+    for second in (False, True):
+        if second:
+            way = z + (1.0 - STAGE) / STAGE * (end - z) + stage * v
+        far = abs(way)
+        # tanh(s) + creep s = far, from the left by Halley's steps; the last one errs by its cube.
+        s = max((far - 1.0) / creep, far / (1.0 + creep))
         for _ in range(30):
-            grown = cosh(min(s, 300.0))
-            step = (way - tanh(s) - creep * s) / (1.0 / (grown * grown) + creep)
+            bent = tanh(s)
+            falls = 1.0 - bent * bent
+            slope = falls + creep
+            step = (far - bent - creep * s) / slope
+            step /= max(1.0 - step * bent * falls / slope, 0.5)
             s += step
-            if abs(step) <= 1e-10 * s:
+            if abs(step) <= 1e-5 * s:
                 break
-        z = copysign(tanh(s), end)
-    return p[0] * z, z
+        end = copysign(bent + step * falls * (1.0 - step * bent), way)
+    return p[0] * end, end
 
 
 @law

@@ -24,7 +24,7 @@ class MrDamper(Effect):
     equation = (
         r"f = (F_y + \sum_u F_u u)\,\zeta,\quad d\,\dot\zeta = \dot x - w\,\mathrm{artanh}\,\zeta"
     )
-    longest_step_s = 0.000625
+    longest_step_s = 0.00125
     source = (
         "three-parameter element in series with the yielding one: D. R. Gamota, F. E. Filisko,"
         " Dynamic mechanical studies of electrorheological materials, J. Rheology 35 (1991) 399;"

@@ -55,7 +55,7 @@ WORTHWHILE = 0.3
 """As long as steps lower the cost by more than this fraction, derivatives are not renewed."""
 
 AHEAD = 10.0
-"""A fit has no hope to come where ten more steps as good as the last would not lead."""
+"""A fit has no hope where ten more steps as good as the last would not lead, once they shrink."""
 
 
 def fit(
@@ -154,7 +154,7 @@ def linearised(
 
 @RUNS_AWAY
 def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
-    state, damping = problem.linearise(problem.completed(model)), FIRST_DAMPING
+    state, damping, before = problem.linearise(problem.completed(model)), FIRST_DAMPING, 0.0
     if not np.isfinite(state.cost):
         return state
     for iteration in range(ITERATIONS):
@@ -170,8 +170,9 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
                 break
             damping = LEAST_DAMPING
             continue
-        if gain > 0 and state.cost - AHEAD * drop > bar > -np.inf:
+        if 0 < drop <= before and state.cost - AHEAD * drop > bar > -np.inf:
             break
+        before = drop
         if gain > WORTHWHILE and not state.of_heights:
             continue  # old derivatives still serve; but those of no heights do not where some are
         misled = problem.misled(state)

@@ -101,7 +101,8 @@ def _for_all_ports(single: Any) -> Any:
     return numba.cfunc(types.void(*_ARGUMENTS), cache=True, error_model="numpy")(made)
 
 
-def addresses(laws: Sequence[Law]) -> NDArray[np.int64]:
+@cache
+def addresses(laws: tuple[Law, ...]) -> NDArray[np.int64]:
     """Where the compiled code of each law begins, for `call`."""
     return np.array([_for_all_ports(law).address for law in laws], dtype=np.int64)
 
@@ -128,6 +129,7 @@ def call(typing, address, ports, elapsed, parameters, first, last):  # type: ign
     return signature, code
 
 
+@cache
 def groups_of(port_law: tuple[int, ...], laws: tuple[Law, ...]) -> NDArray[np.int64]:
     """Neighbouring ports with the same law: rows of law, first port, the one after the last, and
     whether the law has a memory."""
@@ -160,4 +162,7 @@ def remembers(single: Any) -> bool:
 def laws_side_by_side(parameters: Sequence[Array]) -> Array:
     """The laws' numbers (lanes, p, width): a spline of more knots takes more of them."""
     width = max(one.shape[1] for one in parameters)
-    return np.stack([np.pad(one, ((0, 0), (0, width - one.shape[1]))) for one in parameters])
+    together = np.zeros((len(parameters), len(parameters[0]), width))
+    for own, one in zip(together, parameters, strict=True):
+        own[:, : one.shape[1]] = one
+    return together

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy import interpolate
 
 from wheelhop.campaign import ComponentCampaign, RigRun
 from wheelhop.effects import Effect, RunSetting
-from wheelhop.simulate.laws import padded
+from wheelhop.simulate.imposed import forces
+from wheelhop.simulate.laws import remembers
 from wheelhop.simulate.model import Model
 from wheelhop.simulate.oscillator import displacements
 from wheelhop.simulate.run import STEP_S, Response
@@ -90,26 +91,38 @@ class RigSimulator:
     def _records(self, trials: Sequence[tuple[Model, System, int]]) -> list[Array]:
         """Records of several models, each at so many steps per sample."""
         self.steps += len(self.run.time_s) * sum(stride for _, _, stride in trials)
-        if self.campaign.drive == "displacement":
-            return [self._force(*trial)[:, None] for trial in trials]
-        alike: dict[object, list[int]] = {}
+        alike: dict[tuple[Any, ...], list[int]] = {}
         for i, (_, system, stride) in enumerate(trials):
             alike.setdefault((stride, system.port_law, system.laws, system.port_by), []).append(i)
+        answers = self._displacements if self.campaign.drive == "force" else self._measured_forces
         found = [np.empty(0)] * len(trials)
-        for places in alike.values():
-            stride = trials[places[0]][2]
-            models = [trials[i][:2] for i in places]
-            records = displacements(
-                [trials[i][1] for i in places],
-                [[*self._initial(model), *self._begins(model, one)] for model, one in models],
-                self._imposed(stride),
-                self._weights(trials[places[0]][1], 2 * stride),
-                1.0 / (self.campaign.sample_rate_hz * stride),
-                stride,
-            )
+        for (stride, *_), places in alike.items():
+            records = answers([trials[i][:2] for i in places], stride)
             for i, record in zip(places, records, strict=True):
                 found[i] = record[:, None]
         return found
+
+    def _displacements(self, trials: Sequence[tuple[Model, System]], stride: int) -> list[Array]:
+        """How models of one make move under the force."""
+        return displacements(
+            [system for _, system in trials],
+            [[*self._initial(one[0]), *self._begins(*one)] for one in trials],
+            self._imposed(stride),
+            self._weights(trials[0][1], 2 * stride),
+            1.0 / (self.campaign.sample_rate_hz * stride),
+            stride,
+        )
+
+    def _measured_forces(self, trials: Sequence[tuple[Model, System]], stride: int) -> list[Array]:
+        """The forces of models of one make along the displacement."""
+        return forces(
+            [system for _, system in trials],
+            [self._begins(*trial) for trial in trials],
+            self.motion(stride),
+            self._weights(trials[0][1], stride),
+            1.0 / (self.campaign.sample_rate_hz * stride),
+            stride,
+        )
 
     def motion(self, stride: int) -> Array:
         """Recorded displacement, velocity and acceleration (3, T), in SI, at so many steps per
@@ -120,9 +133,11 @@ class RigSimulator:
 
     def _stride(self, model: Model, system: System, longer: float = 1.0) -> int:
         """Steps per sample; of an integration one of few numbers, that it rarely changes in a
-        fit."""
+        fit. Along an imposed displacement only laws with a memory go step by step."""
         step = min([STEP_S, *(effect.longest_step_s for effect in model.effects)])
         integrated = self.campaign.drive == "force"
+        if not integrated and not any(map(remembers, system.laws)):
+            return 1
         if integrated:
             highest_hz = self.campaign.band_hz[1]
             fastest = system.fastest_1_s
@@ -149,17 +164,6 @@ class RigSimulator:
         own = model.runs.get(self.run.id, {})
         return [own.get(name, 0.0) for name in system.port_begins]
 
-    def _force(self, model: Model, system: System, stride: int) -> Array:
-        x, v, a = self.motion(stride)
-        linear = system.mass[0, 0] * a + system.damping[0, 0] * v + system.stiffness[0, 0] * x
-        laws = _follow(
-            x,
-            v,
-            1.0 / (self.campaign.sample_rate_hz * stride),
-            *_ports(system, self._weights(system, stride), self._begins(model, system)),
-        )
-        return np.asarray((linear + laws)[::stride])
-
     def _weights(self, system: System, stride: int) -> Array:
         """What each port's force is times (p, T); (0, 0) if none depends on an input."""
         if not any(system.port_by):
@@ -174,33 +178,3 @@ class RigSimulator:
             spline = interpolate.CubicSpline(self.run.time_s, self.run.force)
             self._forces[stride] = spline(self._times(2 * stride))
         return self._forces[stride]
-
-
-def _ports(system: System, weights: Array, begins: Sequence[float]) -> tuple[object, ...]:
-    """The force laws as the loops below take them: coefficients p, laws, their parameters, what
-    their forces are times, and what they remember at first."""
-    return (
-        np.ascontiguousarray(system.port[:, 0]),
-        np.array(system.port_law, dtype=np.int64),
-        padded(system.laws),
-        system.law_parameters,
-        weights,
-        np.array(begins),
-    )
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _follow(x, v, dt, p, port_law, laws, law_par, weight, begins):  # type: ignore[no-untyped-def]
-    """Force (T,) of the laws along a motion x, v (T,), each times its weight (p, T), if any, its
-    memory at first what it `begins` with (p,)."""
-    total = np.zeros(len(x))
-    for port in range(len(p)):
-        law, memory, before = port_law[port], begins[port], x[0]
-        for t in range(len(x)):
-            force, memory = laws[law](
-                p[port] * x[t], p[port] * v[t], p[port] * (x[t] - before), dt * min(t, 1),
-                memory, law_par[port],
-            )  # fmt: skip
-            total[t] += p[port] * force * (weight[port, t] if len(weight) else 1.0)
-            before = x[t]
-    return total

@@ -63,8 +63,10 @@ def starts(incumbent: Incumbent, screened: Screened, ended: Sequence[Fit]) -> It
 
     Forms and shares of what is screened, until one ends about as low as screening expects, at
     numbers that are believed, with no other form as likely or nothing left but noise. Then, where
-    shapes are hard to believe, saturated. Where something is left and the vehicle is hard to
-    believe, that may be for want of the effect, and no way may lead back: so as it is believed.
+    shapes are hard to believe, saturated. Where something is left, where those have ended in
+    plainer forms that were not tried: what is free to do more looks better to first order, and may
+    end elsewhere. And where the vehicle is hard to believe, that may be for want of the effect, and
+    no way may lead back: so as it is believed.
     """
     workshop, noise = incumbent.workshop, incumbent.workshop.noise
     listed = _screened(workshop, incumbent.rung, screened)[: len(SHARES)]
@@ -78,6 +80,12 @@ def starts(incumbent: Incumbent, screened: Screened, ended: Sequence[Fit]) -> It
             break
     if not believed and any(p.is_shape for p in screened.variant.parameters):
         yield from saturated(workshop, incumbent.rung, screened)
+        best = max(ended, key=lambda one: one.evidence)
+    if not all_noise(best, noise):
+        plain = {choice: model for one in ended for choice, model in plainer(workshop, one)}
+        for choice, model in plain.items():
+            if choice not in forms:
+                yield Start(model, "in a plainer form", incumbent.rung)
         best = max(ended, key=lambda one: one.evidence)
     if not all_noise(best, noise) and incumbent.as_believed is not None:
         (_, start), *_ = _screened(workshop, incumbent.as_believed, screened)
@@ -192,6 +200,21 @@ def in_form(workshop: Workshop, found: Rung, form: Effect) -> Model:
     models = [model.with_values(dict(zip(own, begin, strict=True))) for begin in begins]
     left = misfits(workshop, models, workshop.of_role("fit"), found.fit.sigma)
     return models[int(np.argmin(left))]
+
+
+def plainer(workshop: Workshop, found: Fit) -> Iterator[tuple[str, Model]]:
+    """Where a fit has ended, its last effect in each form that has some of its numbers and no
+    others, with the form's name: friction that holds no more at rest than it slides with."""
+    effect = found.model.effects[-1]
+    names = {p.name for p in workshop.parameters_of(effect)}
+    for choice in effect.choices(workshop.campaign.channels):
+        form = effect.with_choice(choice)
+        fewer = {p.name for p in workshop.parameters_of(form)}
+        if fewer < names and form.applies_to(workshop.nominal):
+            gone = {f"{effect.id}.{name}" for name in names - fewer}
+            values = {k: v for k, v in found.model.values.items() if k not in gone}
+            effects = (*found.model.effects[:-1], form)
+            yield choice, replace(found.model, values=values, effects=effects)
 
 
 def shapes_as_believed(found: Fit) -> Iterator[Model]:

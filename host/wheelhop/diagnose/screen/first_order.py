@@ -40,14 +40,13 @@ from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
 
-ABSURD = 1e3
-"""So many times its scale no amplitude is believed to be: one standard deviation."""
+ABSURD = 1e3  # times its scale no amplitude is believed to be: one standard deviation
 
-AT_ONCE = 8
-"""So many variants are held in memory together: each takes a table of every run."""
+AT_ONCE = 8  # variants are held in memory together: each takes a table of every run
 
 NEAR, FEW = 0.6, 2
-"""So many more variants of an effect, that explain this share of what the best does, are kept."""
+"""So many variants of an effect that explain this share of what the best does, or one of each form,
+are kept."""
 
 LINE = 5.0
 """A frequency so many times as far from what is expected as the middle one is a line: of the
@@ -268,14 +267,18 @@ def tabulated(
 
 
 def _best_of(variants: Sequence[Screened]) -> Screened:
-    """The best variant of an effect with the next few behind it, and the next few starts of the
-    same form: to first order the wrong end of a grid may explain twice as much."""
+    """The best variant of an effect with the best start of each other form that comes near, and a
+    few more starts: to first order the wrong end of a grid may explain twice as much."""
     best, *others = sorted(variants, key=lambda s: -s.score)
     others = [s for s in others if s.score > 0]
-    near = [s for s in others if s.gain > NEAR * best.gain][:FEW]
-    same = [s for s in others if s.variant.choice == best.variant.choice and s not in near]
+    near = [s for s in others if s.gain > NEAR * best.gain]
+    form, of_form = best.variant.choice, {s.variant.choice: s for s in reversed(near)}
+    forms = [s for s in near if s is of_form[s.variant.choice] and s.variant.choice != form]
+    starts = [s for s in near if s not in forms][: max(FEW - len(forms), 0)]
+    same = [s for s in others if s.variant.choice == form and s not in starts][:FEW]
     # Only the best is held against other effects: the others' contributions are not kept.
-    return replace(best, others=tuple(replace(s, contribution={}) for s in (*near, *same[:FEW])))
+    others = [replace(s, contribution={}) for s in (*forms, *starts, *same)]
+    return replace(best, others=tuple(others))
 
 
 def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:

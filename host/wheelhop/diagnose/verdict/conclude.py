@@ -48,6 +48,7 @@ def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = N
         grounds(verdict, steps, last, stand, len(first.screened), workshop.noise),
         unseen=unseen(of_the_vehicle(shown, effects), len(effects)),
         cramped=bool(on_bounds),
+        is_law=bool(accepted) and search.effects[accepted[0]].on_rig,
         untried=_untried(steps[-1], verdict[0], last, stand) if ended else 0.0,
     )
     return Diagnosis(
