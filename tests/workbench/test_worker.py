@@ -44,7 +44,7 @@ def test_where_enough_is_known_a_diagnosis_ends_with_the_verdict_so_far(friction
         return Enough() if len(simulated) > 1 else None
 
     worker = Worker(heard.append, newer)
-    worker.obey(Order(friction, Choice(), diagnose=True))
+    worker.obey(Order(friction, Choice(), wish="diagnose"))
     (concluded,) = [m for m in heard if isinstance(m, Concluded)]
     assert "interrupted" in repr(concluded.verdict)
     assert heard[-1] == Done("")

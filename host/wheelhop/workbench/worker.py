@@ -22,6 +22,7 @@ from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import Linearity, linearity
 from wheelhop.law import find_law
+from wheelhop.predict.detectable import detectable
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
@@ -86,12 +87,15 @@ class Worker:
         try:
             work = self._prepared(order)
             self._climb(work, order.choice.added)
-            if order.diagnose:
-                self._diagnose(work)
-            if order.law:
-                self._find_law(work, order.choice.added)
-            if order.axles:
-                self._identify(work, order.choice.added)
+            match order.wish:
+                case "diagnose":
+                    self._diagnose(work)
+                case "law":
+                    self._find_law(work, order.choice.added)
+                case "axles":
+                    self._identify(work, order.choice.added)
+                case "foresee":
+                    self._foresee(work)
             self._say(Done(self._written(work, order)))
         except InputError as error:
             self._say(Refused(str(error)))
@@ -107,7 +111,7 @@ class Worker:
 
     def _prepared(self, order: Order) -> Work:
         self._data = _data_of(order)
-        self._fitting = None if order.axles or order.write else ()
+        self._fitting = None if order.wish in ("axles", "foresee") or order.write else ()
         if self._work is None or self._data != self._key:
             self._work = self._begun(order)
             self._key = self._data
@@ -122,10 +126,10 @@ class Worker:
         gated = gate(campaign, vehicle)
         self._say(Findings(show.findings(gated.findings)))
         library = {**load_effects(order.effects_file), **beliefs(gated.campaign, vehicle)}
+        self._say(show.library(library))
         base = fit_baseline(gated.campaign, vehicle, progress=self._progress, watch=self._watch)
         work = Work(campaign, vehicle, gated, library, base)
         work.steps[()] = step_of(base.workshop, base.rung)
-        self._say(show.library(library))
         return work
 
     def _climb(self, work: Work, added: Sequence[str]) -> None:
@@ -161,7 +165,8 @@ class Worker:
             work.steps[step.added] = step
         self._say(show.final_ranking(base.workshop, work.diagnosis))
         found = show.findings(work.diagnosis.findings)
-        self._say(Concluded(show.verdict(work.diagnosis), found))
+        case = show.case(work.gated.campaign, work.diagnosis.ladder)
+        self._say(Concluded(show.verdict(work.diagnosis), found, case))
 
     def _find_law(self, work: Work, added: Sequence[str]) -> None:
         accepted, effects = [work.library[name] for name in added], list(work.library.values())
@@ -174,6 +179,11 @@ class Worker:
         if work.linearity is None:
             work.linearity = linearity(campaign, work.vehicle)
         self._say(show.between(work.linearity, campaign, work.ladder(added)))
+
+    def _foresee(self, work: Work) -> None:
+        campaign, library = work.gated.campaign, work.library.values()
+        found = detectable(campaign, work.vehicle, library, progress=self._progress)
+        self._say(show.can_show(found))
 
     def _written(self, work: Work, order: Order) -> str:
         """Write what is asked for; the line that says so."""
