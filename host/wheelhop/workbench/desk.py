@@ -58,6 +58,7 @@ from wheelhop.workbench.shown import (
     Refused,
     Rung,
     Said,
+    Settings,
 )
 
 if TYPE_CHECKING:
@@ -337,7 +338,7 @@ class Desk:
                 self._take_cards(cards)
             case Climbed(rungs):
                 self._climbed(rungs)
-            case Ranking() | Concluded() | Law() | AxleToBody() | CanShow():
+            case Ranking() | Concluded() | Law() | AxleToBody() | CanShow() | Settings():
                 self._results = self._results.heard(self.job.made, message)
                 if isinstance(message, Concluded):
                     self._keep()

@@ -66,8 +66,11 @@ def picture(kind: str, rows: Sequence[Row], look: Look) -> Picture:
     window = look.window if kind == TIME else WHOLE
     zoom = range(len(panels)) if joined else ()
     options = chart(panels, [every] * len(panels), list(zoom), window, 100 * foot / total)
-    if kind == TIME and look.cursors is not None:  # a drag sets them, and moves nothing
-        options["dataZoom"][0]["moveOnMouseMove"] = False
+    if kind == TIME:
+        outside = {"colorAlpha": 1.0}  # while it is dragged, nothing fades
+        options["brush"] = {"xAxisIndex": "all", "toolbox": [], "outOfBrush": outside}
+        # where cursors stand a drag sets them anew, and moves nothing
+        options["dataZoom"][0]["moveOnMouseMove"] = look.cursors is None
     if kind == XY:
         del options["dataZoom"]
         options["tooltip"] = {"show": False}

@@ -131,7 +131,8 @@ class MissingView:
 
     def _table_html(self, ranking: Ranking) -> str:
         tried = [row for row in ranking.rows if row.screened is not None]
-        shown = [row for row in tried if row.confirmed is not None] if self._settled else tried
+        confirmed = [row for row in tried if row.confirmed is not None] if self._settled else []
+        shown = confirmed or tried
         rows = "".join(self._row(i, row) for i, row in enumerate(shown, start=1))
         rest = [row for row in tried if row not in shown]
         others = [row for row in ranking.rows if row.screened is None]
@@ -246,9 +247,7 @@ def _library_html(cards: Mapping[str, Card], found: CanShow | None) -> str:
     """Every effect that will be tried, and from where on it would be seen, if that was asked."""
     if not cards:
         return "<p class='soft'>The effects stand here once the campaign is read.</p>"
-    seen: dict[str, str] = {}
-    for name, words in (found.effects if found else {}).items():
-        seen[name.partition(" (")[0]] = words
+    seen = found.effects if found else {}
     rows = "".join(
         f'<tr><td><button data-act="card" data-effect="{escape(card.effect)}">'
         f"{escape(card.effect)}</button></td><td>{escape(card.place)}</td>"

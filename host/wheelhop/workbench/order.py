@@ -13,17 +13,18 @@ from typing import Literal
 from wheelhop.files import Source
 from wheelhop.workbench.session import Choice
 
-Wish = Literal["", "diagnose", "law", "axles", "foresee"]
+Wish = Literal["", "diagnose", "law", "axles", "foresee", "settings"]
 DOING: dict[Wish, str] = {
     "": "fitting",
     "diagnose": "diagnosing",
     "law": "finding a law",
     "axles": "identifying",
     "foresee": "asking what these channels can show",
+    "settings": "comparing settings",
 }
 """What may be wished beside the models that lead to a choice, and what the page calls it: a
 diagnosis; the force that is missing beside the effects chosen; what lies between axle and body;
-from which strength on effects would be seen."""
+from which strength on effects would be seen; how settings differ, which takes no model."""
 LONG: tuple[Wish, ...] = ("diagnose", "law")
 """What another wish ends."""
 

@@ -11,7 +11,7 @@ from math import isfinite
 
 from nicegui import ui
 
-from wheelhop.campaign import ComponentCampaign
+from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.files.words import percent, significant
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.between_view import BetweenView
@@ -23,6 +23,7 @@ from wheelhop.workbench.missing_view import MissingView
 from wheelhop.workbench.model_view import ModelView
 from wheelhop.workbench.out_view import OutView
 from wheelhop.workbench.overview import Overview
+from wheelhop.workbench.settings_view import SettingsView
 from wheelhop.workbench.struts_view import StrutsView
 from wheelhop.workbench.vehicle_view import VehicleView
 from wheelhop.workbench.view import Looking, View, Words, html
@@ -40,6 +41,7 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("where", "Where it fails", WhereView),
     ("struts", "Struts", StrutsView),
     ("missing", "What is missing", MissingView),
+    ("settings", "Settings", SettingsView),
     ("between", "Axle to body", BetweenView),
     ("model", "The model", ModelView),
     ("vehicle", "Vehicle", VehicleView),
@@ -90,8 +92,7 @@ class Page:
             self._top()
         self._notice = ui.element("div").classes("bench-notice").props('role="status"')
         with ui.tabs().classes("bench-tabs").props("align=left no-caps dense") as self._tabs:
-            on_rig = isinstance(desk.campaign, ComponentCampaign)
-            views = [view for view in VIEWS if not (on_rig and view[0] in ON_WHEELS)]
+            views = [view for view in VIEWS if view[0] not in useless(desk.campaign)]
             tabs = {LOG_IN: "Record", **{key: label for key, label, _ in views}}
             for key, label in tabs.items():  # in the order of the work
                 ui.tab(key, label=label)
@@ -210,6 +211,13 @@ class Page:
         waiting = [key for key in self._panels if key not in self._fresh and key != LOG_IN]
         if waiting:
             self._refresh(waiting[0])
+
+
+def useless(campaign: Campaign) -> tuple[str, ...]:
+    """The views that a campaign has no use for."""
+    settings = {run.setting for run in campaign.runs if run.setting}
+    alone = () if len(settings) > 1 else ("settings",)
+    return (*alone, *(ON_WHEELS if isinstance(campaign, ComponentCampaign) else ()))
 
 
 def _job_words(desk: Desk) -> str:

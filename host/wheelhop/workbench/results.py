@@ -14,6 +14,7 @@ from wheelhop.workbench.shown import (
     Law,
     Ranking,
     Row,
+    Settings,
     Trace,
 )
 
@@ -21,8 +22,8 @@ Made = tuple[str, tuple[str, ...]]
 """What a result is made of: the key of the data and the effects there are (`session.made_of`), and
 the effects in the model. A diagnosis begins at the baseline, so that only the key counts."""
 
-Found = Law | AxleToBody | CanShow
-Beside = TypeVar("Beside", Law, AxleToBody, CanShow)
+Found = Law | AxleToBody | CanShow | Settings
+Beside = TypeVar("Beside", Law, AxleToBody, CanShow, Settings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +54,7 @@ class Results:
         found = self.others.get((kind, made))
         return found if isinstance(found, kind) else None
 
-    def heard(
-        self, made: Made, message: Ranking | Concluded | Law | AxleToBody | CanShow
-    ) -> Results:
+    def heard(self, made: Made, message: Ranking | Concluded | Found) -> Results:
         """The worker has found something. Effects are ranked beside the baseline; what comes
         beside the effects accepted is on the way to the verdict."""
         key, _ = made
@@ -72,7 +71,7 @@ class Results:
                     rankings={**self.rankings, key: ranking},
                     underway={},
                 )
-            case Law() | AxleToBody() | CanShow():
+            case Law() | AxleToBody() | CanShow() | Settings():
                 return replace(self, others={**self.others, (type(message), made): message})
         return self
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import Record, describe
+from wheelhop.compare.settings import SettingsComparison
 from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.diagnose.search.scored import Scored
@@ -26,6 +28,7 @@ from wheelhop.report.can_show import best_words, seen_from
 from wheelhop.report.cases import cases, records_of
 from wheelhop.report.law import law_figure, law_lines
 from wheelhop.report.loops import FINER, loop_of
+from wheelhop.report.settings import settings_headline, settings_sections
 from wheelhop.report.svg import equation, inline
 from wheelhop.report.words import headline, in_numbers, limit_words, next_run_words
 from wheelhop.workbench import shown
@@ -265,7 +268,15 @@ def can_show(found: Detectable) -> shown.CanShow:
     """Of every effect from where on it would be seen, in words."""
     if found.refused:
         return shown.CanShow({}, found.refused)
-    return shown.CanShow(dict(seen_from(found)), best_words(found))
+    limits = zip(found.limits, seen_from(found), strict=True)
+    seen = {limit.effect: words for limit, (_, words) in limits}
+    return shown.CanShow(seen, best_words(found))
+
+
+def settings(found: SettingsComparison) -> shown.Settings:
+    """The report's page of it, as sections."""
+    head = f"<h2>{escape(settings_headline(found))}</h2>"
+    return shown.Settings(head + "".join(settings_sections(found)))
 
 
 def law(found: Found) -> shown.Law:

@@ -189,6 +189,13 @@ class AxleToBody:
 
 
 @dataclass(frozen=True)
+class Settings:
+    """How settings of one vehicle differ: finished sections."""
+
+    html: str
+
+
+@dataclass(frozen=True)
 class CanShow:
     """What these channels and roads can show, before any diagnosis: of every effect from where on
     it would be seen, and a sentence on the channel that would add most, or why nothing can be."""
@@ -281,6 +288,7 @@ Message = (
     | Law
     | AxleToBody
     | CanShow
+    | Settings
     | Refused
     | Done
 )

@@ -155,7 +155,8 @@ def table(
         "<th title='the fit knows it better than half its nominal uncertainty: data'>held by</th>"
         "<th>unit</th>"
     )
-    return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    head = f"<thead><tr>{heads}</tr></thead>"
+    return f'<div class="scroll"><table>{head}<tbody>{rows}</tbody></table></div>'
 
 
 def _fitted(number: Number | None) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from wheelhop.api import ComparisonResult
 from wheelhop.campaign import Campaign, read_campaign
+from wheelhop.compare.settings import compare_settings
 from wheelhop.diagnose import Baseline, Diagnosis, Step, fit_baseline
 from wheelhop.diagnose.search.ladder import diagnose_from, one_more
 from wheelhop.diagnose.search.look import step_of
@@ -85,6 +86,10 @@ class Worker:
         """Do what the order says; a mistake in the input is said, not raised, and so is a fault of
         the program or of the user's effects."""
         try:
+            if order.wish == "settings":
+                self._compare_settings(order)
+                self._say(Done())
+                return
             work = self._prepared(order)
             self._climb(work, order.choice.added)
             match order.wish:
@@ -108,6 +113,12 @@ class Worker:
         finally:
             self._fitting = self._following = None
             self._searching = self._enough = False
+
+    def _compare_settings(self, order: Order) -> None:
+        """Of the recordings alone, with no model."""
+        campaign = read_campaign(order.folder, set(order.choice.without_runs), self._progress)
+        found = compare_settings(order.choice.applied(campaign))
+        self._say(show.settings(found))
 
     def _prepared(self, order: Order) -> Work:
         self._data = _data_of(order)
