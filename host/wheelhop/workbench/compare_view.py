@@ -143,7 +143,9 @@ class CompareView:
             )
         found = readings(self._rows, look.cursors) if dragging and look.cursors else []
         self._readings.set_content(
-            f'<div class="scroll">{table(HEADS, found, "llrrrrrl")}</div>' if found else ""
+            f'<div class="scroll" tabindex="0">{table(HEADS, found, "llrrrrrl")}</div>'
+            if found
+            else ""
         )
 
     def _look_of(self, state: Compared) -> Look:

@@ -156,7 +156,7 @@ def table(
         "<th>unit</th>"
     )
     head = f"<thead><tr>{heads}</tr></thead>"
-    return f'<div class="scroll"><table>{head}<tbody>{rows}</tbody></table></div>'
+    return f'<div class="scroll" tabindex="0"><table>{head}<tbody>{rows}</tbody></table></div>'
 
 
 def _fitted(number: Number | None) -> str:
