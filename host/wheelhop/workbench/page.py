@@ -104,8 +104,9 @@ class Page:
                 self._panels[key] = ui.element("div").props(f"data-view={key}").classes(ASLEEP)
         self._tabs.set_value("overview")
         self._look()
+        self._arriving = False  # from now on a view is turned to by the user
         ui.on("place", lambda event: self._came(str(event.args)))
-        ui.timer(0.01, self._arrive, once=True)
+        self._client.run_javascript('emitEvent("place", location.hash.slice(1))')
         ui.timer(SETTLED_S, desk.begin, once=True)
         ui.timer(LOOK_S, self._look)
 
@@ -147,15 +148,9 @@ class Page:
             place += f"/{address_of(self._looking.compared)}"
         self._client.run_javascript(f"wheelhop.place({json.dumps(place)}, {json.dumps(turned)})")
 
-    async def _arrive(self) -> None:
-        """Of a page that has just been loaded."""
-        self._came(str(await self._client.run_javascript("location.hash.slice(1)")))
-        self._arriving = False
-        self._moved()
-
     def _came(self, place: str) -> None:
-        """An address was opened, or Back was pressed."""
-        view, _, rest = place.partition("/")
+        """An address was opened, or Back was pressed; the first one may name no view."""
+        view, _, rest = (place or "overview").partition("/")
         if view not in self._panels:
             return
         self._arriving = True
