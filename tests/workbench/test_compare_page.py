@@ -8,7 +8,7 @@ import pytest
 from tests.workbench.conftest import settle, workbench
 
 FITTED = "table.heat td:is(.h0, .h1, .h2, .h3, .h4)"
-CHART = "getElement(Number(document.querySelector('.bench-chart').id.slice(1))).chart"
+CHART = "getElement(Number(document.querySelector('.bench-chart')?.id.slice(1)))?.chart"
 WINDOWS = f"""() => {CHART} && {CHART}.getModel().queryComponents({{mainType: "xAxis"}}).map(
   (axis) => axis.axis.scale.getExtent())"""
 """From when to when each panel shows, s."""
@@ -17,7 +17,7 @@ BOTH = f"""() => {{
   return shown && shown.length === 2 && shown[0][1] - shown[0][0] < 2.4 && shown;
 }}"""
 """The windows of two panels, once they show less than the 2.5 s of the beginning."""
-MARKED = f"{CHART}.getOption().series.some((one) => one.markLine?.data.length === 2)"
+MARKED = f"{CHART}?.getOption().series.some((one) => one.markLine?.data.length === 2)"
 """Whether the cursors stand in the chart."""
 PLACES = [(0, 6), (2, 3)]
 
