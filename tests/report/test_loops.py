@@ -7,9 +7,10 @@ from tests.component import rig
 from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.search.look import step_of
-from wheelhop.report.cases import records_of, seconds_of
+from wheelhop.report.cases import records_of
 from wheelhop.report.loops import loop_of, loops_figure, shown_runs
 from wheelhop.report.sections import loops
+from wheelhop.report.stretch import seconds_of
 from wheelhop.vehicle import read_nominal
 
 

@@ -1,5 +1,7 @@
 """Numbers as people read them."""
 
+from types import SimpleNamespace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 from wheelhop.diagnose.next_run import NextRun
 from wheelhop.effects import form_of, load_effects
 from wheelhop.files.words import chance, interval, label_of, percent, signed, significant, unit_of
-from wheelhop.report.words import next_run_words
+from wheelhop.report.words import in_numbers, next_run_words
 
 
 def number(text: str) -> float:
@@ -75,3 +77,18 @@ def test_the_form_of_an_effect_is_told(friction):
 def test_odds_are_told_as_far_as_they_mean_anything(log_odds, words):
     run = NextRun("slow", "washboard", 7.5, ("dry-friction", "digressive-damper"), 71, 17, log_odds)
     assert next_run_words(run).endswith(f"expected to change the odds by a factor {words}")
+
+
+def test_a_verdict_states_the_numbers_of_its_effects_in_their_first_unit():
+    numbers = {"front_N": (72.9, 2.0), "rear_N": (53.5, 1.5), "presliding_N_m": (2e5, 4e3)}
+    parameters = {f"dry-friction.{name}": number for name, number in numbers.items()}
+    parameters["body.mass_kg"] = (209.0, 6.0)
+    steps = [
+        SimpleNamespace(added=(), rung=SimpleNamespace(error=0.0913), parameters={}),
+        SimpleNamespace(
+            added=("dry-friction",), rung=SimpleNamespace(error=0.00551), parameters=parameters
+        ),
+    ]
+    found = "dry-friction: front 72.9 ± 4.0 N, rear 53.5 ± 3.0 N. Error 9.13 % → 0.551 %."
+    assert in_numbers(steps) == found
+    assert in_numbers(steps[:1]) == ""

@@ -1,49 +1,59 @@
-"""Compare in a browser: what was clicked is what is shown, and both panels show the same time."""
+"""Compare in a browser: what was clicked is what is shown, all panels show the same time, and an
+address leads there again."""
 
 import shutil
 
 import pytest
 
-from tests.workbench.conftest import workbench
+from tests.workbench.conftest import settle, workbench
 
 FITTED = "table.heat td:is(.h0, .h1, .h2, .h3, .h4)"
-ALL = "all runs, one after the other"
-CHART = "getElement(Number(document.querySelector('.bench-chart').id.slice(1))).chart"
+CHART = "getElement(Number(document.querySelector('.bench-chart')?.id.slice(1)))?.chart"
 WINDOWS = f"""() => {CHART} && {CHART}.getModel().queryComponents({{mainType: "xAxis"}}).map(
   (axis) => axis.axis.scale.getExtent())"""
-"""From when to when either panel shows, s."""
-SHARE = f"() => {{const {{start, end}} = {CHART}.getOption().dataZoom[0]; return end - start;}}"
-"""How much of the record is looked at, per cent."""
+"""From when to when each panel shows, s."""
 BOTH = f"""() => {{
   const shown = ({WINDOWS})();
-  return shown && shown.length === 2 && shown[0][1] - shown[0][0] < 9.9 && shown;
+  return shown && shown.length === 2 && shown[0][1] - shown[0][0] < 2.4 && shown;
 }}"""
-"""The windows of two panels, once they show less than a record of 10 s."""
+"""The windows of two panels, once they show less than the 2.5 s of the beginning."""
+MARKED = f"{CHART}?.getOption().series.some((one) => one.markLine?.data.length === 2)"
+"""Whether the cursors stand in the chart."""
+PLACES = [(0, 6), (2, 3)]
 
 
 def chosen(page, label):
     """What a field of Compare says."""
-    return page.get_by_label(label, exact=True).input_value()
+    return page.locator(f"label:has([aria-label='{label}']) .q-field__native").inner_text().strip()
 
 
-@pytest.mark.parametrize("place", [(0, 6), (2, 3), (1, 0)])
+def wait_for_hash(page, text):
+    page.wait_for_function("(text) => location.hash.startsWith(text)", arg=text)
+
+
+@pytest.mark.parametrize("place", PLACES)
 def test_a_cell_of_the_heat_map_shows_its_run_and_channel(small_open, open_page, place):
     page = open_page(small_open)
     page.wait_for_selector(FITTED)
-    page.wait_for_selector("[data-view=compare] .bench-chart canvas", state="attached")
     i, k = place
     cell = page.locator(f"table.heat button[data-act=look][data-run='{i}'][data-channel='{k}']")
     run, channel = cell.get_attribute("aria-label").split(", ")
     cell.click()
     page.locator("[data-view=compare]:not(.asleep)").wait_for()
-    page.wait_for_function(
-        "([run, channel]) => document.querySelector('[aria-label=run]').value === run",
-        arg=[run, channel],
-    )
-    assert (chosen(page, "run"), chosen(page, "channel")) == (run, channel)
+    wait_for_hash(page, f"#compare/{run}/{channel}/time")
+    settle(page)
+    assert (chosen(page, "runs"), chosen(page, "channels")) == (run, channel)
+    page.go_back()
+    page.locator("[data-view=overview]:not(.asleep)").wait_for()
+    page.go_forward()
+    page.locator("[data-view=compare]:not(.asleep)").wait_for()
+    page.reload()
+    page.locator("[data-view=compare]:not(.asleep)").wait_for()
+    settle(page)
+    assert (chosen(page, "runs"), chosen(page, "channels")) == (run, channel)
 
 
-def test_both_panels_show_the_same_time(small, tmp_path, open_page):
+def test_all_panels_show_the_same_time_and_cursors_are_dragged(small, tmp_path, open_page):
     """Of a page that was made ready before the model was fitted."""
     folder = shutil.copytree(small, tmp_path / "campaign")
     with workbench(folder) as (address, _):
@@ -52,27 +62,45 @@ def test_both_panels_show_the_same_time(small, tmp_path, open_page):
         page.wait_for_function(f"{CHART}?.getOption().series.length === 1")  # nothing is fitted yet
         page.wait_for_selector(FITTED)
         page.get_by_role("tab", name="Compare").click()
-        page.wait_for_function(f"({WINDOWS})().length === 2")
-        box = page.locator(".bench-chart").first.bounding_box()
-        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 3)
+        page.wait_for_function(f"({WINDOWS})()?.length === 2")
+        box = page.locator(".bench-chart").bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 3
+        page.mouse.move(x, y)
         page.mouse.wheel(0, -300)
         upper, lower = page.wait_for_function(BOTH).json_value()
         assert lower == pytest.approx(upper)
 
+        page.mouse.move(x + 20, y)
+        tip = page.locator(".bench-chart", has_text="m/s²").inner_text()
+        assert " s\n" in tip and "measured" in tip and "residual" in tip
 
-def test_another_run_is_shown_whole(small_open, open_page):
+        page.get_by_role("button", name="Set cursors").click()
+        page.wait_for_function(MARKED)
+        settle(page)
+        before = page.locator("[data-view=compare] table td").all_inner_texts()
+        page.mouse.move(x - 100, y)
+        page.mouse.down()
+        page.mouse.move(x, y, steps=4)
+        page.mouse.move(x + 100, y, steps=4)
+        page.mouse.up()
+        page.wait_for_function(
+            "(old) => document.querySelector('[data-view=compare] td:nth-child(3)').innerText"
+            " !== old",
+            arg=before[2],
+        )
+        assert page.evaluate(MARKED)
+
+
+def test_an_address_of_several_runs_and_channels_is_drawn(small_open, open_page, pictures):
     page = open_page(small_open)
     page.wait_for_selector(FITTED)
-    page.get_by_role("tab", name="Compare").click()
-    page.wait_for_selector("[data-view=compare] .bench-chart canvas")
-    page.wait_for_function(f"{CHART}?.getOption().series.length > 1")
-    page.locator(".bench-chart").first.focus()
-    for _ in range(3):
-        page.keyboard.press("+")
-    page.wait_for_function(f"({SHARE})() < 30")
-    before = chosen(page, "run")
-    page.get_by_role("button", name="Next run").click()
-    page.wait_for_function(
-        "(run) => document.querySelector('[aria-label=run]').value !== run", arg=before
-    )
-    page.wait_for_function(f"({SHARE})() === 100", timeout=10_000)
+    runs = page.locator("table.runs td.name").all_inner_texts()
+    page.evaluate("(to) => { location.hash = to }", f"#compare/{runs[0]},{runs[2]}/B1,A1/time/1-2")
+    page.wait_for_function(f"({WINDOWS})()?.length === 4")
+    for window in page.evaluate(WINDOWS):
+        assert window == pytest.approx([1.0, 2.0])
+    for kind, panels in (("Spectrum", 2), ("Transfer function", 1), ("XY", 2), ("Histogram", 2)):
+        page.get_by_role("button", name=kind, exact=True).click()
+        page.wait_for_function(f"({WINDOWS})()?.length === {panels}")
+        settle(page)
+        page.screenshot(path=pictures / f"compare-{kind}.png", full_page=True)

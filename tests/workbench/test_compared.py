@@ -8,24 +8,34 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.component import rig
 from wheelhop.campaign import read_campaign
-from wheelhop.workbench.charts import MOST, WHOLE, Line, Panel, chart, power_density
+from wheelhop.workbench import kinds
+from wheelhop.workbench.charts import MOST, WHOLE, Line, Panel, chart
 from wheelhop.workbench.compared import (
-    ALL_RUNS,
-    NOTHING,
+    CLOSEST_S,
+    KINDS,
+    PAIRED,
+    SPECTRUM,
+    TIME,
+    XY,
     Compared,
-    Curve,
-    Curves,
-    curves,
-    runs_offered,
-    spectrum,
-    time_chart,
-    words_of,
+    address_of,
+    of_address,
+    offered_channels,
+    offered_runs,
+    opened,
 )
+from wheelhop.workbench.curves import Curve, Row, at_first, rows_of
+from wheelhop.workbench.kinds import Look, picture, readings
+from wheelhop.workbench.session import Session, read_session, write_session
 from wheelhop.workbench.shown import Rung, Signals
+from wheelhop.workbench.spectra import power_density, spectra
 
 CAMPAIGN = read_campaign(Path(__file__).parents[2] / "examples/clean")
 CHANNELS = tuple(channel.name for channel in CAMPAIGN.channels)
+RUNS = tuple(run.id for run in CAMPAIGN.runs)
+LENGTHS = {run.id: len(run.time_s) / CAMPAIGN.sample_rate_hz for run in CAMPAIGN.runs}
 LADDER = ((), ("dry-friction",), ("dry-friction", "bump-stop"))
 RATE_HZ = 100.0
 
@@ -48,35 +58,45 @@ def rung(added, scale):
 
 
 RUNGS = tuple(rung(added, scale) for added, scale in zip(LADDER, (0.5, 0.8, 0.9), strict=True))
-RUNS = range(len(CAMPAIGN.runs))
-windows = st.tuples(st.floats(0, 49), st.floats(51, 100))
+windows = st.tuples(st.floats(0, 4), st.floats(5, 9)).map(lambda w: (round(w[0], 4), w[1] // 1))
 states = st.builds(
     Compared,
-    run=st.sampled_from([*RUNS, ALL_RUNS]),
-    channel=st.sampled_from(range(len(CHANNELS))),
+    runs=st.lists(st.sampled_from(RUNS), min_size=1, max_size=3, unique=True).map(tuple),
+    channels=st.lists(st.sampled_from(CHANNELS), min_size=1, max_size=3, unique=True).map(tuple),
+    kind=st.sampled_from(list(KINDS)),
+    window=st.one_of(st.none(), st.just(WHOLE), windows),
     ladder=st.just(LADDER),
     models=st.sets(st.sampled_from(range(3))).map(lambda found: tuple(sorted(found))),
-    window=windows,
 )
 
 
-@given(states, st.sampled_from(RUNS), st.sampled_from(range(len(CHANNELS))))
+def drawn(state, rungs=RUNGS):
+    """The options of what is drawn of a state."""
+    rows = rows_of(state, CAMPAIGN, rungs)
+    window = state.window or at_first(rows, loops=state.kind == XY)
+    return picture(state.kind, rows, Look(window, state.cursors, CAMPAIGN.band_hz)).options
+
+
+@given(states, st.sampled_from(RUNS), st.sampled_from(CHANNELS))
 def test_what_was_clicked_is_what_is_looked_at(state, run, channel):
     looked = state.at(run, channel)
-    assert (looked.run, looked.channel, looked.models) == (run, channel, state.models)
+    assert (looked.runs, looked.channels, looked.kind) == ((run,), (channel,), TIME)
     assert looked == state.at(channel=channel).at(run=run)  # in whatever order
-    found = curves(looked, CAMPAIGN, RUNGS, ())
-    record = CAMPAIGN.runs[run].record[:, channel]
-    assert found.channel.name == CHANNELS[channel]
-    np.testing.assert_allclose(found.curves[0].whole, record - record.mean(), atol=1e-4)
+    (row,) = rows_of(looked, CAMPAIGN, RUNGS)
+    assert (row.run, row.channel, len(row.curves)) == (run, channel, 1 + len(state.models))
+    record = CAMPAIGN.runs[RUNS.index(run)].record[:, CHANNELS.index(channel)]
+    np.testing.assert_allclose(row.curves[0].signal, record - record.mean(), atol=1e-4)
 
 
-@given(states, st.sampled_from([*RUNS, ALL_RUNS]), windows)
-def test_another_run_is_looked_at_as_a_whole(state, run, window):
-    looked = state.at(run=run)
-    assert looked.window == (state.window if run == state.run else WHOLE)
-    stale = looked.zoomed(state.run, window)  # the browser had not heard of it yet
-    assert stale == (looked if run != state.run else replace(looked, window=window))
+@given(states)
+def test_an_address_and_a_session_tell_the_state_again(tmp_path_factory, state):
+    plain = replace(state, ladder=(), models=())
+    assert of_address(address_of(state), CAMPAIGN) == plain
+    assert of_address(address_of(state).replace(state.runs[0], "another"), CAMPAIGN) != plain
+    campaign = replace(CAMPAIGN, folder=tmp_path_factory.mktemp("kept"))
+    write_session(campaign, Session(looked_at=state), "test")
+    kept = None if state.window == WHOLE else state.window
+    assert read_session(campaign).looked_at == replace(plain, window=kept)
 
 
 @given(states)
@@ -87,68 +107,148 @@ def test_a_new_ladder_shows_its_first_and_last_model(state):
     assert state.on(()).models == ()
 
 
+def test_it_opens_where_the_first_model_fails_worst_of_the_runs_held_out():
+    ratio = np.ones((len(RUNS), len(CHANNELS)))
+    ratio[2, 3], ratio[4, 1] = 9.0, 5.0
+    rungs = (replace(RUNGS[0], ratio=ratio),)
+    assert opened(CAMPAIGN, rungs, {RUNS[4]: "validate"}) == Compared((RUNS[4],), (CHANNELS[1],))
+    assert opened(CAMPAIGN, rungs, {}) == Compared((RUNS[2],), (CHANNELS[3],))
+    assert opened(CAMPAIGN, (), {}) == Compared(RUNS[:1], CHANNELS[:1])
+
+
 def test_steps_go_round_among_the_runs_taken():
-    state = Compared(run=0)
-    offered = runs_offered(state, CAMPAIGN, (CAMPAIGN.runs[1].id,))
-    assert 1 not in offered
-    seen = []
+    offered = offered_runs(CAMPAIGN, RUNS[1:2], RUNS[:1])
+    assert RUNS[1] not in offered
+    state, seen = Compared(RUNS[:2], CHANNELS[:1], cursors=(1.0, 2.0)), []
     for _ in offered:
-        seen.append(state.run)
+        seen.append(state.runs[0])
         state = state.stepped(1, offered)
+        assert state.cursors is None
     assert seen == offered
-    assert state.run == 0
-    assert state.stepped(-1, offered).run == offered[-1]
-    assert runs_offered(Compared(run=1), CAMPAIGN, (CAMPAIGN.runs[1].id,))[1] == 1  # it stays
+    assert state.stepped(-1, offered).runs == (offered[-1],)
+    assert offered_runs(CAMPAIGN, RUNS[1:2], RUNS[1:2])[1] == RUNS[1]  # it stays
 
 
 @given(states)
-def test_both_panels_show_the_window(state):
-    options = time_chart(curves(state, CAMPAIGN, RUNGS, ()), state.window)
+def test_no_press_of_a_key_leaves_the_record(state):
+    length, shown = LENGTHS[state.runs[0]], (1.0, 3.5)
+    for key in ["+"] * 20 + ["ArrowLeft"] * 20 + ["-"] * 3 + ["ArrowRight"] * 20 + ["-"] * 20:
+        shown = state.pressed(key, shown, length).window
+        assert shown[0] >= -1e-9 and shown[1] <= length + 1e-9
+        assert shown[1] - shown[0] >= 0.05 - 1e-9  # five samples of the slowest recorder
+    assert shown == pytest.approx((0.0, length))
+    assert CLOSEST_S < 2 * 0.05
+    assert state.pressed("0", shown, length).window == WHOLE
+
+
+def test_a_kind_of_pairs_gets_a_pair():
+    """Of a body point the axle below it; on a rig displacement and velocity."""
+    offered = offered_channels(CAMPAIGN)
+    one = Compared(RUNS[:1], ("B3",))
+    for kind in PAIRED:
+        assert one.drawn_as(kind, offered).channels == ("B3", "A3")
+    assert one.drawn_as(SPECTRUM, offered) == replace(one, kind=SPECTRUM)
+
+
+@pytest.mark.parametrize("drive", ["displacement", "force"])
+def test_a_rig_opens_with_its_loops_before_anything_is_fitted(drive, tmp_path):
+    component = rig.Component(0.0 if drive == "displacement" else 5.0, 20000.0, 300.0)
+    campaign = read_campaign(
+        rig.make_campaign(tmp_path / "c", drive, component, seed=1, noise=0.003)
+    )
+    state = opened(campaign, (), {})
+    rows = rows_of(state, campaign, ())
+    assert [row.channel for row in rows] == ["force", "displacement", "velocity"]
+    assert [row.unit for row in rows] == ["N", "mm", "m/s"]
+    options = picture(XY, rows, Look(at_first(rows, loops=True), None, campaign.band_hz)).options
+    assert [axis["name"] for axis in options["xAxis"]] == ["displacement, mm", "velocity, m/s"]
+    run = campaign.runs[0]
+    np.testing.assert_allclose(
+        1e-3 * rows[1].curves[0].signal, run.displacement - run.displacement.mean(), atol=1e-12
+    )
+
+
+@given(states)
+def test_all_panels_against_time_show_the_window(state):
+    state = replace(state, kind=TIME)
+    options = drawn(state)
+    rows = len(state.runs) * len(state.channels)
     (zoom,) = options["dataZoom"]
     assert zoom["xAxisIndex"] == list(range(len(options["xAxis"])))
-    assert (zoom["start"], zoom["end"]) == state.window
-    assert len(options["xAxis"]) == (2 if state.models else 1)
-    assert len(options["series"]) == 2 * len(state.models) + 1
-    assert all(axis["min"] == 0 for axis in options["xAxis"])  # however few points are drawn
-    assert len({axis["max"] for axis in options["xAxis"]}) == 1
+    left = rows == 1 and len(state.models) > 0
+    assert len(options["xAxis"]) == (2 if left else rows)
+    assert len(options["series"]) == rows * (1 + len(state.models)) + left * len(state.models)
+    longest = max(LENGTHS[run] for run in state.runs)
+    for axis in options["xAxis"]:
+        assert (axis["min"], axis["max"]) == (0, pytest.approx(longest))
+    if state.window is None:  # the stretch that the report shows; of high frequencies less
+        assert 1.5 < zoom["endValue"] - zoom["startValue"] < 2.52
 
 
-@given(windows)
+@given(states)
+def test_every_kind_draws_every_channel_and_says_its_unit(state):
+    state = state.drawn_as(state.kind, offered_channels(CAMPAIGN))
+    options = drawn(state)
+    panels = len(state.runs) if state.kind in (TIME, XY) else 1
+    pairs = len(state.channels) - (state.kind in PAIRED)
+    assert len(options["yAxis"]) >= panels * pairs
+    assert all(one["data"] for one in options["series"])
+    if state.kind in (TIME, XY, SPECTRUM):
+        assert all("m/s²" in axis["name"] for axis in options["yAxis"])
+
+
+@given(windows.filter(lambda w: w[1] - w[0] > 1))
 def test_what_is_looked_at_is_drawn_with_its_detail(window):
     """Of a record longer than a screen has room for; in a small window every sample is there."""
     n = 40 * MOST
     time = np.arange(n) / RATE_HZ
-    found = Curves(CAMPAIGN.channels[0], RATE_HZ, (Curve("measured", "#000", (time % 7.0,)),))
-    (series,) = time_chart(found, window)["series"]
-    first, last = (n * percent / 100 for percent in window)
-    drawn = [x for x, _ in series["data"] if first <= x * RATE_HZ <= last]
-    assert len(drawn) >= MOST / 4  # those that are only passed by are far fewer
-    (small,) = time_chart(found, (50.0, 51.0))["series"]
-    inside = [x for x, _ in small["data"] if 0.5 * n <= x * RATE_HZ < 0.51 * n]
-    assert len(inside) == pytest.approx(0.01 * n, abs=2)
+    found = (Row("r", "A1", "", "m", RATE_HZ, (Curve("measured", kinds.MEASURED, time % 7.0),)),)
+
+    def series(window):
+        return picture(TIME, found, Look(window, None, (0.5, 30.0))).options["series"][0]
+
+    wide = tuple(40 * end for end in window)
+    shown = [x for x, _ in series(wide)["data"] if wide[0] <= x <= wide[1]]
+    assert len(shown) >= MOST / 4  # those that are only passed by are far fewer
+    small = tuple(end / 2 for end in window)
+    inside = [x for x, _ in series(small)["data"] if small[0] <= x < small[1]]
+    assert len(inside) == pytest.approx((small[1] - small[0]) * RATE_HZ, abs=2)
+    pens = [series(w)["lineStyle"]["width"] for w in (small, WHOLE)]
+    assert pens[0] > 2 * kinds.MODEL_PEN and pens[1] == 1.0  # thick behind, where it is cheap
 
 
 def test_a_chart_without_a_window_keeps_what_the_browser_shows():
     """As when a slider moves the curves that somebody has zoomed into."""
     panel = Panel("frequency, Hz", "", [Line("ride", np.arange(9), np.arange(9), "#000")])
     (zoom,) = chart([panel], (100,), (0,))["dataZoom"]
-    assert not {"start", "end"} & set(zoom)
+    assert not {"start", "end", "startValue", "endValue"} & set(zoom)
 
 
-def test_what_is_left_out_is_not_drawn_and_nothing_of_before_stays():
-    found = curves(Compared(channel=1), CAMPAIGN, (), ())
-    assert len(found.curves) == 1  # nothing is fitted yet
+def test_what_is_left_out_is_not_drawn():
     less = (replace(RUNGS[0], channels=CHANNELS[1:]),)
-    found = curves(Compared(ladder=LADDER[:1], models=(0,)), CAMPAIGN, less, ())
-    assert (words_of(found), time_chart(found, WHOLE), spectrum(found, (1, 9))) == (NOTHING, {}, {})
-    one = time_chart(curves(Compared(), CAMPAIGN, RUNGS, ()), WHOLE)
-    assert one["series"][-1]["markLine"]["data"] == []
-    left_out = [run.id for run in CAMPAIGN.runs[2:]]
-    both = curves(Compared(run=ALL_RUNS), CAMPAIGN, RUNGS, left_out)
-    lengths = [len(run.time_s) for run in CAMPAIGN.runs[:2]]
-    assert [len(record) for record in both.curves[0].records] == lengths
-    join = time_chart(both, WHOLE)["series"][-1]["markLine"]["data"]
-    assert join == [{"xAxis": pytest.approx(lengths[0] / CAMPAIGN.sample_rate_hz)}]
+    state = Compared(RUNS[:1], CHANNELS[:2], ladder=LADDER[:1], models=(0,))
+    assert [row.channel for row in rows_of(state, CAMPAIGN, less)] == [CHANNELS[1]]
+
+
+def test_two_cursors_say_what_lies_between():
+    """A ramp of 2 per second from 0: values, difference, and the range between."""
+    ramp = 2.0 * np.arange(1001) / RATE_HZ
+    row = Row("r", "A1", "acceleration", "m/s²", RATE_HZ, (Curve("measured", "#000", ramp),))
+    ((name, curve, *numbers, unit),) = readings([row], (1.0, 4.0))
+    assert (name, curve, unit) == ("A1, r", "measured", "m/s²")
+    rms = np.sqrt(np.mean(ramp[100:400] ** 2))
+    assert [float(number) for number in numbers] == pytest.approx([2, 8, 6, rms, 5.98], rel=0.01)
+
+
+def test_a_histogram_shares_out_the_time_and_has_a_bin_about_rest():
+    signal = np.concatenate([np.zeros(600), np.full(300, 1.0), np.full(100, -1.0)])
+    row = Row("r", "A1", "", "m", RATE_HZ, (Curve("measured", "#000", signal),))
+    (one,) = picture("histogram", [row], Look(WHOLE, None, (0.5, 30.0))).options["series"]
+    x, share = np.array(one["data"]).T
+    assert dict(zip(x[share > 0].round(2), share[share > 0], strict=True)).keys() >= {1.0, -1.0}
+    begin, end = x[share == share.max()]  # an odd number of bins, none wider than a fortieth
+    assert share.max() == pytest.approx(60.0) and begin == -end and end - begin < 2 / 40
+    assert share[::2].sum() == pytest.approx(100.0)
 
 
 # The spectrum of runs.
@@ -167,16 +267,6 @@ def test_no_spectrum_goes_across_a_join():
     assert power[far].max() < 1e-6 * power.max()
 
 
-def test_the_spectrum_of_runs_is_the_mean_of_theirs():
-    """Runs of one length: the plain mean; the order of the runs does not matter."""
-    rng = np.random.default_rng(1)
-    runs = [rng.normal(0, sigma, 600) for sigma in (1.0, 2.0, 3.0)]
-    each = [power_density([run], RATE_HZ)[1] for run in runs]
-    np.testing.assert_allclose(power_density(runs, RATE_HZ)[1], np.mean(each, axis=0))
-    again = power_density(runs[::-1], RATE_HZ)[1]
-    np.testing.assert_allclose(again, power_density(runs, RATE_HZ)[1])
-
-
 def test_each_run_counts_by_its_length():
     """Parseval: the density's integral is the mean square of all samples, however they are split
     among runs."""
@@ -185,3 +275,17 @@ def test_each_run_counts_by_its_length():
     frequency, power = power_density(runs, RATE_HZ)
     mean_square = np.mean(np.concatenate(runs) ** 2)
     assert power.sum() * frequency[0] == pytest.approx(mean_square, rel=0.03)
+
+
+def test_a_gain_and_its_coherence_are_those_of_a_noisy_amplifier():
+    """Output = 3 input + as much noise: gain 3, coherence one half; of signals that have nothing
+    to do with each other 5 % lie above what is said of chance."""
+    rng = np.random.default_rng(3)
+    x, noise = rng.normal(0, 1.0, (2, 200_000))
+    both = spectra([x], [3.0 * x + 3.0 * noise], RATE_HZ, 400)
+    assert np.median(both.gain) == pytest.approx(3.0, rel=0.02)
+    assert np.median(both.coherence) == pytest.approx(0.5, abs=0.03)
+    pieces = [rng.normal(0, 1.0, (2, 2000)) for _ in range(4)]
+    apart = spectra([a for a, _ in pieces], [b for _, b in pieces], RATE_HZ)
+    assert apart.segments == 4 * 3
+    assert np.mean(apart.coherence > apart.by_chance) == pytest.approx(0.05, abs=0.04)

@@ -246,15 +246,15 @@ def test_stop_takes_nothing_away(desk):
         assert desk.ranking.rows == WHOLE.rows
         assert desk.diagnosis.verdict == VERDICT
         law = Law(("F = 3 v",), "")
-        desk.find_law()
+        desk.find("law")
         say(desk, law, Done())
-        desk.find_law()
+        desk.find("law")
         desk.cancel()
-        assert desk.law == law
+        assert desk.beside(Law) == law
         desk.take_out("bump-stop")
-        assert desk.law is None  # that one was beside the bump stop
+        assert desk.beside(Law) is None  # that one was beside the bump stop
         desk.undo()
-        assert desk.law == law
+        assert desk.beside(Law) == law
 
     in_a_loop(session)
 
@@ -263,14 +263,14 @@ def test_what_the_worker_says_late_is_of_the_model_it_was_found_beside(desk):
     """A model is chosen while another wish is worked off: its answer is not about that model."""
 
     async def session():
-        desk.identify()
+        desk.find("axles")
         desk.add("bump-stop")
         between = AxleToBody("<p>linear</p>")
         say(desk, between)
-        assert desk.between is None
+        assert desk.beside(AxleToBody) is None
         say(desk, Done())
         desk.undo()
-        assert desk.between == between
+        assert desk.beside(AxleToBody) == between
 
     in_a_loop(session)
 

@@ -1,12 +1,16 @@
 """The process that computes: what is no longer wanted gives way."""
 
+import re
 import signal
 
 import pytest
 
+from tests.compare.test_settings import driven
+from wheelhop.compare.settings import compare_settings
+from wheelhop.workbench import show
 from wheelhop.workbench.order import Enough, GiveWay, Order, how_it_ended
 from wheelhop.workbench.session import Choice
-from wheelhop.workbench.shown import Climbed, Concluded, Converging, Done, Refused, Said
+from wheelhop.workbench.shown import CanShow, Climbed, Concluded, Converging, Done, Refused, Said
 from wheelhop.workbench.worker import Worker
 
 
@@ -30,9 +34,26 @@ def test_a_model_no_longer_wanted_gives_way_and_what_is_fitted_stays(small):
     assert [type(m) for m in heard] == [Climbed, Done]  # nothing is fitted anew
 
     heard.clear()
+    worker.obey(Order(small, Choice(), wish="foresee"))
+    (can_show,) = [m for m in heard if isinstance(m, CanShow)]
+    assert re.match(r"front .* N and rear .* N", can_show.effects["dry-friction"])
+
+    heard.clear()
     Worker(heard.append, lambda: GiveWay(both)).obey(friction)
     assert any(isinstance(m, Climbed) and m.rungs[-1].added == ("dry-friction",) for m in heard)
     assert any(isinstance(m, Converging) for m in heard)  # it is on the way to both
+
+
+def test_settings_are_compared_without_a_model(small):
+    """Of runs that name none that is said at once, and nothing is fitted for it."""
+    heard = []
+    Worker(heard.append).obey(Order(small, Choice(), wish="settings"))
+    assert "no setting is stated" in heard[-1].line
+    assert {type(m) for m in heard} <= {Said, Refused}
+    dampers = (("soft", 1.0), ("hard", 3.0))
+    found = show.settings(compare_settings(driven(1, dampers)))
+    assert found.html.startswith("<h2>hard differs from soft</h2>")
+    assert found.html.count("<figure") == 1
 
 
 def test_where_enough_is_known_a_diagnosis_ends_with_the_verdict_so_far(friction):
@@ -44,7 +65,7 @@ def test_where_enough_is_known_a_diagnosis_ends_with_the_verdict_so_far(friction
         return Enough() if len(simulated) > 1 else None
 
     worker = Worker(heard.append, newer)
-    worker.obey(Order(friction, Choice(), diagnose=True))
+    worker.obey(Order(friction, Choice(), wish="diagnose"))
     (concluded,) = [m for m in heard if isinstance(m, Concluded)]
     assert "interrupted" in repr(concluded.verdict)
     assert heard[-1] == Done("")

@@ -6,16 +6,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from wheelhop.diagnose import Limit
-from wheelhop.files.words import listed
-from wheelhop.predict.detectable import Added, Detectable, Told
-from wheelhop.report.words import limit_words
-
-MOST_NAMED = 3
-"""So many of the effects that gain most are named in the sentence; the table has all."""
-LEAST_GAIN = 1.5
-"""Less than two thirds of what was needed is worth a sensor, and more than half as much again worth
-a word: to first order limits are no better known."""
+from wheelhop.predict.detectable import Detectable
+from wheelhop.report.can_show import best_words, seen_from
 
 
 def print_detectable(found: Detectable, console: Console) -> None:
@@ -26,37 +18,8 @@ def print_detectable(found: Detectable, console: Console) -> None:
         return
     console.print("These channels and roads would show, from so much on (to first order):")
     table = Table(box=None, pad_edge=False, show_header=False)
-    for limit, told in zip(found.limits, found.told, strict=True):
-        form = f" ({limit.form})" if limit.form else ""
-        rival = _rival(told) if limit.shown and told.times > LEAST_GAIN else ""
-        table.add_row(Text(f"  {limit.effect}{form}"), Text(f"{limit_words(limit)}{rival}"))
+    for effect, words in seen_from(found):
+        table.add_row(Text(f"  {effect}"), Text(words))
     console.print(table)
-    if found.idle:
-        console.print(Text(f"Nothing on these roads tells of {listed(found.idle)}."))
-    if found.best is not None:
-        console.print(Text(_said(found.best, found.limits)))
-
-
-def _said(best: Added, before: tuple[Limit, ...]) -> str:
-    """What one more channel would add, in a sentence."""
-    was = {limit.effect: limit for limit in before}
-    now = {limit.effect: limit for limit in best.limits}
-    most = sorted(best.less, key=lambda effect: -best.less[effect])[:MOST_NAMED]
-    named = [
-        f"{effect} from {limit_words(now[effect])} on ({_before(was[effect])})"
-        for effect in most
-        if best.less[effect] > LEAST_GAIN and now[effect].amplitudes
-    ]
-    if not named:
-        return "No further channel would add much."
-    return f"Most would be added by {best.channels}: it would show {'; '.join(named)}."
-
-
-def _rival(told: Told) -> str:
-    if not told.limit.shown:
-        return f"; not told from {told.rival}"
-    return f"; told from {told.rival} from {limit_words(told.limit)} on"
-
-
-def _before(limit: Limit) -> str:
-    return f"now {limit_words(limit)}" if limit.shown else "not seen now"
+    if words := best_words(found):
+        console.print(Text(words))

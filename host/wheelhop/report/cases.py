@@ -13,12 +13,9 @@ from wheelhop.compare import Comparison, Record
 from wheelhop.diagnose import Rung, Step
 from wheelhop.files import InputError, did_you_mean
 from wheelhop.fit import RunFit
+from wheelhop.report.stretch import worst_stretch
 
 Array = NDArray[np.float64]
-
-WINDOW_S, WAVES = 2.5, 25
-"""So much of a run is shown against time, and of what moves fast so many waves of the frequency
-about which its power lies: enough to see their shape."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +129,6 @@ def _case(
         return first.signal(coefficients)[:, column]
 
     measured, before, after = (signal(c) for c in (first.measured, first.model, last.model))
-    window_s = min(WINDOW_S, seconds_of(measured, band.rate_hz, WAVES))
     return Case(
         title,
         first.run.id,
@@ -145,21 +141,5 @@ def _case(
         before,
         after,
         float(comparison.floor.of_channels[column]),
-        _loudest(measured - before, round(window_s * band.rate_hz)),
+        worst_stretch(measured, measured - before, band.rate_hz),
     )
-
-
-def seconds_of(signal: Array, rate_hz: float, waves: float) -> float:
-    """How long so many waves take, of the frequency about which a signal's power lies."""
-    power = np.abs(np.fft.rfft(signal - signal.mean())) ** 2
-    frequency = np.fft.rfftfreq(len(signal), 1.0 / rate_hz)
-    about_hz = float(power @ frequency / power.sum()) if power.any() else 0.0
-    return waves / about_hz if about_hz > 0.0 else np.inf
-
-
-def _loudest(residual: Array, length: int) -> slice:
-    """The stretch of this length that holds most of the residual."""
-    length = min(length, len(residual))
-    held = np.convolve(residual**2, np.ones(length), mode="valid")
-    start = int(np.argmax(held))
-    return slice(start, start + length)

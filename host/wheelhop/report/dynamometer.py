@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.diagnose import Step
 from wheelhop.files.words import significant
-from wheelhop.report.cases import records_of, seconds_of
+from wheelhop.report.cases import records_of
 from wheelhop.report.figures import AFTER, BEFORE, MEASURED, SOFT, WIDTH
 from wheelhop.report.loops import loop_of
 from wheelhop.report.page import figure, paragraph, section, table
+from wheelhop.report.stretch import seconds_of
 from wheelhop.report.svg import STYLE, Drawing, inline, literal
 
 Array = NDArray[np.float64]

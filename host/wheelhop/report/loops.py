@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from wheelhop.campaign import ComponentCampaign, RigRun
 from wheelhop.compare import Record
 from wheelhop.diagnose import Step
-from wheelhop.report.cases import records_of, seconds_of
+from wheelhop.report.cases import records_of
 from wheelhop.report.figures import AFTER, BEFORE, MEASURED, WIDTH
+from wheelhop.report.stretch import farthest
 from wheelhop.report.svg import STYLE, Drawing
 from wheelhop.vehicle import Motion
 
@@ -21,10 +22,6 @@ Array = NDArray[np.float64]
 
 ROWS = 3
 """Runs shown: that of the largest travel, the fastest one, and the smallest travel."""
-
-CYCLES = 12
-"""So many waves of the frequency about which the motion's power lies are drawn, those about the
-farthest point: more would be a blob."""
 
 FINER = 4
 """Under a force as many points for every sample: a resonance has few samples in a wave."""
@@ -98,11 +95,3 @@ def loop_of(
 def _finer(spectrum: NDArray[np.complex128], n: int) -> Array:
     """The signal (FINER n,) of a spectrum, with points between its samples."""
     return np.asarray(FINER * np.fft.irfft(spectrum, FINER * n))
-
-
-def farthest(x: Array, rate_hz: float) -> slice:
-    """CYCLES waves about the farthest point, or all of a short record."""
-    length = min(round(seconds_of(x, rate_hz, CYCLES) * rate_hz), len(x))
-    middle = int(np.argmax(np.abs(x - np.median(x))))
-    begin = min(max(middle - length // 2, 0), len(x) - length)
-    return slice(begin, begin + length)

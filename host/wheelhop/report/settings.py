@@ -27,8 +27,23 @@ PENS: tuple[dict[str, Any], ...] = tuple(
 
 def write_settings_report(path: Path, found: SettingsComparison) -> None:
     """Write it as one self-contained HTML page, or as PDF; raises InputError."""
+    body = [
+        paragraph(f"wheelhop settings · {found.title}", "kicker"),
+        title(settings_headline(found)),
+        *settings_sections(found),
+    ]
+    write_page(path, f"{found.title}: settings", body)
+
+
+def settings_headline(found: SettingsComparison) -> str:
+    """Which settings differ."""
     differing = dict.fromkeys(d.setting for d in found.differences if d.differs)
     head = f"{', '.join(differing)} differ{'s' if len(differing) == 1 else ''}"
+    return f"{head} from {found.reference}" if differing else "No difference is shown"
+
+
+def settings_sections(found: SettingsComparison) -> list[str]:
+    """What differs, at every channel, and the numbers of every setting."""
     drawings = [
         figure(
             inline(settings_figure(found, channel), f"settings{i}", f"settings at {channel}"),
@@ -38,13 +53,10 @@ def write_settings_report(path: Path, found: SettingsComparison) -> None:
         )
         for i, channel in enumerate(dict.fromkeys(s.channel for s in found.spectra))
     ]
-    body = [
-        paragraph(f"wheelhop settings · {found.title}", "kicker"),
-        title(f"{head} from {found.reference}" if differing else "No difference is shown"),
+    return [
         section("What differs", bullets(sentences(found)), *drawings),
         section("By setting", _table(found)),
     ]
-    write_page(path, f"{found.title}: settings", body)
 
 
 def settings_figure(found: SettingsComparison, channel: str) -> Drawing:

@@ -14,8 +14,9 @@ from scipy.interpolate import CubicSpline
 from wheelhop.files.words import significant
 from wheelhop.law.places import CORNER_NAMES
 from wheelhop.report.figures import AFTER, BEFORE, MEASURED, RULE, WIDTH
-from wheelhop.report.loops import FINER, farthest
+from wheelhop.report.loops import FINER
 from wheelhop.report.page import table
+from wheelhop.report.stretch import farthest
 from wheelhop.report.strut_motion import (
     BASELINE,
     LOW_SPEED_M_S,

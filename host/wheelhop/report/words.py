@@ -9,7 +9,7 @@ from wheelhop.campaign import TrackSpec
 from wheelhop.compare import explains_nothing
 from wheelhop.diagnose import Diagnosis, Limit, NextRun, Step
 from wheelhop.effects import Effect
-from wheelhop.files.words import label_of, listed, percent, significant, unit_of
+from wheelhop.files.words import interval, label_of, listed, percent, significant, unit_of
 
 
 def headline(diagnosis: Diagnosis) -> str:
@@ -41,6 +41,32 @@ def headline(diagnosis: Diagnosis) -> str:
             "Something more is missing, and no effect of the library is confirmed as its cause."
         )
     return " ".join(sentences)
+
+
+def in_numbers(steps: Sequence[Step]) -> str:
+    """What the effects of a ladder came to, ± 2 standard deviations, and how far the error fell:
+    of each effect the numbers of the unit that its first one has; "" of the baseline alone."""
+    first, last = steps[0].rung.error, steps[-1].rung.error
+    parts = [_numbers(name, steps[-1]) for name in steps[-1].added]
+    if not parts:
+        return ""
+    return f"{'; '.join(parts)}. Error {percent(first)} → {percent(last)}."
+
+
+def _numbers(effect: str, step: Step) -> str:
+    prefix = f"{effect}."
+    known = {
+        name.removeprefix(prefix): interval(*number)
+        for name, number in step.parameters.items()
+        if name.startswith(prefix)
+    }
+    units = [unit_of(name) for name in known]
+    shown = [
+        f"{label_of(name)} {value} {unit}".strip()
+        for (name, value), unit in zip(known.items(), units, strict=True)
+        if unit == units[0]
+    ]
+    return f"{effect}: {', '.join(shown)}" if shown else effect
 
 
 def comparison_headline(steps: Sequence[Step]) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -12,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Options = dict[str, Any]
 Window = tuple[float, float]
-"""From where to where something is looked at, per cent of it."""
-WHOLE: Window = (0.0, 100.0)
+"""From where to where along x something is looked at."""
+WHOLE: Window = (-inf, inf)
 
 MEASURED, BEFORE, AFTER, FLOOR = "#8d95a0", "#c8540a", "#0b66a8", "#6f7782"
 """As in the report: told apart by every kind of colour vision. Readable on white and on black."""
@@ -31,10 +33,10 @@ COARSE = 100  # on either side, to be seen in passing
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """One curve of a chart: x and y (n,), `width` in pixels.
+    """One curve of a chart: x and y (n,), `width` in pixels; `path`: x goes to and fro.
 
     Without a graphics card a pen wider than one pixel takes a browser three times as long: it is
-    for one curve among others, and not for one of more samples than are drawn.
+    for one curve among others, and only where no more samples are looked at than are drawn.
     """
 
     name: str
@@ -43,24 +45,35 @@ class Line:
     colour: str
     width: float = 1.0
     dashed: bool = False
+    path: bool = False
 
-    def points(self, first: int, last: int) -> list[list[float | None]]:
-        """What to draw of it, if the samples from `first` to before `last` are looked at."""
-        kept = thinned(self.y, first, last)
-        return points(np.asarray(self.x)[kept], np.asarray(self.y)[kept])
+    def drawn(self, window: Window) -> Options:
+        """Points and pen, if this is looked at."""
+        x, y = np.asarray(self.x), np.asarray(self.y)
+        first, last = (0, len(x)) if self.path else map(int, np.searchsorted(x, window))
+        kept = np.arange(len(x)) if self.path else thinned(y, first, last)
+        pen: Options = {"color": self.colour}
+        pen["width"] = self.width if self.path or last - first <= MOST else 1.0
+        pen["type"] = "dashed" if self.dashed else "solid"
+        return {"data": points(x[kept], y[kept]), "lineStyle": pen}
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One set of axes with what stands on them; a logarithmic one if it says so. At `joins`, places
-    along x, one record ends and the next one begins."""
+    """One set of axes with what stands on them; a logarithmic one if it says so. `units` are those
+    of x and y, said with every value that is pointed at."""
 
     x_name: str
     y_name: str
     lines: Sequence[Line]
     log: bool = False
     band: float = 0.0  #: half the height of a grey band about zero
-    joins: Sequence[float] = ()
+    marks: Sequence[float] = ()  #: places along x with a line
+    title: str = ""
+    caption: str = ""  #: above it
+    units: tuple[str, str] = ("", "")
+    ends: Window | None = None  #: of the x axis, where they are not those of the lines
+    y_ends: Window | None = None
 
 
 def chart(
@@ -68,22 +81,28 @@ def chart(
     heights: Sequence[float],
     zoom: Sequence[int],
     window: Window | None = None,
+    gap: float = 9.0,
 ) -> Options:
-    """Panels below each other, `heights` in per cent; those in `zoom` pan and zoom together, and
-    show the `window`: without one, what they showed before."""
-    total, gap = sum(heights), 9.0
-    room = 100.0 - 6.0 - gap * len(panels)
+    """Panels below each other, `heights` and the `gap` below each in per cent; those in `zoom` pan
+    and zoom together, and show the `window`: without one, what they showed before."""
+    total, head = sum(heights), min(6.0, gap)
+    room = 100.0 - head - gap * len(panels)
     lines = {line.name: line for panel in panels for line in panel.lines}
     names = [{"name": n, "icon": DASHES if lines[n].dashed else "rect"} for n in lines]
+    units = [[panel.title, *panel.units] for panel in panels]
     options: Options = {
         "animation": False,
         "textStyle": {"color": INK},
         "legend": {
-            **{"top": 0, "left": 60, "itemWidth": 18, "itemHeight": 3},
+            **{"top": 0, "left": 60, "itemWidth": 18, "itemHeight": 3, "type": "scroll"},
             **{"textStyle": {"color": INK}, "data": names, "show": len(names) > 1},
         },
-        "tooltip": {"trigger": "axis", "axisPointer": {"type": "line"}, "confine": True},
+        "tooltip": {
+            **{"trigger": "axis", "axisPointer": {"type": "line"}, "confine": True},
+            ":formatter": f"values => wheelhop.tooltip(values, {json.dumps(units)})",
+        },
         "axisPointer": {"link": [{"xAxisIndex": list(zoom)}]},
+        "title": [],
         "grid": [],
         "xAxis": [],
         "yAxis": [],
@@ -91,27 +110,36 @@ def chart(
         "dataZoom": [
             {
                 **{"type": "inside", "xAxisIndex": list(zoom), "filterMode": "filter"},
-                **({} if window is None else {"start": window[0], "end": window[1]}),
+                **({} if window is None else zoomed(window)),
             },
         ],
         "aria": {"enabled": True},
     }
-    top = 7.0
+    top = head + 1.0
     for i, (panel, height) in enumerate(zip(panels, heights, strict=True)):
         share = room * height / total
         options["grid"].append(
             {"top": f"{top:.1f}%", "height": f"{share:.1f}%", "left": 64, "right": 16}
         )
+        caption = {"text": panel.caption, "left": 60, "top": f"{top - gap / 2:.1f}%"}
+        options["title"].append({**caption, "textStyle": {"color": INK, "fontSize": 12}})
         top += share + gap
         _add_axes(options, panel, i)
         series = [_series(line, i, window or WHOLE) for line in panel.lines]
         if series:
-            series[-1] |= _marks(panel)
+            series[-1] |= marks(panel)
         options["series"] += series
     return options
 
 
-def _marks(panel: Panel) -> Options:
+def zoomed(window: Window) -> Options:
+    """A window as a zoom: by its ends, or all there is."""
+    if not all(map(isfinite, window)):
+        return {"start": 0, "end": 100}
+    return {"startValue": window[0], "endValue": window[1]}
+
+
+def marks(panel: Panel) -> Options:
     """What lies behind the curves; an empty list, too, takes away what was there before."""
     band = [[{"yAxis": -panel.band}, {"yAxis": panel.band}]] if panel.band > 0 else []
     return {
@@ -120,8 +148,8 @@ def _marks(panel: Panel) -> Options:
         },
         "markLine": {
             **{"silent": True, "symbol": "none", "label": {"show": False}},
-            "lineStyle": {"color": INK, "type": "solid", "opacity": 0.5},
-            "data": [{"xAxis": float(x)} for x in panel.joins],
+            "lineStyle": {"color": INK, "type": "solid", "width": 1.5},
+            "data": [{"xAxis": float(x)} for x in panel.marks],
         },
     }
 
@@ -132,7 +160,8 @@ def _add_axes(options: Options, panel: Panel, index: int) -> None:
     grid = {"lineStyle": {"color": INK, "opacity": 0.18}}
     labels: Options = {"hideOverlap": True, "color": INK}
     x = np.concatenate([np.zeros(0), *(np.asarray(line.x, float) for line in panel.lines)])
-    ends = [float(f"{end:.{DIGITS}g}") for end in (x.min(), x.max())] if len(x) else [0.0, 1.0]
+    own = (x.min(), x.max()) if len(x) else (0.0, 1.0)
+    ends = [float(f"{end:.{DIGITS}g}") for end in panel.ends or own]
     if panel.log:
         labels[":formatter"] = LABEL
     else:  # a record ends anywhere, and its end is no number to read
@@ -164,6 +193,7 @@ def _add_axes(options: Options, panel: Panel, index: int) -> None:
             "splitLine": grid,
             "splitNumber": 10 if panel.log else 4,
             **(_decades(panel) if panel.log else {}),
+            **(dict(zip(("min", "max"), panel.y_ends, strict=True)) if panel.y_ends else {}),
         }
     )
 
@@ -180,19 +210,14 @@ def _decades(panel: Panel) -> Options:
 
 
 def _series(line: Line, index: int, window: Window) -> Options:
-    count = len(np.asarray(line.y))
-    style: Options = {"color": line.colour, "width": line.width if count <= MOST else 1.0}
-    if line.dashed:
-        style["type"] = "dashed"
     return {
         "name": line.name,
         "type": "line",
         "xAxisIndex": index,
         "yAxisIndex": index,
         "symbol": "none",
-        "lineStyle": style,
         "itemStyle": {"color": line.colour},
-        "data": line.points(*(int(count * percent / 100) for percent in window)),
+        **line.drawn(window),
     }
 
 
@@ -223,22 +248,3 @@ def _extremes(y: Array, first: int, last: int, most: int) -> NDArray[np.intp]:
     begin = first + step * np.arange(count)
     ends = np.sort([begin + blocks.argmin(axis=1), begin + blocks.argmax(axis=1)], axis=0)
     return np.concatenate([ends.T.ravel(), np.arange(first + count * step, last)])
-
-
-def power_density(records: Sequence[ArrayLike], rate_hz: float) -> tuple[Array, Array]:
-    """Frequencies, Hz, and Welch's estimate of the power density, unit²/Hz, of records (n,).
-
-    Half-overlapping Hann windows, three of them in the shortest record; none goes across the end of
-    a record. Each record counts by its length.
-    """
-    arrays = [np.asarray(record, np.float64) for record in records]
-    length = max(8, min(map(len, arrays)) // 2)
-    window = np.hanning(length)
-    powers = []
-    for values in arrays:
-        starts = range(0, len(values) - length + 1, max(1, length // 2))
-        spectra = [np.abs(np.fft.rfft(values[i : i + length] * window)) ** 2 for i in starts]
-        powers.append(np.mean(spectra, axis=0))
-    mean: Array = np.average(powers, axis=0, weights=[len(values) for values in arrays])
-    frequency: Array = np.fft.rfftfreq(length, 1 / rate_hz).astype(np.float64)
-    return frequency[1:], 2 * mean[1:] / (rate_hz * (window**2).sum())

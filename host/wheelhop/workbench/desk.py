@@ -18,8 +18,18 @@ from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files import InputError, Source, away_from_here
-from wheelhop.workbench.order import Enough, GiveWay, Order, how_it_ended, obey_orders
-from wheelhop.workbench.results import Made, Results
+from wheelhop.workbench.compared import Compared
+from wheelhop.workbench.order import (
+    DOING,
+    LONG,
+    Enough,
+    GiveWay,
+    Order,
+    Wish,
+    how_it_ended,
+    obey_orders,
+)
+from wheelhop.workbench.results import Beside, Made, Results
 from wheelhop.workbench.session import (
     Choice,
     Session,
@@ -27,11 +37,13 @@ from wheelhop.workbench.session import (
     made_of,
     read_session,
     toggled,
+    unread_words,
     without,
     write_session,
 )
 from wheelhop.workbench.shown import (
     AxleToBody,
+    CanShow,
     Card,
     Climbed,
     Concluded,
@@ -46,6 +58,7 @@ from wheelhop.workbench.shown import (
     Refused,
     Rung,
     Said,
+    Settings,
 )
 
 if TYPE_CHECKING:
@@ -86,8 +99,10 @@ class Desk:
         self.job: Job | None = None
         self.errors: tuple[float, ...] = ()
         self.baseline_took_s = 0.0
+        self._wrong = False
         session = self._read()
         self._choice = session.choice
+        self.looked_at = session.looked_at
         self._results = Results(session.diagnoses)
         self._made = self._made_now()
         self._past: list[Choice] = []
@@ -115,25 +130,14 @@ class Desk:
         """The last diagnosis of the data chosen that came to its end."""
         return self._results.diagnosis(self._made)
 
-    @property
-    def law(self) -> Law | None:
-        """The force found missing beside the model chosen."""
-        return self._results.beside(Law, self._made)
+    def beside(self, kind: type[Beside]) -> Beside | None:
+        """What was found of this kind beside the model chosen."""
+        return self._results.beside(kind, self._made)
 
     @property
-    def between(self) -> AxleToBody | None:
-        """What was identified between axle and body, beside the model chosen."""
-        return self._results.beside(AxleToBody, self._made)
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is something to take back."""
-        return bool(self._past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether something was taken back."""
-        return bool(self._future)
+    def can_go(self) -> tuple[bool, bool]:
+        """Whether there is something to undo, and to redo."""
+        return bool(self._past), bool(self._future)
 
     def begin(self) -> None:
         """Fit what the session chose, unless something was ordered before."""
@@ -189,7 +193,7 @@ class Desk:
 
     def diagnose(self) -> None:
         """Find out which effects are missing."""
-        self._work(diagnose=True)
+        self._work("diagnose")
 
     def use_effects(self, file: Source) -> None:
         """Load effects of the user's own, who has seen this text and wants it to run."""
@@ -198,13 +202,9 @@ class Desk:
         self._made = self._made_now()
         self._work()
 
-    def find_law(self) -> None:
-        """Find the force that is missing beside the effects in the model."""
-        self._work(law=True)
-
-    def identify(self) -> None:
-        """Fit transfer functions from the axles to the body, beside the model chosen."""
-        self._work(axles=True)
+    def find(self, wish: Wish) -> None:
+        """Work out something that is no diagnosis, beside the model chosen."""
+        self._work(wish)
 
     def write(self, what: str) -> None:
         """Write the report, the model, the figures or the tables of what is chosen, by their names
@@ -228,6 +228,12 @@ class Desk:
         self._next = None
         self._stop()
 
+    def look_at(self, state: Compared) -> None:
+        """Keep what Compare shows, unless that would take the place of a wrong session."""
+        self.looked_at = state
+        if not self._wrong:
+            self._keep()
+
     def say(self, line: str) -> None:
         """Show a line to the user, in every tab."""
         self._changed(line)
@@ -243,7 +249,7 @@ class Desk:
         self._take(choice)
 
     def _take(self, choice: Choice) -> None:
-        self._choice = choice
+        self._choice, self._wrong = choice, False
         self._made = self._made_now()
         self._work()
         self._keep()
@@ -251,13 +257,10 @@ class Desk:
     def _made_now(self) -> Made:
         return made_of(self.campaign, self.choice, self.effects_file), self.choice.added
 
-    def _work(
-        self, diagnose: bool = False, law: bool = False, axles: bool = False, write: str = ""
-    ) -> None:
+    def _work(self, wish: Wish = "", write: str = "") -> None:
         """Order the work; a long one that is going on is given up, a fit only gives way."""
         self.notice = ""
-        data = (self.campaign.folder, self.choice, self.effects_file)
-        order = Order(*data, diagnose, law, axles, write)
+        order = Order(self.campaign.folder, self.choice, self.effects_file, wish, write)
         if self.job is not None:
             if self.job.long:
                 self._stop()
@@ -273,11 +276,9 @@ class Desk:
         if self._process is None or not self._process.is_alive():
             self._hire()
         assert self._orders is not None
-        wishes: dict[str, bool] = {"diagnosing": order.diagnose, "finding a law": order.law}
-        wishes |= {"identifying": order.axles, f"writing {order.write}": bool(order.write)}
-        title = next((title for title, wish in wishes.items() if wish), "fitting")
-        long = order.diagnose or order.law
-        self.job = Job(title, "starting", time.monotonic(), order.diagnose, long, self._made)
+        title = f"writing {order.write}" if order.write else DOING[order.wish]
+        now, diagnosing = time.monotonic(), order.wish == "diagnose"
+        self.job = Job(title, "starting", now, diagnosing, order.wish in LONG, self._made)
         self._loop = asyncio.get_running_loop()
         self._orders.send(order)
         self._changed()
@@ -337,7 +338,7 @@ class Desk:
                 self._take_cards(cards)
             case Climbed(rungs):
                 self._climbed(rungs)
-            case Ranking() | Concluded() | Law() | AxleToBody():
+            case Ranking() | Concluded() | Law() | AxleToBody() | CanShow() | Settings():
                 self._results = self._results.heard(self.job.made, message)
                 if isinstance(message, Concluded):
                     self._keep()
@@ -380,19 +381,14 @@ class Desk:
         try:
             session = read_session(self.campaign)
         except InputError as error:
+            self._wrong = True
             self.notice = f"{error}; a new session begins, the file stays until something is chosen"
             return first_session(self.campaign)
-        runs = self.campaign.runs
-        waiting = sum(not len(run.time_s) for run in runs)
-        if waiting:
-            self.notice = (
-                f"{len(runs)} runs: {len(runs) - waiting} were read, evenly spaced; the other"
-                f" {waiting} are left out, and not read until you take them in"
-            )
+        self.notice = unread_words(self.campaign)
         return session
 
     def _keep(self) -> None:
-        session = Session(self.choice, self._results.diagnoses)
+        session = Session(self.choice, self._results.diagnoses, self.looked_at)
         try:
             write_session(self.campaign, session, f"wheelhop {version('wheelhop')}")
         except InputError as error:

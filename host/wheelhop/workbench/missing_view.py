@@ -3,23 +3,25 @@ it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
 
 from nicegui import ui
 
-from wheelhop.files.words import chance, percent, signed
+from wheelhop.campaign import ComponentCampaign
+from wheelhop.files.words import chance, listed, percent, signed
 from wheelhop.report.page import bullets
-from wheelhop.workbench.charts import AFTER, MEASURED, WHOLE, Line, Panel, chart
+from wheelhop.workbench.charts import AFTER, BEFORE, MEASURED, WHOLE, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
 from wheelhop.workbench.own_effects import OwnEffects
-from wheelhop.workbench.shown import Card, Law, Ranking, Row, Trace, Verdict
+from wheelhop.workbench.shown import CanShow, Card, Case, Law, Ranking, Row, Trace, Verdict
 from wheelhop.workbench.view import Looking, acting, drawn, html, verbatim
 
 SHOWN_S = 2.5
 """So much of a run is drawn on a card, around the largest signature."""
 
-BEFORE = "Every effect of the library is tried."
+FIRST = "Every effect below is tried. Any of them can be added by hand: open its card."
 WORKING = (
     "Every effect of the library is tried; the ranking fills in below. You may look elsewhere"
     " meanwhile, or press Stop above."
@@ -55,11 +57,17 @@ class MissingView:
         self._desk, self._looking = desk, looking
         self._seen: object = None
         self._drawn: object = None
+        self._on_rig = isinstance(desk.campaign, ComponentCampaign)
         with ui.row().classes("bench-controls"):
             self._start = ui.button("Find out what is missing", on_click=desk.diagnose)
             self._start.props("no-caps unelevated")
+            ask = "What can these channels show?"
+            self._foresee = ui.button(ask, on_click=lambda: desk.find("foresee"))
+            self._foresee.props("no-caps outline")
             self._hint = ui.label().classes("soft")
-        self._verdict = acting(html(), self._act)
+        with ui.element("div").classes("bench-verdict"):
+            self._verdict = acting(html(), self._act)
+            self._case = ui.echart({}).classes("bench-trace")
         self._law = drawn()
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
@@ -74,16 +82,27 @@ class MissingView:
         """Bring it up to date."""
         desk = self._desk
         ranking, diagnosis = desk.ranking, desk.diagnosis
-        diagnosing = desk.job is not None and desk.job.diagnosing
+        diagnosing = self._diagnosing
         self._start.set_enabled(not diagnosing)
-        seen = (ranking, diagnosis, desk.choice, diagnosing, desk.cards != {})
+        can_show = desk.beside(CanShow)
+        self._foresee.set_visibility(ranking is None and not self._on_rig)
+        self._foresee.set_enabled(desk.job is None)
+        seen = (ranking, diagnosis, desk.choice, diagnosing, tuple(desk.cards), can_show)
         if seen != self._seen:
             self._seen = seen
             self._verdict.set_content("" if diagnosing else self._verdict_html())
-            self._table.set_content(self._table_html(ranking) if ranking else "")
-            found = "" if diagnosis else STOPPED if ranking else BEFORE
+            case = None if diagnosing or diagnosis is None else diagnosis.case
+            self._case.set_visibility(case is not None)
+            if case is not None:
+                self._case.options.update(_case_chart(case))
+                self._case.update()
+            self._table.set_content(
+                self._table_html(ranking) if ranking else _library_html(desk.cards, can_show)
+            )
+            found = "" if diagnosis else STOPPED if ranking else FIRST
             self._hint.set_text(WORKING if diagnosing else found)
-        self._law.set_content(_law_html(desk.law) if desk.law is not None else "")
+        law = desk.beside(Law)
+        self._law.set_content(_law_html(law) if law is not None else "")
         self._show_card(ranking)
 
     @property
@@ -96,26 +115,43 @@ class MissingView:
             return ""
         missing = [e for e in verdict.effects if e not in ("none", "unknown")]
         left = [e for e in missing if e not in self._desk.choice.added]
+        known = missing and not left
+        head = f"In the model now: {listed(missing)}" if known else verdict.headline
         label = f"Add {escape(' and '.join(left))} to the model"
-        add = f'<button class="primary" data-act="add all">{label}</button>'
+        add = f'<p><button class="primary" data-act="add all">{label}</button></p>' if left else ""
+        look = '<p><button class="primary" data-act="look">Look at it in Compare</button></p>'
         following = f"<p>To record next: {escape(verdict.next_run)}</p>" if verdict.next_run else ""
         extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], "")
+        numbers = f'<p class="numbers">{escape(verdict.numbers)}</p>' if verdict.numbers else ""
         return (
-            f'<section class="verdict"><h2>{escape(verdict.headline)}</h2>'
-            f"<p>Confidence {100 * verdict.confidence:.0f} %.</p>{bullets(verdict.explanation)}"
-            f"{following}{add if left else ''}{extra}{_limits(verdict)}</section>"
+            f'<section class="verdict"><h2>{escape(head)}</h2>{numbers}'
+            f"<p>Confidence {100 * verdict.confidence:.0f} %.</p>{add}{look if known else ''}"
+            f"{bullets(verdict.explanation)}{following}{extra}{_limits(verdict)}</section>"
         )
 
     def _table_html(self, ranking: Ranking) -> str:
         tried = [row for row in ranking.rows if row.screened is not None]
-        rows = "".join(self._row(i, row) for i, row in enumerate(tried, start=1))
+        confirmed = [row for row in tried if row.confirmed is not None] if self._settled else []
+        shown = confirmed or tried
+        rows = "".join(self._row(i, row) for i, row in enumerate(shown, start=1))
+        rest = [row for row in tried if row not in shown]
         others = [row for row in ranking.rows if row.screened is None]
         heads = "".join(f'<th class="r">{name}</th>' for name in COLUMNS)
         legend = "; ".join(f"<strong>{name}</strong>: {words}" for name, words in COLUMNS.items())
         return (
-            f'<table class="ranking"><thead><tr><th></th><th>effect</th>{heads}</tr></thead>'
-            f"<tbody>{rows}</tbody></table><p class='soft'>{legend}.</p>{_not_applicable(others)}"
+            f'<div class="scroll"><table class="ranking"><thead><tr><th></th><th>effect</th>{heads}'
+            f"</tr></thead><tbody>{rows}</tbody></table></div><p class='soft'>{legend}.</p>"
+            f"{_explains_nothing(rest)}{_not_applicable(others)}"
         )
+
+    @property
+    def _settled(self) -> bool:
+        """Whether every effect worth it was simulated in full."""
+        return self._desk.diagnosis is not None and not self._diagnosing
+
+    @property
+    def _diagnosing(self) -> bool:
+        return self._desk.job is not None and self._desk.job.diagnosing
 
     def _row(self, number: int, row: Row) -> str:
         name = escape(row.effect)
@@ -134,10 +170,11 @@ class MissingView:
         rows = {row.effect: row for row in ranking.rows} if ranking else {}
         verdict = self._verdict_now
         nothing = verdict is not None and verdict.effects == ("none",)
-        chosen = self._looking.effect or ("" if nothing else next(iter(rows), ""))
+        first = next(iter(rows or self._desk.cards), "")
+        chosen = self._looking.effect or ("" if nothing else first)
         row, card = rows.get(chosen), self._desk.cards.get(chosen)
         trace = ranking.traces.get(chosen) if ranking else None
-        absent = NOT_DRAWN if ranking is None or not ranking.traces else NOT_IN_RESIDUAL
+        absent = NOT_IN_RESIDUAL if ranking and ranking.traces else NOT_DRAWN
         drawn = (row, card, trace, absent, self._desk.choice.added)
         if drawn == self._drawn:
             return
@@ -190,20 +227,54 @@ class MissingView:
                 self.show()
             case "add":
                 desk.add(data["effect"])
-                self._looking.go("model")
+            case "look":
+                self._looking.go("compare")
             case "law":
-                desk.find_law()
+                desk.find("law")
             case "add all" if self._verdict_now is not None:
                 for effect in self._verdict_now.effects:
                     if effect not in ("none", "unknown"):
                         desk.add(effect)
-                self._looking.go("model")
 
 
 def _law_html(law: Law) -> str:
     words = verbatim("\n".join(law.lines))
     figure = f"<figure>{law.figure}</figure>" if law.figure else ""
     return f"<section><h2>The force that is missing</h2>{words}{figure}</section>"
+
+
+def _library_html(cards: Mapping[str, Card], found: CanShow | None) -> str:
+    """Every effect that will be tried, and from where on it would be seen, if that was asked."""
+    if not cards:
+        return "<p class='soft'>The effects stand here once the campaign is read.</p>"
+    seen = found.effects if found else {}
+    rows = "".join(
+        f'<tr><td><button data-act="card" data-effect="{escape(card.effect)}">'
+        f"{escape(card.effect)}</button></td><td>{escape(card.place)}</td>"
+        f"<td>{escape(seen.get(card.effect, ''))}</td></tr>"
+        for card in cards.values()
+    )
+    sentence = f"<p>{escape(found.sentence)}</p>" if found and found.sentence else ""
+    last = "would be seen from, to first order" if found else ""
+    return (
+        f'{sentence}<div class="scroll"><table class="ranking"><thead><tr><th>effect</th><th>place'
+        f"</th><th>{last}</th></tr></thead><tbody>{rows}</tbody></table></div>"
+    )
+
+
+def _explains_nothing(rows: list[Row]) -> str:
+    """Effects that take too little to be simulated in full, folded; each leads to its card."""
+    if not rows:
+        return ""
+    items = "".join(
+        f'<li><button data-act="card" data-effect="{escape(row.effect)}">{escape(row.effect)}'
+        f"</button> {percent(row.screened or 0.0)}</li>"
+        for row in rows
+    )
+    return (
+        f"<details><summary>{len(rows)} more explain too little to be simulated in full (the"
+        f" error each would leave, to first order)</summary><ul class='fold'>{items}</ul></details>"
+    )
 
 
 def _not_applicable(rows: list[Row]) -> str:
@@ -232,7 +303,21 @@ def _limits(verdict: Verdict) -> str:
 def _gallery(effect: str) -> str:
     source = picture_of(effect)
     alt = f"how {effect} shows in records"
-    return f'<img src="{source}" alt="{escape(alt)}">' if source else ""
+    picture = f'<img src="{source}" alt="{escape(alt)}">'
+    return f'<a href="{source}" target="_blank" title="enlarge">{picture}</a>' if source else ""
+
+
+def _case_chart(case: Case) -> dict[str, object]:
+    """Before and after, over what was measured."""
+    lines = [
+        Line("measured", case.time_s, case.measured, MEASURED, 4.0),
+        Line("baseline", case.time_s, case.before, BEFORE, 1.4),
+    ]
+    if case.after is not None:
+        lines.append(Line("with what is missing", case.time_s, case.after, AFTER, 1.4))
+    y_name = f"{case.channel}, {case.unit}"
+    panel = Panel(f"time, s, in {case.run}", y_name, lines, units=("s", case.unit))
+    return chart([panel], (100,), (0,), WHOLE, gap=14.0)
 
 
 def _trace_chart(trace: Trace) -> dict[str, object]:
@@ -246,4 +331,6 @@ def _trace_chart(trace: Trace) -> dict[str, object]:
         Line("residual", time, trace.residual[part], MEASURED, 2.0),
         Line("its signature", time, trace.signature[part], AFTER),
     ]
-    return chart([Panel("time, s", trace.unit, lines)], (100,), (0,), WHOLE)
+    return chart(
+        [Panel("time, s", trace.unit, lines, units=("s", trace.unit))], (100,), (0,), WHOLE
+    )

@@ -8,24 +8,36 @@ import sys
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Literal
 
 from wheelhop.files import Source
 from wheelhop.workbench.session import Choice
 
+Wish = Literal["", "diagnose", "law", "axles", "foresee", "settings"]
+DOING: dict[Wish, str] = {
+    "": "fitting",
+    "diagnose": "diagnosing",
+    "law": "finding a law",
+    "axles": "identifying",
+    "foresee": "asking what these channels can show",
+    "settings": "comparing settings",
+}
+"""What may be wished beside the models that lead to a choice, and what the page calls it: a
+diagnosis; the force that is missing beside the effects chosen; what lies between axle and body;
+from which strength on effects would be seen; how settings differ, which takes no model."""
+LONG: tuple[Wish, ...] = ("diagnose", "law")
+"""What another wish ends."""
+
 
 @dataclass(frozen=True)
 class Order:
-    """What to work out: the models that lead to a choice, a diagnosis too (`diagnose`), the force
-    that is missing beside the effects chosen (`law`), or what lies between axle and body (`axles`);
-    and what to write into the folder, a name of `takeaway`. `effects_file` is the text of the
-    user's own effects."""
+    """What to work out: the models that lead to a choice and a `wish`; and what to write into the
+    folder, a name of `takeaway`. `effects_file` is the text of the user's own effects."""
 
     folder: Path
     choice: Choice
     effects_file: Source | None = None
-    diagnose: bool = False
-    law: bool = False
-    axles: bool = False
+    wish: Wish = ""
     write: str = ""
 
 

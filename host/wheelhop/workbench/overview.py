@@ -10,8 +10,10 @@ import numpy as np
 from nicegui import ui
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
+from wheelhop.files.words import significant
 from wheelhop.report.heat import heat_class, heat_legend, heat_words
 from wheelhop.track import make_track
+from wheelhop.workbench.compared import opened
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.shown import Rung
 from wheelhop.workbench.view import Looking, acting, html
@@ -23,6 +25,13 @@ WORDS = (
     "<p class='soft'>How many times the sensors' noise the model leaves, in band: 1 is as good as"
     " it gets. Click a number, a run or a sensor to look at it; a role to fit a run or to hold it"
     " out; a channel to leave it out. Grey numbers need no attention.</p>"
+)
+RECORDED = (
+    "<p class='soft'>What was recorded: rms of every channel without its mean, in the channel’s"
+    " unit. Click a number to look at it. How far the model is from it stands here once the"
+    " baseline is fitted.</p>"
+)
+ACTIONS = (
     '<p><button class="primary" data-act="where">Where does it fail?</button>'
     ' <button class="primary" data-act="missing">What is missing?</button></p>'
 )
@@ -54,7 +63,8 @@ class Overview:
             return
         self._seen = seen
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
-        self._runs.set_content(self._table(rung) + heat_legend() + WORDS)
+        words = RECORDED if rung is None else heat_legend() + WORDS
+        self._runs.set_content(self._table(rung) + words + ACTIONS)
         found = (*desk.findings, *criticism)
         items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
         heading = "<h2>Before you believe it</h2>"
@@ -65,13 +75,11 @@ class Overview:
         run = runs[int(data["run"])] if "run" in data else None
         match data["act"]:
             case "look":
-                places = {key: int(data[key]) for key in ("run", "channel") if key in data}
-                self._looking.compared = self._looking.compared.at(**places)
-                self._looking.go("compare")
+                self._look_at(data)
             case "leave run" if run is not None:
                 desk.toggle_run(run.id)
             case "role" if run is not None:
-                now = desk.choice.roles.get(run.id, run.role)
+                now = desk.choice.role_of(run)
                 desk.set_role(run.id, "fit" if now == "validate" else "validate")
             case "page":
                 self._first = int(data["first"])
@@ -80,6 +88,16 @@ class Overview:
                 self._looking.go(view)
             case "leave channel":
                 desk.toggle_channel(desk.campaign.channels[int(data["channel"])].name)
+
+    def _look_at(self, data: dict[str, str]) -> None:
+        """Compare a run, a channel or both; of what was not clicked, where that fails worst."""
+        campaign = self._desk.campaign
+        roles = {run.id: self._desk.choice.role_of(run) for run in campaign.runs}
+        state = self._looking.compared or opened(campaign, self._desk.rungs, roles)
+        run = campaign.runs[int(data["run"])].id if "run" in data else None
+        channel = campaign.channels[int(data["channel"])].name if "channel" in data else None
+        self._looking.compared = state.at(run, channel)
+        self._looking.go("compare")
 
     def _table(self, rung: Rung | None) -> str:
         campaign = self._desk.campaign
@@ -100,9 +118,9 @@ class Overview:
     def _row(self, i: int, run: Run, rung: Rung | None) -> str:
         choice = self._desk.choice
         out = run.id in choice.without_runs
-        role = choice.roles.get(run.id, run.role)
+        role = choice.role_of(run)
         cells = "".join(
-            _cell(rung, run.id, channel.name, i, k)
+            _cell(rung, run, channel.name, i, k)
             for k, channel in enumerate(self._desk.campaign.channels)
         )
         speed = f'<td class="r">{run.speed_m_s * 3.6:.3g}</td>'
@@ -143,11 +161,15 @@ def _button(act: str, text: str, struck: bool, **data: int) -> str:
     return f'<button data-act="{act}"{values}{kind} title="{tip}">{escape(text)}</button>'
 
 
-def _cell(rung: Rung | None, run: str, channel: str, i: int, k: int) -> str:
-    ratio = _ratio(rung, run, channel)
+def _cell(rung: Rung | None, run: Run, channel: str, i: int, k: int) -> str:
+    """Residual over floor; before anything is fitted the rms of what was recorded."""
+    ratio = _ratio(rung, run.id, channel)
+    words = heat_words(ratio)
+    if rung is None and len(run.time_s):
+        words = significant(float(run.record[:, k].std()), 2)
     act = f'<button data-act="look" data-run="{i}" data-channel="{k}"'
-    label = f'aria-label="{escape(run)}, {escape(channel)}"'
-    return f'<td class="{heat_class(ratio)}">{act} {label}>{heat_words(ratio)}</button></td>'
+    label = f'aria-label="{escape(run.id)}, {escape(channel)}"'
+    return f'<td class="{heat_class(ratio)}">{act} {label}>{words}</button></td>'
 
 
 def _ratio(rung: Rung | None, run: str, channel: str) -> float:

@@ -3,6 +3,7 @@ looked at; whenever the desk has changed, what is shown is made anew."""
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
 from html import escape
@@ -10,16 +11,19 @@ from math import isfinite
 
 from nicegui import ui
 
+from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.files.words import percent, significant
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.between_view import BetweenView
 from wheelhop.workbench.charts import AFTER
 from wheelhop.workbench.compare_view import CompareView
+from wheelhop.workbench.compared import address_of, of_address
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.missing_view import MissingView
 from wheelhop.workbench.model_view import ModelView
 from wheelhop.workbench.out_view import OutView
 from wheelhop.workbench.overview import Overview
+from wheelhop.workbench.settings_view import SettingsView
 from wheelhop.workbench.struts_view import StrutsView
 from wheelhop.workbench.vehicle_view import VehicleView
 from wheelhop.workbench.view import Looking, View, Words, html
@@ -37,6 +41,7 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("where", "Where it fails", WhereView),
     ("struts", "Struts", StrutsView),
     ("missing", "What is missing", MissingView),
+    ("settings", "Settings", SettingsView),
     ("between", "Axle to body", BetweenView),
     ("model", "The model", ModelView),
     ("vehicle", "Vehicle", VehicleView),
@@ -46,6 +51,7 @@ OWN = "/own"
 OWN_FILES = {
     "style.css": ("wheelhop.report", "text/css"),
     "workbench.css": ("wheelhop.workbench", "text/css"),
+    "charts.js": ("wheelhop.workbench", "text/javascript"),
     "playback.js": ("wheelhop.workbench", "text/javascript"),
     "stretches.js": ("wheelhop.workbench", "text/javascript"),
 }
@@ -54,8 +60,8 @@ ASLEEP = "asleep"
 """Of panels that are not looked at. They keep their size: a chart that is shown again would else be
 laid out and drawn anew."""
 LOG_IN = "record"
-TABS = ((LOG_IN, "Record"), *((key, label) for key, label, _ in VIEWS))
-"""In the order of the work: what is recorded comes first."""
+ON_WHEELS = ("between", "vehicle")
+"""Views that a component on a rig has no use for."""
 
 
 def lay_out(bench: Workbench) -> None:
@@ -80,21 +86,27 @@ class Page:
         ui.page_title(f"wheelhop: {desk.campaign.title}")
         self._seen = -1
         self._fresh: set[str] = set()
-        self._looking = Looking(go=self._go)
+        self._arriving, self._client = True, ui.context.client
+        self._looking = Looking(go=self._go, moved=self._moved)
         with ui.element("header").classes("bench-head"):
             self._top()
         self._notice = ui.element("div").classes("bench-notice").props('role="status"')
         with ui.tabs().classes("bench-tabs").props("align=left no-caps dense") as self._tabs:
-            for key, label in TABS:
+            views = [view for view in VIEWS if view[0] not in useless(desk.campaign)]
+            tabs = {LOG_IN: "Record", **{key: label for key, label, _ in views}}
+            for key, label in tabs.items():  # in the order of the work
                 ui.tab(key, label=label)
         self._tabs.on_value_change(self._turned)
         self._views: dict[str, View] = {}
         self._panels = {}
         with ui.element("div").classes("bench-main"):
-            for key, _ in TABS:
+            for key in tabs:
                 self._panels[key] = ui.element("div").props(f"data-view={key}").classes(ASLEEP)
         self._tabs.set_value("overview")
         self._look()
+        self._arriving = False  # from now on a view is turned to by the user
+        ui.on("place", lambda event: self._came(str(event.args)))
+        self._client.run_javascript('emitEvent("place", location.hash.slice(1))')
         ui.timer(SETTLED_S, desk.begin, once=True)
         ui.timer(LOOK_S, self._look)
 
@@ -125,6 +137,28 @@ class Page:
         for key, panel in self._panels.items():
             panel.classes(remove=ASLEEP) if key == chosen else panel.classes(ASLEEP)
         self._refresh(chosen)
+        self._moved(turned=True)
+
+    def _moved(self, *, turned: bool = False) -> None:
+        """Have the page's address tell what is looked at; another view is a step for Back."""
+        if self._arriving:
+            return
+        place = str(self._tabs.value)
+        if place == "compare" and self._looking.compared is not None:
+            place += f"/{address_of(self._looking.compared)}"
+        self._client.run_javascript(f"wheelhop.place({json.dumps(place)}, {json.dumps(turned)})")
+
+    def _came(self, place: str) -> None:
+        """An address was opened, or Back was pressed; the first one may name no view."""
+        view, _, rest = (place or "overview").partition("/")
+        if view not in self._panels:
+            return
+        self._arriving = True
+        if view == "compare" and (state := of_address(rest, self._desk.campaign)) is not None:
+            self._looking.compared = state
+            self._refresh(view)
+        self._tabs.set_value(view)
+        self._arriving = False
 
     def _refresh(self, key: str) -> None:
         """Build a view, or bring it up to date."""
@@ -156,8 +190,8 @@ class Page:
         self._fresh.clear()
         self._figures.set_content(_figures(desk))
         self._cancel.set_visibility(desk.job is not None)
-        self._undo.set_enabled(desk.can_undo)
-        self._redo.set_enabled(desk.can_redo)
+        for button, can in zip((self._undo, self._redo), desk.can_go, strict=True):
+            button.set_enabled(can)
         if desk.job is None:
             self._work.set_text("")
         self._notice.set_visibility(bool(desk.notice))
@@ -169,9 +203,16 @@ class Page:
     def _prepare(self) -> None:
         """While there is nothing else to do, one view more is made ready, so that a click finds it
         so."""
-        waiting = [key for key, _, _ in VIEWS if key not in self._fresh]
+        waiting = [key for key in self._panels if key not in self._fresh and key != LOG_IN]
         if waiting:
             self._refresh(waiting[0])
+
+
+def useless(campaign: Campaign) -> tuple[str, ...]:
+    """The views that a campaign has no use for."""
+    settings = {run.setting for run in campaign.runs if run.setting}
+    alone = () if len(settings) > 1 else ("settings",)
+    return (*alone, *(ON_WHEELS if isinstance(campaign, ComponentCampaign) else ()))
 
 
 def _job_words(desk: Desk) -> str:

@@ -8,11 +8,13 @@ from typing import TypeVar
 
 from wheelhop.workbench.shown import (
     AxleToBody,
+    CanShow,
     Concluded,
     Diagnosed,
     Law,
     Ranking,
     Row,
+    Settings,
     Trace,
 )
 
@@ -20,7 +22,8 @@ Made = tuple[str, tuple[str, ...]]
 """What a result is made of: the key of the data and the effects there are (`session.made_of`), and
 the effects in the model. A diagnosis begins at the baseline, so that only the key counts."""
 
-Beside = TypeVar("Beside", Law, AxleToBody)
+Found = Law | AxleToBody | CanShow | Settings
+Beside = TypeVar("Beside", Law, AxleToBody, CanShow, Settings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +34,7 @@ class Results:
     diagnoses: Mapping[str, Diagnosed] = field(default_factory=dict)
     rankings: Mapping[str, Ranking] = field(default_factory=dict)
     underway: Mapping[str, Ranking] = field(default_factory=dict)
-    others: Mapping[tuple[type, Made], Law | AxleToBody] = field(default_factory=dict)
+    others: Mapping[tuple[type, Made], Found] = field(default_factory=dict)
 
     def ranking(self, made: Made) -> Ranking | None:
         """The ranking under way, or the last one."""
@@ -51,7 +54,7 @@ class Results:
         found = self.others.get((kind, made))
         return found if isinstance(found, kind) else None
 
-    def heard(self, made: Made, message: Ranking | Concluded | Law | AxleToBody) -> Results:
+    def heard(self, made: Made, message: Ranking | Concluded | Found) -> Results:
         """The worker has found something. Effects are ranked beside the baseline; what comes
         beside the effects accepted is on the way to the verdict."""
         key, _ = made
@@ -59,16 +62,16 @@ class Results:
             case Ranking(beside=()):
                 traces = _traces(self.ranking(made)) | dict(message.traces)
                 return replace(self, underway={key: replace(message, traces=traces)})
-            case Concluded(verdict, findings):
+            case Concluded(verdict, findings, case):
                 ranking = self.underway[key]
-                ended = Diagnosed(verdict, ranking.rows, findings)
+                ended = Diagnosed(verdict, ranking.rows, findings, case)
                 return replace(
                     self,
                     diagnoses={**self.diagnoses, key: ended},
                     rankings={**self.rankings, key: ranking},
                     underway={},
                 )
-            case Law() | AxleToBody():
+            case Law() | AxleToBody() | CanShow() | Settings():
                 return replace(self, others={**self.others, (type(message), made): message})
         return self
 

@@ -13,6 +13,7 @@ from wheelhop.campaign.common import Entry
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.files import InputError, Source, Table, digest, read_toml, to_toml, write_text
+from wheelhop.workbench.compared import Compared, of_table, to_table
 from wheelhop.workbench.shown import Diagnosed, Row, Verdict
 
 FILE = "session.toml"
@@ -31,6 +32,10 @@ class Choice:
     without_channels: tuple[str, ...] = ()
     roles: Mapping[str, str] = field(default_factory=dict)
 
+    def role_of(self, run: Run) -> str:
+        """Whether a run is fitted or held out."""
+        return self.roles.get(run.id, run.role)
+
     def data(self) -> tuple[object, ...]:
         """What the fits are made of: two choices of the same data share their fits."""
         return (
@@ -47,7 +52,7 @@ class Choice:
         left_out = frozenset(self.without_runs)
         kept = [i for i, c in enumerate(campaign.channels) if c.name not in self.without_channels]
         runs = tuple(
-            replace(run, role=self.roles.get(run.id, run.role), record=run.record[:, kept])
+            replace(run, role=self.role_of(run), record=run.record[:, kept])
             for run in campaign.runs
             if run.id not in left_out
         )
@@ -64,7 +69,7 @@ def made_of(campaign: Campaign, choice: Choice, effects_file: Source | None = No
     sensors; effects of one's own. The effects added do not count: a diagnosis adds its own."""
     runs = [
         (
-            *(run.id, choice.roles.get(run.id, run.role), run.speed_m_s, run.course),
+            *(run.id, choice.role_of(run), run.speed_m_s, run.course),
             *(run.track.kind, _contents(run.track.values), _digest(run.file)),
         )
         for run in campaign.runs
@@ -104,10 +109,11 @@ def _digest(file: Path) -> str:
 
 @dataclass(frozen=True)
 class Session:
-    """A choice, and what diagnoses came to, by what each was made of."""
+    """A choice, what diagnoses came to, by what each was made of, and what Compare showed last."""
 
     choice: Choice = field(default_factory=Choice)
     diagnoses: Mapping[str, Diagnosed] = field(default_factory=dict)
+    looked_at: Compared | None = None
 
 
 def read_session(campaign: Campaign) -> Session:
@@ -130,7 +136,8 @@ def read_session(campaign: Campaign) -> Session:
         tuple(name for name in top.texts("without_channels") if name in channels),
         {run: roles.text(run, choices=ROLES) for run in roles.values if run in runs},
     )
-    return Session(choice, _diagnoses(top, campaign, choice))
+    looked_at = of_table(top.table("compared"), campaign) if "compared" in top else None
+    return Session(choice, _diagnoses(top, campaign, choice), looked_at)
 
 
 def first_session(campaign: Campaign) -> Session:
@@ -147,6 +154,18 @@ def unread(folder: Path, runs: Sequence[Entry]) -> frozenset[str]:
         return frozenset(read_toml(folder / FILE).texts("without_runs"))
     except InputError:  # there is none yet, or it is said later what is wrong with it
         return frozenset(_too_many(runs))
+
+
+def unread_words(campaign: Campaign) -> str:
+    """Which recordings were not read, if any."""
+    runs = campaign.runs
+    waiting = sum(not len(run.time_s) for run in runs)
+    if not waiting:
+        return ""
+    return (
+        f"{len(runs)} runs: {len(runs) - waiting} were read, evenly spaced; the other"
+        f" {waiting} are left out, and not read until you take them in"
+    )
 
 
 def _too_many(runs: Sequence[Entry | Run]) -> tuple[str, ...]:
@@ -171,6 +190,8 @@ def write_session(campaign: Campaign, session: Session, written_by: str) -> None
         "without_channels": list(choice.without_channels),
         "role": dict(choice.roles),
     }
+    if session.looked_at is not None:
+        document["compared"] = to_table(session.looked_at)
     document["diagnosis"] = [
         {
             "made_of": key,
@@ -215,6 +236,7 @@ def _verdict(table: Table) -> Verdict:
         tuple(table.texts("explanation")),
         table.text("next_run", default=""),
         tuple(table.texts("limits")),
+        table.text("numbers", default=""),
     )
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Campaign
+from wheelhop.campaign import Campaign, ComponentCampaign, RigRun
 from wheelhop.compare import Record, describe
+from wheelhop.compare.settings import SettingsComparison
 from wheelhop.diagnose import Diagnosis, Limit, Ranked, Step
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.diagnose.search.scored import Scored
@@ -19,12 +21,16 @@ from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.gate import Finding
 from wheelhop.identify import Linearity
 from wheelhop.law import Found
+from wheelhop.predict.detectable import Detectable
 from wheelhop.report import sections
 from wheelhop.report.axle_to_body import axle_to_body
-from wheelhop.report.cases import records_of
+from wheelhop.report.can_show import best_words, seen_from
+from wheelhop.report.cases import cases, records_of
 from wheelhop.report.law import law_figure, law_lines
+from wheelhop.report.loops import FINER, loop_of
+from wheelhop.report.settings import settings_headline, settings_sections
 from wheelhop.report.svg import equation, inline
-from wheelhop.report.words import headline, limit_words, next_run_words
+from wheelhop.report.words import headline, in_numbers, limit_words, next_run_words
 from wheelhop.workbench import shown
 
 Array = NDArray[np.float64]
@@ -87,7 +93,7 @@ def _rung(campaign: Campaign, steps: Sequence[Step], *, drawn: bool) -> shown.Ru
         },
         ratio=grid.ratio,
         noise_rms=comparison.floor.of_channels,
-        signals=_all_signals(step),
+        signals=_all_signals(campaign, step),
         sentences=tuple(describe(comparison.breakdown)),
         html=html,
     )
@@ -106,13 +112,32 @@ def _shape(step: Step) -> shown.Shape | None:
     return shown.Shape(*(float(values[name]) for name in names))
 
 
-def _all_signals(step: Step) -> dict[str, shown.Signals]:
+def _all_signals(campaign: Campaign, step: Step) -> dict[str, shown.Signals]:
     positions = {record.run.id: record.position_m for record in step.comparison.records}
-    records = records_of(step.rung).items()
-    return {run: _signals(record, positions.get(run)) for run, record in records}
+    mass_kg = float(step.rung.model.values.get("component.mass_kg", 0.0))
+    return {
+        run: _signals(record, positions.get(run), _loop(campaign, record, mass_kg))
+        for run, record in records_of(step.rung).items()
+    }
 
 
-def _signals(record: Record, position_m: Array | None) -> shown.Signals:
+def _loop(campaign: Campaign, record: Record, mass_kg: float) -> dict[str, shown.Pair]:
+    """What a component did, as the report's loops show it."""
+    run = record.run
+    if not isinstance(campaign, ComponentCampaign) or not isinstance(run, RigRun):
+        return {}
+    finer = FINER if campaign.drive == "force" else 1
+    measured, modelled = (
+        [part[::finer].astype(np.float32) for part in loop_of(campaign, run, record, one, mass_kg)]
+        for one in (record.measured, record.model)
+    )
+    names = ("displacement", "velocity", "force")
+    return {name: shown.Pair(*of) for name, *of in zip(names, measured, modelled, strict=True)}
+
+
+def _signals(
+    record: Record, position_m: Array | None, loop: Mapping[str, shown.Pair]
+) -> shown.Signals:
     band = record.band
 
     def samples(coefficients: Array) -> shown.Samples:
@@ -125,6 +150,7 @@ def _signals(record: Record, position_m: Array | None) -> shown.Signals:
         samples(band.integrated_twice(record.measured)),
         samples(band.integrated_twice(record.model)),
         None if position_m is None else position_m.astype(np.float32),
+        loop,
     )
 
 
@@ -213,6 +239,18 @@ def verdict(diagnosis: Diagnosis) -> shown.Verdict:
         tuple(line for line in diagnosis.explanation if not line.startswith(COMMAND)),
         "" if following is None else next_run_words(following),
         tuple(_limit(limit) for limit in diagnosis.limits),
+        in_numbers(diagnosis.ladder),
+    )
+
+
+def case(campaign: Campaign, steps: Sequence[Step]) -> shown.Case:
+    """The worst place, as the report shows it."""
+    found = cases(campaign.channels, steps)[0]
+    part = found.shown
+    return shown.Case(
+        *(found.run_id, found.channel, found.unit, found.time_s[part]),
+        *(found.measured[part], found.before[part]),
+        found.after[part] if len(steps) > 1 else None,
     )
 
 
@@ -224,6 +262,21 @@ def _limit(limit: Limit) -> str:
 def between(found: Linearity, campaign: Campaign, steps: Sequence[Step]) -> shown.AxleToBody:
     """The report's section, beside the models of `steps`."""
     return shown.AxleToBody(axle_to_body(found, campaign, steps))
+
+
+def can_show(found: Detectable) -> shown.CanShow:
+    """Of every effect from where on it would be seen, in words."""
+    if found.refused:
+        return shown.CanShow({}, found.refused)
+    limits = zip(found.limits, seen_from(found), strict=True)
+    seen = {limit.effect: words for limit, (_, words) in limits}
+    return shown.CanShow(seen, best_words(found))
+
+
+def settings(found: SettingsComparison) -> shown.Settings:
+    """The report's page of it, as sections."""
+    head = f"<h2>{escape(settings_headline(found))}</h2>"
+    return shown.Settings(head + "".join(settings_sections(found)))
 
 
 def law(found: Found) -> shown.Law:

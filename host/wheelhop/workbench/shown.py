@@ -6,7 +6,7 @@ Nothing here refers to a fit or a model, so that the page's process never loads 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,19 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
+class Pair:
+    """One signal (n,) as measured and as modelled."""
+
+    measured: Samples
+    modelled: Samples
+
+
+@dataclass(frozen=True, eq=False)
 class Signals:
     """One run in band: measured and modelled (n, channels), in the channels' units. Channels the
     model does not predict are zero in both. `measured_m` and `modelled_m` are those of
     accelerations as heights, `position_m` (n,) is the modelled place of the front axle, None where
-    it has none."""
+    it has none. `loop` holds force, displacement and velocity of a component on a rig, SI."""
 
     rate_hz: float
     measured: Samples
@@ -28,6 +36,7 @@ class Signals:
     measured_m: Samples
     modelled_m: Samples
     position_m: Samples | None
+    loop: Mapping[str, Pair] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -137,8 +146,8 @@ class Card:
 @dataclass(frozen=True)
 class Verdict:
     """The end of a diagnosis in words: effects named, confidence (0 to 1), a sentence, its grounds,
-    what to record next ("" if nothing), and from where on these runs would have shown the other
-    effects."""
+    what to record next ("" if nothing), from where on these runs would have shown the other
+    effects, and what those named came to in numbers, with the error they leave."""
 
     effects: tuple[str, ...]
     confidence: float
@@ -146,6 +155,21 @@ class Verdict:
     explanation: tuple[str, ...]
     next_run: str
     limits: tuple[str, ...] = ()
+    numbers: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One channel of one run where the first model fails worst, in band: measured, and as the first
+    and the last model of a diagnosis have it, each (n,); `after` is None where they are one."""
+
+    run: str
+    channel: str
+    unit: str
+    time_s: Array
+    measured: Array
+    before: Array
+    after: Array | None
 
 
 @dataclass(frozen=True)
@@ -165,13 +189,30 @@ class AxleToBody:
 
 
 @dataclass(frozen=True)
+class Settings:
+    """How settings of one vehicle differ: finished sections."""
+
+    html: str
+
+
+@dataclass(frozen=True)
+class CanShow:
+    """What these channels and roads can show, before any diagnosis: of every effect from where on
+    it would be seen, and a sentence on the channel that would add most, or why nothing can be."""
+
+    effects: Mapping[str, str]
+    sentence: str
+
+
+@dataclass(frozen=True)
 class Diagnosed:
-    """What a diagnosis came to: its verdict, the ranking, and what it found that is to be known
-    before one believes it: (severity, sentence with remedy)."""
+    """What a diagnosis came to: its verdict, the ranking, what it found that is to be known before
+    one believes it: (severity, sentence with remedy), and a place to see it (None: not kept)."""
 
     verdict: Verdict
     ranking: tuple[Row, ...]
     findings: tuple[tuple[str, str], ...] = ()
+    case: Case | None = None
 
 
 # What the worker says, in the order in which it may come.
@@ -219,6 +260,7 @@ class Concluded:
 
     verdict: Verdict
     findings: tuple[tuple[str, str], ...]
+    case: Case | None = None
 
 
 @dataclass(frozen=True)
@@ -245,6 +287,8 @@ Message = (
     | Concluded
     | Law
     | AxleToBody
+    | CanShow
+    | Settings
     | Refused
     | Done
 )

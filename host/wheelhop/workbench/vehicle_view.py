@@ -11,7 +11,7 @@ import numpy as np
 from nicegui import run, ui
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign
+from wheelhop.campaign import Campaign, CampaignError
 from wheelhop.files.words import interval, label_of, unit_of
 from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
@@ -30,7 +30,6 @@ SLIDERS = {
 SPEED_KMPH = (3, 60, 15)  # least, most, first
 FREQUENCY_HZ = np.geomspace(0.3, 30.0, 240)
 HELD = 0.5  # of what the belief leaves open: a number known so much better is held by the data
-NO_RIDE = "A component on a rig has no ride; its numbers stand under “The model”."
 WORDS = (
     "<p class='soft'>The sliders scale the numbers as they are fitted, or believed while"
     " nothing is. The linear vehicle, effects left out. Above: height of the body over height of"
@@ -48,9 +47,6 @@ class VehicleView:
         self._nominal: dict[str, float] = {}
         self._believed: dict[str, float] = {}
         self._sliders: dict[str, Any] = {}
-        if isinstance(desk.campaign, ComponentCampaign):
-            ui.label(NO_RIDE)
-            return
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
                 html(drawing())
@@ -67,8 +63,6 @@ class VehicleView:
 
     def show(self) -> None:
         """Bring it up to date."""
-        if not self._sliders:
-            return
         rung = self._desk.rungs[-1] if self._desk.rungs else None
         if self._seen is None or rung is not self._seen:
             first, self._seen = self._seen is None, rung or self
@@ -161,7 +155,8 @@ def table(
         "<th title='the fit knows it better than half its nominal uncertainty: data'>held by</th>"
         "<th>unit</th>"
     )
-    return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    head = f"<thead><tr>{heads}</tr></thead>"
+    return f'<div class="scroll" tabindex="0"><table>{head}<tbody>{rows}</tbody></table></div>'
 
 
 def _fitted(number: Number | None) -> str:

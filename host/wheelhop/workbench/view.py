@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html import escape
 from typing import Protocol
 
@@ -35,11 +35,12 @@ def verbatim(text: str) -> str:
 
 @dataclass
 class Looking:
-    """What one tab of the browser looks at: what is compared, and an effect; `go` turns to another
-    view."""
+    """What one tab of the browser looks at: what is compared (None: nothing was chosen here), and
+    an effect; `go` turns to another view, `moved` has the address tell where one is."""
 
     go: Callable[[str], None]
-    compared: Compared = field(default_factory=Compared)
+    moved: Callable[[], None]
+    compared: Compared | None = None
     effect: str = ""
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from wheelhop.api import ComparisonResult
 from wheelhop.campaign import Campaign, read_campaign
+from wheelhop.compare.settings import compare_settings
 from wheelhop.diagnose import Baseline, Diagnosis, Step, fit_baseline
 from wheelhop.diagnose.search.ladder import diagnose_from, one_more
 from wheelhop.diagnose.search.look import step_of
@@ -22,6 +23,7 @@ from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import Linearity, linearity
 from wheelhop.law import find_law
+from wheelhop.predict.detectable import detectable
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
@@ -84,14 +86,21 @@ class Worker:
         """Do what the order says; a mistake in the input is said, not raised, and so is a fault of
         the program or of the user's effects."""
         try:
+            if order.wish == "settings":
+                self._compare_settings(order)
+                self._say(Done())
+                return
             work = self._prepared(order)
             self._climb(work, order.choice.added)
-            if order.diagnose:
-                self._diagnose(work)
-            if order.law:
-                self._find_law(work, order.choice.added)
-            if order.axles:
-                self._identify(work, order.choice.added)
+            match order.wish:
+                case "diagnose":
+                    self._diagnose(work)
+                case "law":
+                    self._find_law(work, order.choice.added)
+                case "axles":
+                    self._identify(work, order.choice.added)
+                case "foresee":
+                    self._foresee(work)
             self._say(Done(self._written(work, order)))
         except InputError as error:
             self._say(Refused(str(error)))
@@ -105,9 +114,15 @@ class Worker:
             self._fitting = self._following = None
             self._searching = self._enough = False
 
+    def _compare_settings(self, order: Order) -> None:
+        """Of the recordings alone, with no model."""
+        campaign = read_campaign(order.folder, set(order.choice.without_runs), self._progress)
+        found = compare_settings(order.choice.applied(campaign))
+        self._say(show.settings(found))
+
     def _prepared(self, order: Order) -> Work:
         self._data = _data_of(order)
-        self._fitting = None if order.axles or order.write else ()
+        self._fitting = None if order.wish in ("axles", "foresee") or order.write else ()
         if self._work is None or self._data != self._key:
             self._work = self._begun(order)
             self._key = self._data
@@ -122,10 +137,10 @@ class Worker:
         gated = gate(campaign, vehicle)
         self._say(Findings(show.findings(gated.findings)))
         library = {**load_effects(order.effects_file), **beliefs(gated.campaign, vehicle)}
+        self._say(show.library(library))
         base = fit_baseline(gated.campaign, vehicle, progress=self._progress, watch=self._watch)
         work = Work(campaign, vehicle, gated, library, base)
         work.steps[()] = step_of(base.workshop, base.rung)
-        self._say(show.library(library))
         return work
 
     def _climb(self, work: Work, added: Sequence[str]) -> None:
@@ -161,7 +176,8 @@ class Worker:
             work.steps[step.added] = step
         self._say(show.final_ranking(base.workshop, work.diagnosis))
         found = show.findings(work.diagnosis.findings)
-        self._say(Concluded(show.verdict(work.diagnosis), found))
+        case = show.case(work.gated.campaign, work.diagnosis.ladder)
+        self._say(Concluded(show.verdict(work.diagnosis), found, case))
 
     def _find_law(self, work: Work, added: Sequence[str]) -> None:
         accepted, effects = [work.library[name] for name in added], list(work.library.values())
@@ -174,6 +190,11 @@ class Worker:
         if work.linearity is None:
             work.linearity = linearity(campaign, work.vehicle)
         self._say(show.between(work.linearity, campaign, work.ladder(added)))
+
+    def _foresee(self, work: Work) -> None:
+        campaign, library = work.gated.campaign, work.library.values()
+        found = detectable(campaign, work.vehicle, library, progress=self._progress)
+        self._say(show.can_show(found))
 
     def _written(self, work: Work, order: Order) -> str:
         """Write what is asked for; the line that says so."""
