@@ -58,14 +58,19 @@ class Predicted:
         power = 2 * np.sum(self.doubt**2, axis=0)
         return np.asarray(np.sqrt(power / np.sum(np.abs(self.measured) ** 2, axis=0)))
 
+    @property
+    def rate_hz(self) -> float:
+        """Samples per second."""
+        return self._band.rate_hz
+
     def density(self, spectrum: ComplexArray) -> Array:
         """Power density, (m/s²)²/Hz, of a spectrum of this run."""
-        return np.asarray(np.abs(spectrum) ** 2 / self._band.rate_hz)
+        return np.asarray(np.abs(spectrum) ** 2 / self.rate_hz)
 
     @property
     def time_s(self) -> Array:
         """Times (samples,) of the signals, 0 at the record's first sample."""
-        return np.arange(self.samples) / self._band.rate_hz
+        return np.arange(self.samples) / self.rate_hz
 
     def signal(self, spectrum: ComplexArray) -> Array:
         """A spectrum of this run (k, n) as signals (samples, n) in band, m/s²."""

@@ -17,9 +17,9 @@ from wheelhop.campaign import Campaign
 from wheelhop.files.words import percent, significant
 from wheelhop.identify import Candidate, Predicted
 from wheelhop.report.axle_to_body import matrix_figure
-from wheelhop.report.cases import WINDOW_S
 from wheelhop.report.figures import AFTER, BEFORE, MEASURED, WIDTH, log_axis
 from wheelhop.report.page import bullets, figure, paragraph, section, table, title, write_page
+from wheelhop.report.stretch import worst_stretch
 from wheelhop.report.svg import STYLE, Drawing, inline
 from wheelhop.simulate import Model
 
@@ -127,10 +127,9 @@ def draw_times(panels: Sequence[Axes], run: Predicted) -> None:
     """The same against time, where most is left."""
     measured, modelled = run.signal(run.measured), run.signal(run.predicted)
     time_s = run.time_s
-    length = min(int(np.searchsorted(time_s, WINDOW_S)), len(time_s))
-    left = np.cumsum(np.sum((measured - modelled) ** 2, axis=1))
-    begin = int(np.argmax(left[length - 1 :] - np.r_[0.0, left[: len(left) - length]]))
-    part = slice(begin, begin + length)
+    left = measured - modelled
+    loudest = measured[:, np.argmax(np.sum(measured**2, axis=0))]
+    part = worst_stretch(loudest, np.linalg.norm(left, axis=1), run.rate_hz)
     for i, axes in enumerate(panels):
         axes.plot(time_s[part], measured[part, i], color=MEASURED, linewidth=2.2)
         axes.plot(time_s[part], modelled[part, i], color=AFTER, linewidth=0.9)
