@@ -11,22 +11,22 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PORTIONS = [ROOT / name / "wheelhop" for name in ("host", "calibration", "hil_sim")]
-# A room may import itself and the rooms before it.
-ROOMS = (
+# A package may import itself and the packages before it.
+PACKAGES = (
     *("files", "logger", "formats", "calibration", "campaign", "track"),
     *("material", "frame", "vehicle", "effects", "simulate", "compare", "gate", "fit", "identify"),
     *("diagnose", "law", "hil_sim", "predict", "tune", "export"),
     *("report", "api", "workbench", "cli"),
 )
-DOOR = ROOT / "host/wheelhop/__init__.py"  # opens rooms when they are asked for
-# A method of a room that a guest calls may hand over to a room downstream, when it is called.
+DOOR = ROOT / "host/wheelhop/__init__.py"  # loads packages when they are asked for
+# A method that users call may hand over to a later package, when it is called.
 HANDS_OVER = {("logger/recording.py", "formats")}
 LONGEST_FILE = 400  # lines
 WRITES = {"savefig", "savemat", "savetxt", "write_text", "write_bytes", "write_table", "to_parquet"}
 # What does not write into the draft that `files.replacing` gives, and why nothing is lost by it.
 OWN_WAY = {
     "files": "here it is done",
-    "hil_sim": "the card of a logger that is none",
+    "hil_sim": "the card of an emulated logger",
     "campaign/write.py": "is handed the draft",
     "formats/own_csv.py": "is handed the draft",
     "formats/parquet.py": "is handed the draft",
@@ -42,7 +42,7 @@ READS = {"read_bytes", "read_text", "read_table", "read_schema", "ParquetFile", 
 # What does not read by `files.read_text` and the like, and why it is plain and fits all the same.
 READ_OWN_WAY = {
     "files": "here it is done",
-    "hil_sim": "the files of a logger that is none",
+    "hil_sim": "the files of an emulated logger",
     "campaign/proving_ground.py": "of the package",
     "campaign/recordings.py": "weighed and refused just before",
     "formats/bags.py": "the registry refuses, and it is weighed before",
@@ -83,8 +83,8 @@ def texts() -> Iterator[Path]:
             yield path
 
 
-def imported_rooms(path: Path) -> Iterator[tuple[int, str]]:
-    """Line and room of every import of wheelhop in a module, wherever it stands."""
+def imported_packages(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and package of every import of wheelhop in a module, wherever it stands."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         names = []
         if isinstance(node, ast.Import):
@@ -97,27 +97,27 @@ def imported_rooms(path: Path) -> Iterator[tuple[int, str]]:
         for name in names:
             if name.startswith("wheelhop."):
                 yield node.lineno, name.split(".")[1]
-            assert name != "wheelhop", f"{path}:{node.lineno}: import the room itself"
+            assert name != "wheelhop", f"{path}:{node.lineno}: import the package itself"
 
 
 @pytest.mark.parametrize(
     "path", [m for m in MODULES if m != DOOR], ids=lambda path: str(path.relative_to(ROOT))
 )
 def test_imports_only_go_upstream(path):
-    room = next(path.relative_to(p).parts[0] for p in PORTIONS if path.is_relative_to(p))
-    assert room in ROOMS, f"{room} has no place in the order of the rooms"
-    for line, other in imported_rooms(path):
+    package = next(path.relative_to(p).parts[0] for p in PORTIONS if path.is_relative_to(p))
+    assert package in PACKAGES, f"{package} has no place in the order of the packages"
+    for line, other in imported_packages(path):
         if ("/".join(path.parts[-2:]), other) in HANDS_OVER:
             continue
-        assert other in ROOMS and ROOMS.index(other) <= ROOMS.index(room), (
-            f"{path.relative_to(ROOT)}:{line}: {room} must not import {other}"
+        assert other in PACKAGES and PACKAGES.index(other) <= PACKAGES.index(package), (
+            f"{path.relative_to(ROOT)}:{line}: {package} must not import {other}"
         )
 
 
 def test_the_portions_form_one_package_with_one_door():
     assert [path for p in PORTIONS if (path := p / "__init__.py").exists()] == [DOOR]
-    rooms = {path.parent for path in MODULES}
-    assert [room for room in rooms if not (room / "__init__.py").exists()] == []
+    packages = {path.parent for path in MODULES}
+    assert [package for package in packages if not (package / "__init__.py").exists()] == []
 
 
 def writes(path: Path) -> Iterator[str]:
@@ -190,21 +190,21 @@ def test_nothing_is_left_half_done_and_no_path_belongs_to_one_machine():
     assert found == []
 
 
-def test_rooms_that_compute_do_not_load_the_plotting():
+def test_packages_that_compute_do_not_load_the_plotting():
     """In one interpreter: what one of them loads stays loaded for the next."""
     code = (
         "import sys\nfrom importlib import import_module\n"
-        "for room in 'campaign', 'frame', 'vehicle', 'track', 'simulate', 'compare':\n"
-        "    import_module(f'wheelhop.{room}')\n"
-        "    assert 'matplotlib' not in sys.modules, room"
+        "for package in 'campaign', 'frame', 'vehicle', 'track', 'simulate', 'compare':\n"
+        "    import_module(f'wheelhop.{package}')\n"
+        "    assert 'matplotlib' not in sys.modules, package"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
-def test_the_plan_of_the_house_names_every_room_in_order():
+def test_the_architecture_page_names_every_package_in_order():
     plan = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    assert tuple(re.findall(r"^\| `(\w+)` \|", plan, re.M)) == ROOMS
+    assert tuple(re.findall(r"^\| `(\w+)` \|", plan, re.M)) == PACKAGES
 
 
 def test_the_plan_of_a_diagnosis_names_every_file_of_it():

@@ -1,4 +1,4 @@
-"""One comparison and one diagnosis of a small part of an example, for all tests of this room."""
+"""One comparison and one diagnosis of a small part of an example, for all tests of this package."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Small campaigns made of formulas: what the compare room sees, with nothing simulated."""
+"""Small campaigns made of formulas: what `wheelhop.compare` sees, with nothing simulated."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -222,7 +222,7 @@ def _read_parquet(file: Path) -> tuple[list[str], NDArray[np.float64], dict[str,
 def _read_recording(
     file: Path, constants: Path | None
 ) -> tuple[list[str], NDArray[np.float64], dict[str, str]]:
-    from wheelhop.campaign.recorded import read_recording  # csv files do without these rooms
+    from wheelhop.campaign.recorded import read_recording  # csv files do without these packages
 
     recording = read_recording(file, constants)
     if any(channel.unit == CODE for channel in recording.channels):

@@ -1,1 +1,1 @@
-"""The command line: thin; it parses, calls the rooms and prints."""
+"""The command line: thin; it parses, calls the other packages and prints."""

@@ -29,7 +29,7 @@ PART_SCANS = 4_000_000
 
 
 def run(arguments: Namespace) -> int:
-    """Decode one log after the other, and say what was done; raises what the rooms raise."""
+    """Decode one log after the other, and say what was done; raises what decoding raises."""
     constants = read_constants(arguments.calibration) if arguments.calibration else None
     like = read_log(arguments.header_from) if arguments.header_from else None
     targets = [_target(arguments, file) for file in arguments.files]

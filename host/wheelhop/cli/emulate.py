@@ -1,4 +1,4 @@
-"""`wheelhop emulate`: a logger that is none, for trying out a day in the field."""
+"""`wheelhop emulate`: an emulated logger, for trying out a day in the field."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """`wheelhop`: which command is meant, and the one place where a user's mistake becomes one line.
 
-Each command is a module of this room with `run(arguments) -> exit status`. It is imported only
+Each command is a module of this package with `run(arguments) -> exit status`. It is imported only
 when it is called, so that `wheelhop --help` answers at once.
 """
 
@@ -147,7 +147,7 @@ def imported(module: str) -> Any:
 
 
 def module_of(command: str) -> str:
-    """The module of this room that a command is; `import` cannot be the name of one."""
+    """The module of this package that a command is; `import` cannot be the name of one."""
     from keyword import iskeyword
 
     name = command.replace("-", "_")

@@ -16,7 +16,7 @@ BUDGET_S = 60.0
 
 
 def make_parser() -> argparse.ArgumentParser:
-    """What `wheelhop` understands; makes it without loading any room."""
+    """What `wheelhop` understands; makes it without loading any other package."""
     parser = OneLineParser(
         prog="wheelhop",
         description="Find out which physics a suspension model is missing.",
@@ -49,7 +49,7 @@ def make_parser() -> argparse.ArgumentParser:
         "--old-bootloader", action="store_true", help="for Nanos of before 2018 (57600 baud)"
     )
     _make_recording(commands)
-    emulate = commands.add_parser("emulate", help="a logger that is none, to try things out with")
+    emulate = commands.add_parser("emulate", help="an emulated logger, to try things out with")
     emulate.add_argument(
         "--card", metavar="FOLDER", type=Path, help="what is its card (default: gone at the end)"
     )

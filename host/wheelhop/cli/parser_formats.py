@@ -7,7 +7,7 @@ from typing import Any
 
 
 def add_formats(commands: Any) -> None:
-    """Add the commands; makes them without loading any room."""
+    """Add the commands; makes them without loading any other package."""
     convert = commands.add_parser("convert", help="write a recording in another format")
     convert.add_argument("source", metavar="FILE", type=Path, help="the recording")
     convert.add_argument(

@@ -5,7 +5,7 @@ from typing import Any
 
 
 def add_modes(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without loading any other package."""
     modes = commands.add_parser(
         "modes", help="vehicles' modes, their energy, what moves them, and transmissibility"
     )

@@ -10,7 +10,7 @@ from wheelhop.workbench.questions import QUESTIONS, Question
 
 
 def add_new(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without loading any other package."""
     new = commands.add_parser(
         "new", help="begin a vehicle.toml: asks what you know, estimates the rest"
     )

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def add_bushing(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without loading any other package."""
     command = commands.add_parser("bushing", help="find the complex modulus of bushings")
     actions = command.add_subparsers(dest="action", metavar="ACTION", required=True)
     fit = actions.add_parser("fit", help="fit models to what a rig has measured")
@@ -49,7 +49,7 @@ def add_frame(commands: Any) -> None:
 
 
 def add_rates(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without loading any other package."""
     rates = commands.add_parser("rates", help="from strut, damper and linkage to the wheel's rates")
     rates.add_argument(
         "strut", metavar="STRUT.csv", type=Path, help="displacement_mm, force_N from the rig"

@@ -5,7 +5,7 @@ from typing import Any
 
 
 def add_plan(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without loading any other package."""
     plan = commands.add_parser(
         "plan", help="choose the runs that would tell most, before anyone has driven"
     )

@@ -20,7 +20,7 @@ def add_prediction(commands: Any) -> None:
 
 
 def add_simulate(commands: Any) -> None:
-    """Add the command; makes it without loading any room."""
+    """Add the command; makes it without loading any other package."""
     simulate = commands.add_parser(
         "simulate", help="drive a vehicle over tracks: a campaign, a recording, or a sweep"
     )

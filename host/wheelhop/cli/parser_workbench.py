@@ -5,7 +5,7 @@ from typing import Any
 
 
 def add_workbench(commands: Any) -> Any:
-    """Add the command and return it; makes it without loading any room."""
+    """Add the command and return it; makes it without loading any other package."""
     workbench = commands.add_parser("workbench", help="see, ask and add in the browser")
     workbench.add_argument(
         "campaign", metavar="CAMPAIGN", nargs="?", type=Path, help="the folder (default: ask)"
@@ -20,7 +20,7 @@ def add_workbench(commands: Any) -> Any:
         help="who may reach it (default: this computer alone)",
     )
     workbench.add_argument(
-        "--emulated", action="store_true", help="with a logger that is none, to record from"
+        "--emulated", action="store_true", help="with an emulated logger to record from"
     )
     workbench.add_argument("--no-browser", action="store_true", help="only print the address")
     return workbench

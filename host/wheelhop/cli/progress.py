@@ -21,12 +21,12 @@ COMPILED = (("wheelhop.simulate", "integrator"), ("wheelhop.effects", "dry_frict
 def announce_compilation() -> None:
     """Say that the first run takes longer, if this is the first run.
 
-    It looks at files alone: importing the rooms would already compile.
+    It looks at files alone: importing the packages would already compile.
     """
     if "NUMBA_CACHE_DIR" in os.environ:
         return
-    for room, module in COMPILED:
-        spec = find_spec(room)
+    for package, module in COMPILED:
+        spec = find_spec(package)
         if spec is None or not spec.submodule_search_locations:
             continue
         folder = Path(spec.submodule_search_locations[0])

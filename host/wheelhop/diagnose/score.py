@@ -196,26 +196,25 @@ def holds_against(base: Rung, rival: Rung, odds: float, tried: int, noise: float
 
 
 def power(rung: Rung) -> float:
-    """What a rung leaves of a datum of the runs that judge, squared and charged."""
+    """Mean square residual per datum of the judging runs, charged for the numbers free there."""
     return rung.judging.charged / rung.judging.size
 
 
 def of_a_law(dropped: float, by_laws: float) -> bool:
-    """Whether one more law of the struts takes no more out of the `power` left than the first may
-    leave of the power that it explains itself, having the right name and another form. What that
-    leaves is a function of the struts' motion, too, and another law takes most of it."""
+    """Whether a second law of the struts `dropped` no more residual power than the first law, under
+    its right name but in another form, may leave of the power that it explains (`by_laws`). That
+    residual is a function of the struts' motion, so any second law takes most of it."""
     return dropped < (FEW_LAWS * LAW) ** 2 * by_laws
 
 
 def material(rung: Rung) -> float:
-    """The least drop from what a rung leaves that could be physics, in units of what noise alone
-    leaves."""
+    """Least drop of residual power that could be physics, in units of the noise's power."""
     return MATERIAL + rung.inexact
 
 
 def noticeable(rung: Rung, noise: float) -> bool:
-    """Whether what a rung leaves could hold anything material: more than chance makes of noise in
-    one campaign of fifty."""
+    """Whether the residual could hold anything material: more than noise leaves by chance in one
+    campaign of fifty."""
     by_chance = 2.0 * float(np.sqrt(2.0 / rung.judging.size))
     return excess(rung, noise) > material(rung) + by_chance
 
@@ -252,8 +251,8 @@ def relative_to_noise(base: Rung, rival: Rung, noise: float) -> float:
 
 
 def typical(rung: Rung, noise: float = 1.0) -> float:
-    """What the typical block of the runs that judge is left with, charged, in units of what noise
-    alone leaves there: a geometric mean, in which loud and quiet runs are heard alike."""
+    """Geometric mean over half-second blocks of the judging runs' residual power, charged for the
+    numbers free in each run, in units of the noise's power. Loud and quiet runs count alike."""
     if runs_away(rung):
         return np.inf
     each = [
@@ -264,12 +263,12 @@ def typical(rung: Rung, noise: float = 1.0) -> float:
 
 
 def excess(rung: Rung, noise: float) -> float:
-    """What is left of the runs that judge above the noise, in units of what noise alone leaves."""
+    """Residual power of the judging runs above the noise, in units of the noise's power."""
     return above_noise(rung.judging, noise)
 
 
 def above_noise(fit: Fit, noise: float) -> float:
-    """The same of the runs of a fit."""
+    """Residual power of a fit's runs above the noise, in units of the noise's power."""
     return fit.charged / (fit.size * noise**2) - 1.0 if noise > 0 else np.inf
 
 
@@ -281,20 +280,19 @@ def fall(base: Rung, rung: Rung) -> float:
 
 
 def nearly_all(base: Rung, rung: Rung, noise: float) -> bool:
-    """Whether a rung explains nearly all that a base leaves above the noise; not if that is not
-    known."""
+    """Whether a rung explains at least nine tenths of the base's power above the noise. False where
+    the noise is not known."""
     return noise > 0.0 and excess(rung, noise) <= (1.0 - NEARLY_ALL) * excess(base, noise)
 
 
 def worth_seeking(fit: Fit) -> float:
-    """What has to be taken of a fit's cost to be worth a search of its own: a tenth of what is left
-    above the noise. What takes less leaves that as unexplained as it is."""
+    """Least drop in cost that justifies a search: 10 % of the cost above the noise."""
     return (1.0 - NEARLY_ALL) * (fit.cost - fit.size)
 
 
 def lead(rung: Rung, rival: Rung) -> float:
-    """By how much more the rival leaves of the runs fitted and held out, in units of what `rung`
-    leaves of those it was fitted to, coefficient by coefficient.
+    """Squared residual of the rival minus that of `rung`, over all runs fitted and held out, per
+    coefficient and per mean square residual of `rung` on the fitted runs.
 
     Evidence grows with the number of data even where two models differ by less than either is
     exact; this does not.
@@ -305,7 +303,7 @@ def lead(rung: Rung, rival: Rung) -> float:
 
 
 def _left(rung: Rung) -> float:
-    """What a model leaves of the runs fitted and held out."""
+    """Sum of squared residuals of the runs fitted and held out."""
     return sum(left(run) for run in (*rung.fit.runs, *rung.judging.runs))
 
 

@@ -5,7 +5,7 @@ LONGEST = 2000  # characters that a terminal shows without losing the beginning
 
 class InputError(ValueError):
     """A mistake of the user, or trouble in the world; ``str(error)`` is the one line that says
-    where, what, and what to do. Each room has its own kind."""
+    where, what, and what to do. Each package has its own kind."""
 
     def __init__(self, line: str) -> None:
         # What is quoted from a tool or a file may hold line ends or terminal codes.

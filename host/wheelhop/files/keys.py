@@ -70,7 +70,7 @@ class Table:
     """One table of a TOML file. Asking for a value checks it; `only` rejects the unknown keys.
 
     `heading` is how the user finds the table ("[suspension.front]"), `prefix` what precedes the
-    keys as the user writes them there ("track."), `kind` the room's own error.
+    keys as the user writes them there ("track."), `kind` the package's own error.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""The logger's own files, as the room `logger` decodes them."""
+"""The logger's own files, as `wheelhop.logger` decodes them."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Formats by the suffix of a file, and `read`, `write` and `losses` for all of them.
 
-A format is a module of this room with `load(path, mapping) -> list of Table` and, if it can be
+A format is a module of this package with `load(path, mapping) -> list of Table` and, if it can be
 written, `save(recording, path)` and `losses(recording)`; it is imported when it is first needed.
 """
 

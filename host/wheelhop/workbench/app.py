@@ -54,8 +54,8 @@ def make_app(bench: Workbench, far: bool) -> FastAPI:
     def own(name: str) -> Response:
         if name not in OWN_FILES:
             raise HTTPException(404, "there is no such file")
-        room, kind = OWN_FILES[name]
-        return Response((files(room) / name).read_bytes(), media_type=kind)
+        package, kind = OWN_FILES[name]
+        return Response((files(package) / name).read_bytes(), media_type=kind)
 
     @app.get(REPORT_ADDRESS)
     def report() -> FileResponse:

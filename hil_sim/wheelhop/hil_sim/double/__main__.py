@@ -1,4 +1,4 @@
-"""`python -m wheelhop.hil_sim.double`: a logger that is none, on a pseudo-terminal or on TCP."""
+"""`python -m wheelhop.hil_sim.double`: an emulated logger, on a pseudo-terminal or on TCP."""
 
 import argparse
 import sys

@@ -49,7 +49,7 @@ SEEN = 0.25
 
 
 def least_gain(workshop: Workshop, rung: Rung) -> float:
-    """What screening must expect at least of an effect that could be material."""
+    """Least drop in cost by screening of an effect that could be material."""
     return SEEN * material(rung) * rung.fit.size
 
 
@@ -142,9 +142,9 @@ def fitted_from(workshop: Workshop, start: Start, bar: float) -> Fit:
 
 
 def confirm_strong(incumbent: Incumbent, start: Start, beside: Sequence[Rung]) -> Rung:
-    """The rung that a fit from a strong effect ends at, all derivatives following the model: those
-    of the vehicle without know nothing of it. It ends early where it has no hope to come as far as
-    the incumbent and the models `beside` it."""
+    """The rung that a fit from a strong effect ends at, with its own derivatives: those of the
+    vehicle without the effect do not show it. Ends early where it has no hope to reach the
+    incumbent or the models `beside` it."""
     found = fitted_from(incumbent.workshop, start, least_cost([incumbent.rung, *beside]))
     return validate(incumbent.workshop, found, before=start.model)
 
@@ -163,8 +163,8 @@ def refit(workshop: Workshop, rung: Rung, bar: float = -inf) -> Rung:
 
 
 def off_the_plateau(workshop: Workshop, found: Fit) -> Fit:
-    """A fit that goes on where the shapes of its last effect are believed to be, if that costs
-    less."""
+    """The fit, or a cheaper one begun with the shapes of its last effect at their prior means: no
+    derivative leads off a plateau, such as a stop that is never reached."""
     best, benches = found, workshop.of_role("fit")
     for model in shapes_as_believed(found):
         trial = fit(workshop, model, found.shared, benches, found, bar=found.cost)
@@ -182,8 +182,8 @@ def least_cost(rivals: Sequence[Rung]) -> float:
 
 
 def without(workshop: Workshop, rung: Rung, effect_id: str, *, quick: bool = False) -> Rung:
-    """The rung's model with one effect taken out, fitted again; `quick`: with the rung's own
-    derivatives, which shows what it is missed for."""
+    """The rung's model without one effect, fitted again; `quick`: with the rung's derivatives,
+    which is enough to see how much the effect explains."""
     shared = [f for f in rung.fit.shared if not f.name.startswith(f"{effect_id}.")]
     model, known = rung.model.without_effect(effect_id), rung.fit if quick else None
     return validate(workshop, fit(workshop, model, shared, workshop.of_role("fit"), known))

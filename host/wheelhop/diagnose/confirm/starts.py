@@ -107,9 +107,9 @@ def _screened(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[
 
 
 def saturated(workshop: Workshop, base: Rung, screened: Screened) -> Iterator[Start]:
-    """At the least strength, found by doubling, of which twice as much does the same (a gap that is
-    never used up), in the form that fits best, what is believed of its shapes included; nowhere if
-    none does."""
+    """Start at the smallest amplitude beyond which doubling changes nothing (for example a gap that
+    is never crossed), in the form that fits best, its shapes' priors included. Yields nothing where
+    doubling always changes something."""
     shares = [2.0**k for k in range(DOUBLINGS + 1)]
     found: list[tuple[float, Model]] = []
     fitted = workshop.of_role("fit")

@@ -29,7 +29,8 @@ SLOWER = "Drive it slower: wheels that bounce from wave to wave move in several 
 
 
 def begun_otherwise(workshop: Workshop, rung: Rung, run: RunFit) -> float:
-    """By how much the model's motion in a run depends on when it began, over what was measured."""
+    """How much the modelled motion of a run depends on when it began, relative to the measured
+    motion."""
     model, bench = rung.model, run.bench
     systems = workshop.systems(model)
     first = bench.modelled(model, systems)
@@ -40,7 +41,7 @@ def begun_otherwise(workshop: Workshop, rung: Rung, run: RunFit) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Widened:
-    """Power by which a rung may be wrong, and so much more."""
+    """The simulation error of a rung, as power, plus `more`."""
 
     rung: Rung
     more: float
@@ -51,7 +52,8 @@ class Widened:
 
 
 def never_forgotten(workshop: Workshop, rung: Rung) -> list[Finding]:
-    """The runs of which more is left than laws differ by, and whose beginning decides as much."""
+    """Findings for runs whose residual exceeds what a law of the right name may leave, and whose
+    modelled motion depends by as much on how they began."""
     runs = [*rung.fit.runs, *(() if rung.validation is None else rung.validation.runs)]
     poor = [run for run in runs if LAW**2 * run.bench.energy < run.rss < np.inf]
     shares = workshop.each(lambda run: begun_otherwise(workshop, rung, run), poor)
@@ -60,8 +62,8 @@ def never_forgotten(workshop: Workshop, rung: Rung) -> list[Finding]:
 
 
 def beginning_allowed_for(workshop: Workshop, rung: Rung) -> Rung:
-    """The rung, as inexact as the open beginning of the runs that judge makes it, if it explains
-    the runs fitted and those that judge less well: what is still wrong forgets otherwise."""
+    """Widen the rung's simulation error by the spread over unknown initial states, where it
+    explains the fitted runs and not the held-out ones."""
     if not unforeseen(rung, workshop.noise):
         return rung
     judging = rung.judging
@@ -73,14 +75,14 @@ def beginning_allowed_for(workshop: Workshop, rung: Rung) -> Rung:
 
 
 def remaining(campaign: Campaign, bounced: Collection[Finding]) -> tuple[Run, ...]:
-    """The other runs, if one of them can be fitted; else none."""
+    """The runs without findings; none if no run to fit is among them."""
     names = {finding.about for finding in bounced}
     runs = tuple(run for run in campaign.runs if run.id not in names)
     return runs if any(run.role == "fit" for run in runs) else ()
 
 
 def without_runs(gated: Gated, bounced: Collection[Finding]) -> Gated:
-    """What the gate let through without these runs, and that they were left out."""
+    """The gated campaign without these runs, and findings that say so."""
     left_out = (replace(finding, remedy=f"It is left out. {SLOWER}") for finding in bounced)
     campaign = replace(gated.campaign, runs=remaining(gated.campaign, bounced))
     return replace(gated, campaign=campaign, findings=(*gated.findings, *left_out))

@@ -112,9 +112,11 @@ def diagnose_gated(
     jobs: int | None = None,
     progress: Progress = lambda text: None,
 ) -> tuple[Gated, Diagnosis, Baseline]:
-    """The same of what the gate let through; what of that was diagnosed, and its fitted baseline:
-    runs that do not forget how they began are left out as soon as a model says so, and all begins
-    anew."""
+    """Diagnose a gated campaign. Runs whose motion depends on how they began are left out as soon
+    as a model shows it, and the diagnosis starts again.
+
+    Returns the campaign that was diagnosed, the diagnosis, and the fitted baseline.
+    """
     base = fit_baseline(gated.campaign, vehicle, jobs=jobs, progress=progress)
     found = diagnose_from(
         gated,
@@ -154,12 +156,11 @@ def diagnose_from(
     progress: Progress = lambda text: None,
     watch: Watch = lambda scored: None,
 ) -> Diagnosis:
-    """The same from what the gate let through and a baseline that was fitted to it.
+    """Diagnose a gated campaign from its fitted baseline.
 
-    ``watch`` is called with every look at a residual as it stands, whenever it knows more: after
-    screening, and after each effect that was simulated in full. Beyond `budget_s` of work in the
-    base's workshop, or interrupted, the search ends with the verdict so far; `progress` and `watch`
-    may raise OutOfBudget to that end.
+    ``watch`` is called with the state of the search after screening and after each effect that was
+    simulated in full. The search ends with the verdict so far where it has used `budget_s` of work
+    or is interrupted; `progress` and `watch` may raise OutOfBudget to end it, too.
     """
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
     diagnosis = climb(
@@ -230,7 +231,8 @@ def climb(
 
 
 def _looked_on(search: Search, steps: Sequence[Step]) -> bool:
-    """Look at what a new rung leaves; False where all is better begun anew without some runs."""
+    """Examine the residual of a new rung. False where some runs should be left out and the
+    diagnosis started again."""
     workshop, rung = search.workshop, steps[-1].rung
     bounced = never_forgotten(workshop, rung)
     if bounced and remaining(workshop.campaign, bounced):
@@ -240,7 +242,7 @@ def _looked_on(search: Search, steps: Sequence[Step]) -> bool:
         stood_on_alone(search, rung)
     known = search.table.get(ids_of(rung))
     if known is not None and known.looked:
-        # It came back, no better: another look would lead to what was just found idle.
+        # The same set of effects, fitted no better: searching from it again would cycle.
         search.table[ids_of(rung)] = replace(known, rung=rung, chosen=None, together=())
     else:
         look_at(search, steps[-1])
@@ -248,14 +250,14 @@ def _looked_on(search: Search, steps: Sequence[Step]) -> bool:
 
 
 def _least(search: Search, steps: Sequence[Step]) -> float:
-    """How far the error must fall with a further rung."""
+    """The least fall of the error, as `fall`, that justifies a further rung."""
     if search.to_the_end or len(steps) < 2:
         return -inf
     return SMALL * fall(steps[0].rung, steps[1].rung)
 
 
 def _best_so_far(search: Search, steps: Sequence[Step]) -> Rung | None:
-    """The best model with one effect more that is known to hold and is worth it, if any is."""
+    """The best model with one more effect that holds and lowers the error enough, if any."""
     rung, least = steps[-1].rung, _least(search, steps)
     known = search.table.get(ids_of(rung))
     held = [c.rung for c in known.candidates if c.holds] if known and search.room(rung) else []
@@ -263,8 +265,8 @@ def _best_so_far(search: Search, steps: Sequence[Step]) -> Rung | None:
 
 
 def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequence[Step]]:
-    """The next better model, and the ladder it goes on from; None if there is none. One more effect
-    comes first, then another in the place of one, then several."""
+    """The next better model (None if there is none) and the ladder that it continues. Tried in this
+    order: one more effect, one effect exchanged for another, several effects at once."""
     rung, workshop = steps[-1].rung, search.workshop
     here, origin = search.table[ids_of(rung)], search.table[BASELINE]
     room, least = search.room(rung), _least(search, steps)
@@ -279,7 +281,7 @@ def _better(search: Search, steps: Sequence[Step]) -> tuple[Rung | None, Sequenc
         return better, steps
     part = search.max_effects > 1 and not nearly_all(origin.rung, rung, workshop.noise)
     if here is not origin and origin.together is None and part:
-        # The first may have been taken for what only several explain: it takes a place.
+        # The first effect may stand in for a group, and take the place of one of its members.
         group = look_for_several(search, origin)
         if group is not None and Incumbent(workshop, rung).gives_way_to(group):
             return group, steps[:1]

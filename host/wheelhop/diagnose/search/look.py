@@ -53,20 +53,20 @@ def step_of(workshop: Workshop, rung: Rung, baseline: Step | None = None) -> Ste
 
 
 def with_step(steps: Sequence[Step], step: Step) -> list[Step]:
-    """The ladder with one more step. The same effects in a better fit are no new one; what lies
-    between the baseline and the new step is remembered."""
+    """The ladder with one more step. A better fit of the same effects replaces their step; steps
+    between the baseline and the new one are kept without derivatives."""
     below = [s for s in steps if s.added != step.added]
     return [*(replace(s, rung=remembered(s.rung)) if s.added else s for s in below), step]
 
 
 def steps_of(workshop: Workshop, rungs: Sequence[Rung]) -> list[Step]:
-    """The same of a whole ladder, its baseline first."""
+    """All rungs of a ladder as steps on one floor, the baseline first."""
     return on_one_floor(workshop, [step_of(workshop, rung) for rung in rungs])
 
 
 def on_one_floor(workshop: Workshop, steps: Sequence[Step]) -> list[Step]:
-    """The steps of one ladder, held against the same floor. Noise that is estimated is what a model
-    leaves where that is quietest: the least that any of them tells is nearest to it."""
+    """The steps of a ladder compared with one noise floor. An estimated floor is an upper bound,
+    from the quietest parts of a residual, so the least of all steps is used."""
     least = min((step.comparison.floor for step in steps), key=lambda floor: floor.error)
     comparisons = [step.comparison for step in steps]
     if not least.is_stated:
@@ -136,8 +136,8 @@ def _run_by_run(rung: Rung, effect: Effect) -> list[OwnValues]:
 
 
 def look_at(search: Search, step: Step) -> Scored:
-    """Screen what is not in the model yet, simulate the best in full, choose one or none. Nothing
-    is simulated where the model has no room for more."""
+    """Screen the effects that are not in the model, simulate the most promising ones in full, and
+    choose one or none. Where the model may have no more effects, only screen."""
     found = search.table[ids_of(step.rung)] = _looked(search, step)
     return found
 
@@ -249,7 +249,7 @@ def _refit_leaders(
 
 
 def _best_first(candidates: Sequence[Candidate], noise: float) -> list[Candidate]:
-    """Those that hold before the others."""
+    """Candidates that hold first, each part ordered by `best_first`."""
     place = {id(rung): i for i, rung in enumerate(best_first([c.rung for c in candidates], noise))}
     return sorted(candidates, key=lambda c: (not c.holds, place[id(c.rung)]))
 

@@ -79,7 +79,7 @@ class Scored:
         return next((c for c in self.candidates if c.id == effect_id), None)
 
     def with_together(self) -> Scored:
-        """The same where a group was chosen: its effects are candidates, the first one chosen."""
+        """If a group was accepted: its effects as candidates, the first of them as the choice."""
         if not self.together:
             return self
         ids = {c.id for c in self.together}
@@ -87,8 +87,8 @@ class Scored:
         return replace(self, candidates=(*self.together, *rest), chosen=self.together[0])
 
     def remembered(self) -> Scored:
-        """The same as others ask for it: how well each effect did, without signatures and
-        derivatives. What was chosen has had its turn."""
+        """Copy for later comparisons: how well each effect did, without signatures and derivatives,
+        which dominate memory, and without the choice, which is in the model by then."""
         candidates = (
             replace(c, screened=replace(c.screened, contribution={}), rung=remembered(c.rung))
             for c in self.candidates
@@ -129,7 +129,7 @@ class Search:
     table: Table = field(default_factory=dict)
 
     def told(self, scored: Scored) -> None:
-        """What is known of a set by now."""
+        """Store the state of a set of effects and tell the watcher."""
         self.table[ids_of(scored.rung)] = scored
         self.watch(scored)
 
@@ -170,8 +170,8 @@ class Search:
         return Stand(rung, base, rivals or [base], known)
 
     def settle(self) -> None:
-        """Keep in little memory what is only held against others from now on: all but the baseline
-        with what was tried beside it, which the ranking shows."""
+        """Drop derivatives of all sets that are only compared against from now on. The baseline
+        keeps what was tried beside it, which the ranking shows."""
         for ids, scored in self.table.items():
             self.table[ids] = scored.remembered() if ids else scored
 
@@ -187,8 +187,8 @@ def with_derivatives(workshop: Workshop, rung: Rung) -> Rung:
 
 
 def remembered(rung: Rung) -> Rung:
-    """A rung that is no more than held against others: without derivatives, by far most of it,
-    where enough runs are held out to judge without."""
+    """Copy without derivatives, which dominate memory, where enough runs are held out to judge
+    without them."""
     if not enough_held_out(rung):
         return rung
     return replace(

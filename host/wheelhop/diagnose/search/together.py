@@ -65,9 +65,9 @@ PAIRS = 3
 
 
 def look_for_several(search: Search, scored: Scored) -> Rung | None:
-    """The model with a group of effects added that together explain what no single one does, as
-    many as a model has room for; None if there is none, or if the way to it leads over effects that
-    the ladder has stood on: what can be added to these is known. Either goes into the table."""
+    """The model with a group of effects that together explain what no single one does, at most as
+    many as the model may have. None if there is none, or if the group would contain a set from
+    which the ladder has searched before. The result goes into the table."""
     effects, room = _open(search, scored.rung), search.room(scored.rung)
     incumbent, found = Incumbent(search.workshop, scored.rung), tuple[Candidate, ...]()
     rung = _best_pair(search, scored, effects)
@@ -100,8 +100,8 @@ def _best_pair(search: Search, scored: Scored, effects: Sequence[Effect]) -> Run
 def _promising(
     search: Search, scored: Scored, effects: Sequence[Effect]
 ) -> Iterator[tuple[Candidate, Screened]]:
-    """The pairs that leave least by screening, each once. Those that have no room for a third, and
-    could not explain nearly all by themselves, are left out."""
+    """The pairs with the smallest residual by screening, each once. Where the model has no place
+    for a third effect, only pairs that could explain nearly all by themselves."""
     base, workshop = scored.rung.fit, search.workshop
     pairs_only = search.room(scored.rung) == 2 and workshop.noise > 0.0
     enough = NEARLY_ALL * (base.cost - base.size) if pairs_only else 0.0
@@ -127,8 +127,8 @@ def _promising(
 def _beside(
     search: Search, scored: Scored, first: Candidate, effects: Sequence[Effect], idle: bool
 ) -> Iterable[Screened]:
-    """The rest of the library screened beside an effect: as it was screened without where that is
-    `idle` in the runs fitted, and as the ladder has done it if it stood there."""
+    """The rest of the library screened beside an effect. Earlier screening is reused where that
+    effect is `idle` in the fitted runs, or where the ladder has searched from this set."""
     present = {first.id, *ids_of(scored.rung)}
     others = [effect for effect in effects if effect.id not in present]
     known = scored if idle else search.table.get(frozenset(present))
@@ -139,7 +139,7 @@ def _beside(
 
 
 def _grown(search: Search, rung: Rung, effects: Sequence[Effect]) -> Rung | None:
-    """The group with the effect that explains most beside it; None where none makes it likelier."""
+    """The group with one more effect, the one that explains most; None if none adds evidence."""
     workshop, present, fitted = search.workshop, ids_of(rung), rung.fit
     group = " and ".join(sorted(present))
     search.progress(f"screening the others beside {group}")
@@ -156,9 +156,9 @@ def _grown(search: Search, rung: Rung, effects: Sequence[Effect]) -> Rung | None
 
 
 def _fitted(search: Search, found: Sequence[Rung]) -> Rung | None:
-    """The model that is likeliest in the runs fitted and those held out, fitted with all
-    derivatives, unless the ladder has stood on its effects, or all run away. The runs fitted alone
-    would favour numbers that are free in each of them."""
+    """The model with the most evidence over fitted and held-out runs, fitted with all derivatives.
+    None where all simulations diverge, or where the ladder has searched from its effects before.
+    The fitted runs alone would favour numbers that are free in each run."""
     stable = [rung for rung in found if isfinite(rung.evidence)]
     rung = max(stable, key=lambda rung: rung.evidence, default=None)
     if rung is None:
@@ -171,9 +171,9 @@ def _fitted(search: Search, found: Sequence[Rung]) -> Rung | None:
 
 
 def _group(incumbent: Incumbent, scored: Scored, rung: Rung, library: int) -> tuple[Candidate, ...]:
-    """The effects that a rung has more, each with the others beside it; empty if they do not hold.
-    Of a whole library two wrong effects together explain more by chance than one does: a pair must
-    explain nearly all, more than two all of it."""
+    """The effects that a rung has in addition, each with the others beside it; empty if they do not
+    hold. By chance two wrong effects of a whole library explain more than one does: a pair must
+    explain nearly all of the residual, a larger group all of it."""
     noise, present = incumbent.workshop.noise, ids_of(scored.rung)
     members = [effect for effect in rung.model.effects if effect.id not in present]
     base, tried = incumbent.against(rung), comb(library, len(members))
@@ -194,12 +194,12 @@ def _group(incumbent: Incumbent, scored: Scored, rung: Rung, library: int) -> tu
 
 
 def without_idle(search: Search, rung: Rung) -> Rung:
-    """Drop effects whose contribution vanished when the last one joined, the last one included:
-    it may have done no more than help the others' fit out of a side valley. Of the laws of the
-    struts drop those that take no more than another may leave.
+    """Drop effects that are no longer needed beside the last one, and the last one itself if it
+    only helped the others' fit out of a local minimum. Drop laws of the struts that explain no more
+    than another law may leave.
 
-    The models without one of the effects go into the table: not where a quick fit leaves so much
-    that a full one could not hold.
+    The models without one of the effects go into the table, except where a quick fit shows that a
+    full one would be hopeless.
     """
     workshop, baseline = search.workshop, search.table[BASELINE].rung
     if len(rung.model.effects) < 2:
@@ -238,8 +238,8 @@ def in_best_forms(search: Search, rung: Rung) -> Rung:
 
 
 def _without(search: Search, rung: Rung, effect_id: str) -> Rung:
-    """The best model known of a rung's effects but one; fitted from where the rung is if none is
-    known yet."""
+    """The best known model without one of a rung's effects; if none is known yet, fitted from where
+    the rung stands."""
     known = search.table.get(ids_of(rung) - {effect_id})
     if known is None:
         return search.best(without(search.workshop, rung, effect_id))
@@ -256,7 +256,7 @@ it would stand for."""
 
 def exchange(search: Search, rung: Rung) -> Rung | None:
     """The model with one effect of a rung exchanged for a better one; None if none is better. What
-    was tried in the place of each effect goes into the table, and is not tried again."""
+    was tried in place of each effect is kept in the table and not tried again."""
     workshop, present = search.workshop, ids_of(rung)
     incumbent, noise = Incumbent(workshop, rung), workshop.noise
     for accepted in rung.model.effects:
@@ -274,8 +274,8 @@ def exchange(search: Search, rung: Rung) -> Rung | None:
 
 
 def _in_full(search: Search, rung: Rung, rival: Rung) -> Rung:
-    """A rival fitted in full where it comes near a rung. Where something is left, it may be what is
-    missing, however far above a quick fit has ended; one without hope ends early."""
+    """A rival, fitted in full where its quick fit comes near the rung's, or where the rung leaves
+    more than noise: a quick fit may end far above the minimum. A hopeless fit ends early."""
     if known := search.table.get(ids_of(rival)):
         return known.rung
     noise = search.workshop.noise
@@ -287,8 +287,8 @@ def _in_full(search: Search, rung: Rung, rival: Rung) -> Rung:
 
 
 def _tried_in_place(search: Search, rung: Rung, accepted: Effect) -> Scored:
-    """A rung's effects but the one accepted, and what was tried in its place beside them: if
-    nothing was yet, the best by screening are now."""
+    """A rung's effects without the accepted one, and what was tried in its place; if nothing was,
+    the most promising effects by screening are tried now."""
     present = ids_of(rung)
     known = search.table.get(present - {accepted.id})
     if known is not None and (known.looked or known.candidates):
