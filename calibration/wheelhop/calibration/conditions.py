@@ -62,5 +62,5 @@ class Conditions:
 
     @property
     def offset_part_m_s2(self) -> float:
-        """The same for the offset."""
+        """Uncertainty of the offset from the sensor being warmer or colder in use, m/s²."""
         return OFFSET_DRIFT_M_S2_PER_K * self.temperature_range_K / RECTANGULAR

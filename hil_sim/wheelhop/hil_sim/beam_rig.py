@@ -59,7 +59,8 @@ class BeamRig:
         )
 
     def signals(self, seconds: float) -> Signals:
-        """The same for the board with the real firmware: noiseless codes at its eight inputs."""
+        """The beam's motion for the board with the real firmware: noiseless codes at its eight
+        inputs."""
         time = np.arange(round(seconds / STEP_S), dtype=np.float64) * STEP_S
         codes = np.full((len(time), INPUTS), REST)
         for column, name in enumerate(self.session.channels):

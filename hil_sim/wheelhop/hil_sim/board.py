@@ -70,7 +70,7 @@ class Serial:
         return self.read_timed()[1]
 
     def read_timed(self) -> tuple[NDArray[np.float64], bytes]:
-        """The same, with the board time in seconds at which each byte went to the UART."""
+        """`read`, with the board time in seconds at which each byte went to the UART."""
         raw = np.frombuffer(self._process.ask("take-serial")[1], dtype="<u8")
         return (raw >> 8) / CPU_HZ, (raw & 0xFF).astype(np.uint8).tobytes()
 

@@ -125,7 +125,7 @@ class CardImage:
         return card
 
     def copy(self, path: Path | str) -> "CardImage":
-        """The same card in another file; holes stay holes."""
+        """A copy of the card in another file; holes stay holes."""
         _tool("cp", "--sparse=always", str(self.path), str(path))
         return replace(self, path=Path(path))
 

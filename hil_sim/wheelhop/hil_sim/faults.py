@@ -71,7 +71,7 @@ class Faults:
     start_up: float = 20e-3
 
     def requests(self, cycles_per_second: int) -> Iterator[str]:
-        """The same in the words of the program `board`."""
+        """These faults as requests to the program `board`."""
 
         def cycles(seconds: float) -> int:
             return round(seconds * cycles_per_second)

@@ -27,7 +27,7 @@ def covariance_frame(step: Step) -> DataFrame:
 
 
 def correlation_frame(step: Step) -> DataFrame:
-    """The same with a unit diagonal."""
+    """The correlation matrix: the covariance scaled to a unit diagonal."""
     covariance = covariance_frame(step)
     deviation = np.sqrt(np.diag(covariance))
     return covariance / np.outer(deviation, deviation)

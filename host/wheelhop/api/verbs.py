@@ -201,8 +201,8 @@ def _driven_by_axles(
     jobs: int | None,
     progress: Progress,
 ) -> Step | None:
-    """The same model with the measured axle motion driving the body, its fit begun at the baseline
-    on the road; None where that is not possible, or is what was compared already."""
+    """The fitted model with the measured axle motion driving the body, its fit begun at the
+    baseline on the road; None where that is not possible, or is what was compared already."""
     driven = axle_driven(campaign, vehicle)
     if driven is None or all(run.track.kind == "unknown" for run in campaign.runs):
         return None

@@ -1,4 +1,4 @@
-"""The same drive twice: recordings, or stretches of them, that two runs of a campaign share.
+"""One drive used twice: recordings, or stretches of them, that two runs of a campaign share.
 
 Two drives over one track differ in their noise and in their speed, sample by sample; two copies of
 one drive do not, whatever became of their names, gains, offsets and last digits. So what is

@@ -52,7 +52,7 @@ def quantisation_rms(values: Array, band: InBand) -> float:
 
 @lru_cache(maxsize=8)
 def least_noise(runs: tuple[Run, ...], rate_hz: float, band_hz: tuple[float, float]) -> Array:
-    """The same (n_channels,) of every channel over all runs, in the channels' units."""
+    """`quantisation_rms` (n_channels,) of every channel over all runs, in the channels' units."""
     powers = [
         [quantisation_rms(values, InBand(len(values), rate_hz, band_hz)) ** 2 for values in columns]
         for columns in (run.record.T for run in runs)

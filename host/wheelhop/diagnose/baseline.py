@@ -97,8 +97,8 @@ def fit_baseline(
 
 
 def axle_driven(campaign: Campaign, vehicle: Vehicle) -> Campaign | None:
-    """The same records, the measured axle motion driving the body: track, speed and tyres no
-    longer matter. None without the axles of all wheels, or a channel on the body that moves."""
+    """The campaign with the measured axle motion driving the body, so that track, speed and tyres
+    do not matter. None without the axles of all wheels, or a channel on the body that moves."""
     corners = {c.corner for c in campaign.channels if c.is_axle}
     body = [i for i, c in enumerate(campaign.channels) if c.is_on_body]
     if corners != set(wheels(vehicle.values)) or not body or _resting(campaign, body):

@@ -202,7 +202,7 @@ class Grounds:
 
     @property
     def baseline_over_expected(self) -> float:
-        """The same of the baseline."""
+        """Error of the baseline over what a right model may leave."""
         return self.baseline_over_floor / self.expected_over_floor
 
     @property

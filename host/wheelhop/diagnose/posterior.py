@@ -119,7 +119,7 @@ def noisier_sensors(rung: Rung, noise: float) -> float:
 
 
 def noisier(step: Step, noise: float) -> float:
-    """The same of a step of a campaign that states its noise; 0 where none is stated."""
+    """`noisier_sensors` for a step of a campaign that states its noise; 0 where none is stated."""
     return noisier_sensors(step.rung, noise) if step.comparison.floor.is_stated else 0.0
 
 

@@ -82,7 +82,7 @@ class Rung:
 
     @property
     def error_judging(self) -> float:
-        """The same once shared numbers may move as far as they are uncertain."""
+        """`error` once shared numbers may move as far as they are uncertain."""
         return self.error_fit if self.validation is None else _error(self.judging)
 
     @property
@@ -325,7 +325,7 @@ def at_noise(rung: Rung, noise: float) -> bool:
 
 
 def all_noise(fit: Fit, noise: float) -> bool:
-    """The same for the runs of a fit."""
+    """Whether the residual of a fit's runs is no larger than noise; see `at_noise`."""
     by_chance = 3.0 * float(np.sqrt(2.0 / fit.size))  # few data: their mean square is uncertain
     return fit.charged < (WHITE + by_chance) * noise**2 * fit.size
 

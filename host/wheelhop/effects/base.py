@@ -109,7 +109,7 @@ class Probe(Protocol):
         """The model without the effect, some of the run's own numbers changed by an amount."""
 
     def all_modelled(self, run_id: str, trials: Sequence[Values]) -> Sequence[Array]:
-        """The same for several such changes, at much less cost than one after the other."""
+        """`modelled` for several changes, at much less cost than one after the other."""
 
     def placed(self, run_id: str, channels: Collection[int]) -> Values:
         """Speed ("speed_m_s") and start ("start_m") at which the model without the effect agrees

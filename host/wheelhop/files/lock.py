@@ -79,7 +79,7 @@ def _take_folder(folder: Path, kind: type[InputError]) -> Release | None:
 
 
 def _take_file(guarded: Path, kind: type[InputError]) -> Release | None:
-    """The same for the file that stands for a path."""
+    """Lock a file in the runtime directory that stands for a path."""
     name = hashlib.sha256(os.fsencode(guarded.resolve())).hexdigest()[:16]
     path = runtime_folder(kind) / f"{name}.lock"
     try:

@@ -78,7 +78,8 @@ class Belief:
 
     @property
     def log_precision(self) -> float:
-        """The same of the numbers by themselves, at the mean."""
+        """Logarithm of the determinant of the numbers' own precision, without relations, at the
+        mean."""
         p = len(self.free)
         return float(np.linalg.slogdet(self.floored[:p, :p])[1])
 

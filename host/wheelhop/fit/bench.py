@@ -94,8 +94,8 @@ class Bench:
         return cost(residual.reshape(self.band.count, -1), sigma)
 
     def counted(self, powers: Array) -> tuple[float, Array]:
-        """The same of a residual whose channels leave Σ r²/σ² (c,), and the weight (c,) of each:
-        1/ρ²."""
+        """−2 ln p of a residual whose channels leave Σ r²/σ² (c,), and the weight 1/ρ² (c,) of
+        each."""
         return cost_of(powers, self.band.count), weights_of(powers, self.band.count)
 
     @property
@@ -165,7 +165,7 @@ class Bench:
         return self.recorded(data.reshape(self.band.count, -1)).ravel()
 
     def recorded(self, data: Array) -> Array:
-        """The same of data (2 n_bins, p)."""
+        """Data (2 n_bins, p) as they were recorded, with the errors of what drives the run."""
         if self.shared_error is not None:
             return self.shared_error.recorded(data)
         return np.asarray(data * self.doubt[:, self.predicted])

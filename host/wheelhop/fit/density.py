@@ -66,7 +66,7 @@ class Spectrum:
         )
 
     def at(self, kept: NDArray[np.bool_]) -> Spectrum:
-        """The same of some of the frequencies, (f,), as if heights had taken nothing out yet."""
+        """The spectrum at some of the frequencies (f,), before heights have taken anything out."""
         energy = self.energy[kept]
         return replace(
             self,

@@ -43,7 +43,7 @@ CONVERGED = 1e-4
 data: what noise costs, as −2 ln p has no zero."""
 
 CONVERGED_QUICK = 3e-3
-"""The same for a fit with borrowed derivatives, which can't reach the minimum anyhow."""
+"""`CONVERGED` of a fit with borrowed derivatives, which cannot reach the minimum anyhow."""
 
 SOLVED = 0.1
 """A step is solved for to this share of that, which is small beside what a fit neglects."""

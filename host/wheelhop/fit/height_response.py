@@ -50,11 +50,11 @@ class Ground:
         self._model, self._system = model, system
 
     def anew(self) -> Ground:
-        """The same, what it has worked out forgotten."""
+        """This ground with empty caches."""
         return self.about(self._model, self._system)
 
     def about(self, model: Model, system: System) -> Ground:
-        """The same about another model."""
+        """The ground of this run under another model."""
         return Ground(self.bench, model, system, self._coherent)
 
     def response(self, wave_number_rad_m: Array) -> ComplexArray:

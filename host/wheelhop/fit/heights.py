@@ -47,13 +47,13 @@ class Heights:
     sigma: float
 
     def believed(self, effect: Effect, theta: Values, sigma: float) -> Heights:
-        """The same heights; what is believed of them is what the effect's density says."""
+        """These heights with the prior that the effect's density states."""
         density = effect.height_density(theta, self.ground.wave_number_rad_m)
         variance = np.maximum(density * self.ground.step_rad_m, LEAST_VARIANCE_M2)
         return replace(self, variance=np.tile(variance, 2), sigma=sigma)
 
     def at(self, coefficients: ComplexArray) -> Heights:
-        """The same with other heights, those (2, k) of the left and the right path."""
+        """This ground with other heights (2, k), of the left and the right path."""
         return replace(self, coefficients=coefficients.ravel())
 
     def settled(self) -> Heights:

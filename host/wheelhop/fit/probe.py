@@ -86,7 +86,7 @@ class FitProbe:
         return self.all_modelled(run_id, [changes])[0]
 
     def all_modelled(self, run_id: str, trials: Sequence[Mapping[str, float]]) -> list[Array]:
-        """The same for several such changes."""
+        """`modelled` for several changes."""
         bench: Bench = self._benches[run_id]
         values = self._model.runs.get(run_id, {})
         moved = [

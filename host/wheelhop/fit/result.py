@@ -69,7 +69,7 @@ class RunFit:
 
     @property
     def weighed(self) -> Array:
-        """The same per spread."""
+        """The Jacobian per spread of each datum."""
         return np.asarray(self.jacobian / self.spread[:, None])
 
     @property
@@ -206,7 +206,7 @@ class Fit:
 
     @property
     def charged(self) -> float:
-        """The same, each run's charged for what is free in it."""
+        """Σ residual² over the runs fitted, each run's charged for the numbers free in it."""
         return sum(run.charged for run in self.runs)
 
     @property
@@ -237,7 +237,7 @@ class Fit:
 
     @property
     def without_derivatives(self) -> Fit:
-        """The same, for what never asks for them: they are by far most of it."""
+        """Copy without Jacobian columns, which dominate memory."""
         runs = [replace(r, derivatives=Derivatives((), r.derivatives.shared)) for r in self.runs]
         return replace(self, runs=tuple(runs))
 

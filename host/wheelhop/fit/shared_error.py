@@ -40,7 +40,7 @@ class SharedError:
         return cls(np.asarray(np.linalg.cholesky(covariance)))
 
     def among(self, channels: Sequence[int]) -> SharedError:
-        """The same where some of the channels alone are recorded."""
+        """The shared error where only these channels are recorded."""
         covariance = self.lower @ self.lower.conj().swapaxes(1, 2)
         kept = covariance[:, channels][:, :, channels]
         return SharedError(np.asarray(np.linalg.cholesky(kept)))

@@ -44,7 +44,7 @@ def louder(ratio: float) -> float:
 
 
 def cost_of(squares: Array, count: int) -> float:
-    """The same from Q/σ² (c,) of channels with so many data each."""
+    """−2 ln p from Q/σ² (c,) of channels with `count` data each."""
     logarithm = np.log(_power(squares, count)).sum()
     return float((BELIEVED + count) * logarithm + count * len(squares))
 

@@ -60,7 +60,7 @@ class Normal:
     own_gradient: Array  # (r,)
 
     def held(self, at: Array) -> Normal:
-        """The same where the own numbers' steps are `at` (r,), as far as that is a number."""
+        """The equations with the own numbers' steps fixed `at` (r,); NaN leaves one free."""
         own, mixed, held = self.own.copy(), self.mixed.copy(), np.isfinite(at)
         mixed[:, held] = 0.0
         return Normal(
@@ -111,7 +111,7 @@ class Linear:
         return found if run.heights is None else found.freed(run.heights, run)
 
     def along(self, coordinates: Array) -> Linear:
-        """The same with the g shared numbers in other coordinates (g, g)."""
+        """This run with the g shared numbers in other coordinates (g, g)."""
         g, m = len(coordinates), self.slopes.shape[1]
         turn = np.eye(m)
         turn[:g, :g] = coordinates
@@ -124,7 +124,7 @@ class Linear:
         )
 
     def freed(self, heights: Heights, run: RunFit) -> Linear:
-        """The same with the unknown heights of the run's ground eliminated."""
+        """This run with the unknown heights of its ground eliminated."""
         projected = heights.ground.project(np.column_stack([run.jacobian, run.residual]))
         cross, slope = projected[:, :-1], projected[:, -1]
         ahead, less = heights.step(slope, cross)

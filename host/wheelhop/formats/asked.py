@@ -63,7 +63,8 @@ def uneven(table: Table) -> str:
 
 
 def uneven_stamps(column: Column, timing: Timing, file: Path, first_row: int) -> str:
-    """The same of a column of text that is time, whose rows begin in line `first_row`."""
+    """What is uneven about a column of time stamps whose rows begin in line `first_row`; "" for
+    none."""
     try:
         stamps = stamps_of(column, timing.unit, timing.rate_hz, file)
     except ExchangeError:

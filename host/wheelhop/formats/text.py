@@ -89,7 +89,7 @@ def _line_by_line(path: Path, mapping: Map) -> tuple[Table, list[str]]:
 
 
 def _in_bulk(path: Path, mapping: Map) -> Table | None:
-    """The same table of a large text, if it is plain."""
+    """The table of a large plain text; None if it is not plain."""
     body = plain_body(path, mapping)
     if body is None:
         return None

@@ -84,7 +84,7 @@ def _written(top: Table) -> Bulk:
 
 
 def _bulk(top: Table, path: Path) -> Bulk:
-    """The same from the file of Nastran's bulk data that `bdf` names."""
+    """Material, sections, nodes and tubes from the Nastran bulk data file that `bdf` names."""
     if "f06" in top:
         raise top.error(
             "f06: Nastran has found its modes already: name this file under [frame] in"

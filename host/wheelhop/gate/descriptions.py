@@ -46,8 +46,8 @@ ALONE = {
 }
 """What a single channel may be in."""
 LOGGERS_S = tuple(sign * 0.02 * k for k in range(2, 26) for sign in (1, -1))
-"""The same of sensors that a logger of their own recorded: two clocks, set by hand, are half a
-second apart."""
+"""Delays of sensors that have a logger of their own: two clocks, set by hand, are half a second
+apart."""
 RATIOS = tuple(factor**sign for factor in np.geomspace(1.5, 4.0, 5).tolist() for sign in (1, -1))
 """By which a ratio of sensor to wheel may be wrong: forgotten, upside down, squared; neighbours are
 a quarter apart. What is less may be springs that are believed to 10 %, or a law they lack."""

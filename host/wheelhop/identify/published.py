@@ -96,7 +96,7 @@ H_RED = (
 )
 """Appendix D.2.2: the reduced H_n,11. A wheel that rises lowers the body: the sign is wrong."""
 H_RED_ORDER = 10
-"""The same text calls it of tenth order."""
+"""The order that the appendix states for it."""
 H_N_11_STATIC = (-4.2e105, 7.9e105)
 
 TABLE_D_1 = {"pitch": 3.03, "bounce": 4.93, "roll": 4.95, "wheel hop": 10.56, "twist": 26.49}
@@ -178,7 +178,7 @@ TABLE_5_1: Mapping[str, tuple[float, ...]] = {
     "one-sided-washboard/low": (7.0,),
     "one-sided-washboard/high": (13.0,),
 }
-"""The same once more, of all eighteen tests."""
+"""Speeds of all eighteen tests, km/h, by track."""
 
 TABLE_4_8 = (6.7e-4, 1.36)
 """Degree of unevenness C, m³, and waviness w of the pave."""

@@ -148,8 +148,9 @@ def inertia_at_points(motions: Array, inertia: Array) -> Array:
 
 
 def rigid_inertia(positions: Array, inertia: Sequence[float]) -> Array:
-    """The same of a rigid body with its points at `positions` (4, 2), (x, y) from its centre of
-    mass, m; `inertia` is its mass, kg, and its inertia in pitch and in roll, kg m².
+    """Mass matrix (4, 4) in point motions of a rigid body with its points at `positions` (4, 2),
+    (x, y) from its centre of mass, m; `inertia` is its mass, kg, and its inertia in pitch and in
+    roll, kg m².
 
     It cannot twist. If it is seen to, by a frame that bends or by noise, this counts as though all
     its mass moved as its points do.

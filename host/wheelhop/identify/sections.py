@@ -117,7 +117,7 @@ class Sections:
         return np.concatenate([np.log(self.omega), self.zeta, single])
 
     def sorted(self) -> Sections:
-        """The same sections from the lowest natural frequency to the highest."""
+        """These sections from the lowest natural frequency to the highest."""
         order = np.argsort(self.omega)
         return Sections(self.omega[order], self.zeta[order], self.rate)
 

@@ -63,7 +63,7 @@ class Car:
     identified_on: Struts | None = None
 
     def varied(self, varied: str, factor: float) -> Car:
-        """The same body, one number of `VARIED` times `factor`. Raises CampaignError for another
+        """This car with one number of `VARIED` times `factor`. Raises CampaignError for another
         name."""
         struts, wheels = _changed(self.struts, self.wheels, varied, factor)
         return replace(self, struts=struts, wheels=wheels, identified_on=self._held)

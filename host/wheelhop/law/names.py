@@ -83,7 +83,7 @@ class _Along:
         return float(np.linalg.norm(self.law))
 
     def of_model(self, model: Model) -> Array:
-        """The same of another model."""
+        """Forces of another model along the same motion."""
         forces = [np.zeros(0)]
         for end, moved, line in self.ends:
             force = force_along(model, end, moved, self.step_s)

@@ -86,7 +86,7 @@ def find_law_beside(
     *,
     names: bool = True,
 ) -> Found:
-    """The same beside a fitted model, with the named laws that come nearest or without `names`."""
+    """Find a law beside a fitted model, with or without the `names` of the nearest known laws."""
     promises, signatures, moves = screened(workshop, base, progress)
     seat, joined = seat_for(workshop, base, library), tuple[str, ...]()
     if seat is not None and seat.score > max((p.screened.score for p in promises), default=0.0):

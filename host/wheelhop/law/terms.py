@@ -149,7 +149,7 @@ def candidates(
 
 
 def neighbours(term: Term, step: float) -> list[Term]:
-    """The same term with a gap or width a little smaller and larger: gaps by `step` of the largest
+    """This term with a gap or width a little smaller and larger: gaps by `step` of the largest
     extension, others by a factor of e^(4 step); none of a term that has neither."""
     first, *rest = term.shape
     if term.kernel not in SHAPED:
@@ -166,7 +166,7 @@ def neighbours(term: Term, step: float) -> list[Term]:
 
 
 def shaped(term: Term, first: float) -> Term:
-    """The same term with another gap or width."""
+    """This term with another gap or width."""
     return _times_as(term, SHAPED[term.kernel](first, *term.shape[1:]))
 
 
@@ -252,7 +252,7 @@ def slipping(way: float) -> Term:
 
 
 def slipping_loaded(way: float, x: float) -> Term:
-    """The same, as strong as the extension is large."""
+    """A spring that slips after a way, at a force in proportion to the extension."""
     return Term(f"loaded-slip-{milli(way)}-mm", loaded_slip, (way, x),
                 f"friction that follows the load, elastic by {milli(way)} mm",
                 rf"F x/{milli(x)}\,mm\,z/{milli(way)}\,mm,"

@@ -38,7 +38,7 @@ def ladder_figure(steps: Sequence[Step]) -> Drawing:
 
 
 def draw_ladder(axes: Axes, steps: Sequence[Step]) -> None:
-    """The same into axes that are there."""
+    """Draw `ladder_figure` into given axes."""
     several = len(steps) > 1
     floor = 100 * steps[-1].floor
     errors = [100 * step.rung.error for step in steps]
@@ -182,7 +182,7 @@ def panel_figure(case: Case, kind: str, added: str) -> Drawing:
 
 
 def draw_panel(axes: Axes, case: Case, kind: str, added: str) -> None:
-    """The same into axes that are there, with its legend, and a title that says which run."""
+    """Draw one panel of a case into given axes, with its legend and a title that says which run."""
     ONE_PANEL[kind](axes, case, added)
     axes.set_title(literal(f"{case.channel} in {case.run_id}"))
     axes.legend(loc="best")

@@ -124,7 +124,7 @@ BAND: dict[str, Any] = {"color": AFTER, "alpha": 0.18, "label": "95 % of noise a
 
 
 def draw_times(panels: Sequence[Axes], run: Predicted) -> None:
-    """The same against time, where most is left."""
+    """Each output against time, in the stretch with the largest residual."""
     measured, modelled = run.signal(run.measured), run.signal(run.predicted)
     time_s = run.time_s
     left = measured - modelled

@@ -35,7 +35,7 @@ def write_model(path: Path, campaign: Campaign, vehicle: Vehicle, steps: Sequenc
 
 
 def model_text(campaign: Campaign, vehicle: Vehicle, steps: Sequence[Step]) -> str:
-    """The same as a text."""
+    """The text of model.toml."""
     return to_toml(_document(campaign, vehicle, steps))
 
 

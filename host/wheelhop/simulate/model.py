@@ -75,15 +75,15 @@ class Model:
         return self.stretch(run_id) * self.runs.get(run_id, {}).get("speed_m_s", nominal_m_s)
 
     def with_values(self, changes: Values) -> Model:
-        """The same model with some numbers changed."""
+        """This model with some numbers changed."""
         return replace(self, values={**self.values, **changes})
 
     def with_run(self, run_id: str, changes: Values) -> Model:
-        """The same model with some of one run's numbers changed."""
+        """This model with some of one run's numbers changed."""
         return replace(self, runs={**self.runs, run_id: {**self.runs.get(run_id, {}), **changes}})
 
     def with_heights(self, heights: Mapping[str, ComplexArray]) -> Model:
-        """The same model with other heights on top of the track in some runs."""
+        """This model with other heights on top of the track in some runs."""
         return replace(self, heights={**self.heights, **heights})
 
     def with_effect(self, effect: Effect, parameters: Sequence[Parameter]) -> Model:

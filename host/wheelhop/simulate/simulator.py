@@ -58,7 +58,7 @@ class Simulator(Protocol):
         """What the instrument should have recorded (n, n_channels), in the channels' units."""
 
     def records(self, trials: Sequence[tuple[Model, System]]) -> list[NDArray[np.float64]]:
-        """The same for several models, each with its equations of motion."""
+        """`record` for several models, each with its equations of motion."""
 
     def changes(
         self, base: tuple[Model, System], trials: Sequence[tuple[Model, System]]

@@ -69,7 +69,7 @@ class Wheel:
         return replace(self, radius_m=0.0)
 
     def _seen_from(self, length_m: float) -> Wheel:
-        """The same wheel with a path long enough to be averaged; in whole metres, so that a
+        """This wheel with a path long enough to be averaged; in whole metres, so that a
         slightly different length needs no other table."""
         reach = math.ceil(length_m / 2)
         return replace(self, low_m=self.low_m - reach, high_m=self.high_m + reach)

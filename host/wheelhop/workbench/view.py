@@ -24,7 +24,7 @@ PRESSED = """(event) => {
   event.preventDefault();
   emit({...target.dataset});
 }"""
-"""The same from the keyboard, for what the browser does not take for a button."""
+"""Sends the same when Enter or Space is pressed on what the browser does not take for a button."""
 
 
 def verbatim(text: str) -> str:

@@ -161,7 +161,8 @@ def strong(incumbent: Incumbent, screened: Sequence[Screened]) -> list[tuple[Scr
 
 
 def _as_strong(screened: Screened) -> Screened:
-    """The same with every amplitude at its scale, to the side where screening sees it."""
+    """The screened effect with every amplitude at its scale, with the sign that screening gives
+    it."""
     amplitudes = {
         p.name: p.absent + copysign(p.scale, screened.amplitudes[p.name] - p.absent)
         for p in screened.variant.amplitudes

@@ -82,8 +82,8 @@ class Incumbent:
 
     @cached_property
     def as_believed(self) -> Rung | None:
-        """The same model where the vehicle is believed to be, with the derivatives of there; None
-        unless its numbers have gone far from that. Wheels that are too small, for one, stand for
+        """The rung's model with the vehicle at its prior means and derivatives made there; None
+        unless the fitted numbers are far from these. Wheels that are too small, for one, stand for
         contact patches that are too long, and from there no way may lead to these."""
         fitted = self.rung.fit
         effects = tuple(f"{effect.id}." for effect in fitted.model.effects)

@@ -335,8 +335,8 @@ def steps_with(
     known: Mapping[str, float] = MappingProxyType({}),
     jobs: int | None = None,
 ) -> list[Step]:
-    """The same from the campaign on, each rung compared with the records; the baseline's fit begins
-    at what is `known`.
+    """Fit the baseline of a campaign, begun at the numbers `known`, then add `effects` one by one;
+    each rung is compared with the records.
 
     Raises
     ------
