@@ -47,6 +47,23 @@ def test_every_public_name_says_what_it_is(name):
             assert inspect.getdoc(what), f"{name}.{member}"
 
 
+FUNCTIONS = [name for name in wh.__all__ if inspect.isfunction(getattr(wh, name))]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_public_function_says_what_it_takes_gives_and_raises(name):
+    """In numpydoc's sections: every parameter by its name, and what comes back, if anything."""
+    function = getattr(wh, name)
+    parts = re.split(r"^(\w+)\n-{3,}$", inspect.getdoc(function), flags=re.M)
+    sections = dict(zip(parts[1::2], parts[2::2], strict=True))
+    signature = inspect.signature(function)
+    heads = re.findall(r"^(\S.*?)(?: :.*)?$", sections["Parameters"], re.M)
+    named = [name.lstrip("*") for head in heads for name in re.split(r",\s*", head)]
+    assert sorted(named) == sorted(signature.parameters)
+    assert "Raises" in sections
+    assert signature.return_annotation in (None, "None") or "Returns" in sections
+
+
 def test_methods_the_page_names_exist():
     for name in ("ladder", "parameters", "residuals", "agreement", "write_report", "write_model"):
         assert callable(getattr(wh.ComparisonResult, name))
