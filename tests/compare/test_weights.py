@@ -53,9 +53,10 @@ def test_stated_noise_is_what_channels_count_by(bench):
 
 
 def test_noise_nobody_states_is_estimated_of_each_quantity(bench):
+    """Sixteen parts of a single channel tell its noise to a tenth; two channels, to less."""
     campaign, _ = mixed(bench, {})
     expected = [NOISE[kind] / NOISE["acceleration"] for kind in KINDS]
-    np.testing.assert_allclose(campaign.noise_scale, expected, rtol=0.15)
+    np.testing.assert_allclose(campaign.noise_scale, expected, rtol=0.25)
 
 
 def test_noise_stated_of_one_quantity_is_kept_where_others_are_estimated(bench):

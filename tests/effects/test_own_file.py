@@ -75,7 +75,7 @@ def test_nothing_is_read_from_or_left_beside_the_file(tmp_path, cache):
     folder.mkdir()
     (folder / "mine.py").write_text(USERS)
     effect = load_effects(folder / "mine.py")["quintic-spring"]
-    addresses([law_of(effect)])
+    addresses((law_of(effect),))
     assert below(folder) == ["mine.py"]
     digest = read_source(folder / "mine.py").digest
     kept = below(cache / "laws" / digest)

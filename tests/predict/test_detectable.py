@@ -13,12 +13,12 @@ import wheelhop as wh
 from tests import truth
 from tests.diagnose.cases import diagnosed
 from tests.simulate.setup import CHANNELS
-from wheelhop.cli.detectable import _said
 from wheelhop.cli.main import main
 from wheelhop.diagnose.diagnosis import Limit
 from wheelhop.predict import detectable as module
 from wheelhop.predict.additions import Addition
 from wheelhop.predict.detectable import Added
+from wheelhop.report.can_show import _said
 
 FINE = tuple(
     replace(sensor, noise_rms=5e-5) if sensor.quantity == "travel" else sensor

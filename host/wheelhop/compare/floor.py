@@ -221,11 +221,11 @@ def estimate_noise(records: Sequence[Record], quantities: Sequence[str] = ()) ->
     them from leaking over it. All (run, part) pairs are ordered by their level averaged over
     the channels, which makes the choice nearly independent of any one channel's noise, and
     the median over the quietest tenth is taken channel by channel. Of a single channel the
-    quietest are those in which its noise is weak by chance, in three runs by a quarter. Then all
-    count that lie as far above the least as chance spreads m logarithms which scatter by s,
-    2 s √(2 ln m). This is done
-    on the measurements and on the residuals, which may be quieter; the smaller
-    result counts. A vehicle that is never quiet anywhere gives too high a value.
+    quietest are those in which its noise is weak by chance, in three runs by a quarter: what
+    chance makes of so many of the least among those that are as quiet (within 2 s √(2 ln m)
+    of the least of m, s being the scatter of a logarithm) is taken out. This is done on the
+    measurements and on the residuals, which may be quieter; the smaller result counts. A
+    vehicle that is never quiet anywhere gives too high a value.
     """
     heard = [record for record in records if record.predicted.any()]
     level = np.full(heard[0].measured.shape[1], np.nan)
@@ -291,16 +291,23 @@ def _quiet_level(signals: Sequence[tuple[Array, Record]]) -> Array:
     lines = np.array([count for _, count in found])
     with np.errstate(divide="ignore"):
         loudness = np.nanmean(np.log(levels), axis=1)
-    spread = 2.0 * OF_MEDIAN * np.sqrt(2.0 * np.log(len(levels)) / np.maximum(lines / ALIKE, 1.0))
-    order = np.argsort(loudness)
-    tenth = max(1, round(QUIET_SHARE * len(levels)))
-    if levels.shape[1] == 1:
-        tenth = max(tenth, int(np.sum(loudness <= loudness[order[0]] + spread)))
-    levels = levels[order[:tenth]]
+    order, tenth = np.argsort(loudness), max(1, round(QUIET_SHARE * len(levels)))
+    least = levels[order[:tenth]]
     out = np.full(levels.shape[1], np.nan)
-    known = ~np.isnan(levels).all(axis=0)
-    out[known] = np.nanmedian(levels[:, known], axis=0)
+    known = ~np.isnan(least).all(axis=0)
+    out[known] = np.nanmedian(least[:, known], axis=0)
+    if levels.shape[1] == 1:
+        scatter = OF_MEDIAN / np.sqrt(np.maximum(lines / ALIKE, 1.0))
+        spread = 2.0 * scatter * np.sqrt(2.0 * np.log(len(levels)))
+        alike = max(int(np.sum(loudness <= loudness[order[0]] + spread)), tenth)
+        out *= np.exp(-_of_least(tenth, alike) * scatter[order[:tenth]].mean())
     return out
+
+
+def _of_least(count: int, among: int) -> float:
+    """Median of the least `count` of so many normal deviates (G. Blom, Statistical Estimates and
+    Transformed Beta-Variables, 1958, eq. 6.10.3)."""
+    return float(special.ndtri(((count + 1) / 2 - 0.375) / (among + 0.25)))
 
 
 def _levels(coefficients: Array, record: Record) -> Iterator[tuple[Array, int]]:

@@ -63,8 +63,8 @@ def yielding(x: float, v: float, dx: float, dt: float, z: float, p: Array) -> tu
     begin = 2.0 * dx / dt - v
     stage = STAGE * dt / p[1]
     creep, way, end = stage * p[2], z + stage * (begin + STAGE * (v - begin)), 0.0
-    for second in (False, True):
-        if second:
+    for second in range(2):
+        if second > 0:
             way = z + (1.0 - STAGE) / STAGE * (end - z) + stage * v
         far = abs(way)
         # tanh(s) + creep s = far, from the left by Halley's steps; the last one errs by its cube.
