@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tests.component import rig
 from wheelhop.campaign import read_campaign
+from wheelhop.report.stretch import WAVES, WINDOW_S
 from wheelhop.workbench import kinds
 from wheelhop.workbench.charts import MOST, WHOLE, Line, Panel, chart
 from wheelhop.workbench.compared import (
@@ -181,8 +182,9 @@ def test_all_panels_against_time_show_the_window(state):
     longest = max(LENGTHS[run] for run in state.runs)
     for axis in options["xAxis"]:
         assert (axis["min"], axis["max"]) == (0, pytest.approx(longest))
-    if state.window is None:  # the stretch that the report shows; of high frequencies less
-        assert 1.5 < zoom["endValue"] - zoom["startValue"] < 2.52
+    if state.window is None:  # the stretch that the report shows: 25 waves of what is in band
+        least = WAVES / CAMPAIGN.band_hz[1]
+        assert least < zoom["endValue"] - zoom["startValue"] < WINDOW_S + 0.02
 
 
 @given(states)

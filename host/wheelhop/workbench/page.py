@@ -86,7 +86,7 @@ class Page:
         ui.page_title(f"wheelhop: {desk.campaign.title}")
         self._seen = -1
         self._fresh: set[str] = set()
-        self._arriving, self._client = True, ui.context.client
+        self._arriving, self._has_moved, self._client = True, False, ui.context.client
         self._looking = Looking(go=self._go, moved=self._moved)
         with ui.element("header").classes("bench-head"):
             self._top()
@@ -105,8 +105,9 @@ class Page:
         self._tabs.set_value("overview")
         self._look()
         self._arriving = False  # from now on a view is turned to by the user
+        ui.on("opened", lambda event: self._opened(str(event.args)))
         ui.on("place", lambda event: self._came(str(event.args)))
-        self._client.run_javascript('emitEvent("place", location.hash.slice(1))')
+        self._client.run_javascript('emitEvent("opened", location.hash.slice(1))')
         ui.timer(SETTLED_S, desk.begin, once=True)
         ui.timer(LOOK_S, self._look)
 
@@ -143,10 +144,16 @@ class Page:
         """Have the page's address tell what is looked at; another view is a step for Back."""
         if self._arriving:
             return
+        self._has_moved = True
         place = str(self._tabs.value)
         if place == "compare" and self._looking.compared is not None:
             place += f"/{address_of(self._looking.compared)}"
         self._client.run_javascript(f"wheelhop.place({json.dumps(place)}, {json.dumps(turned)})")
+
+    def _opened(self, place: str) -> None:
+        """The browser says where it was opened. A user may have clicked before that arrived."""
+        if place and not self._has_moved:
+            self._came(place)
 
     def _came(self, place: str) -> None:
         """An address was opened, or Back was pressed; the first one may name no view."""
