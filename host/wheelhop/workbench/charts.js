@@ -39,4 +39,11 @@ wheelhop.place = (place, step) => {
   if (location.hash === `#${place}`) return;
   history[step ? "pushState" : "replaceState"](null, "", `#${place}`);
 };
+
+// The page of another campaign begins where every campaign does.
+wheelhop.anew = () => {
+  history.replaceState(null, "", location.pathname + location.search);
+  location.reload();
+};
+
 addEventListener("popstate", () => emitEvent("place", location.hash.slice(1)));

@@ -185,8 +185,8 @@ class Page:
 
     def _look(self) -> None:
         desk = self._desk
-        if desk is not self._bench.desk:  # another tab has opened another campaign
-            ui.navigate.reload()
+        if desk is not self._bench.desk:  # another campaign, or more runs: its overview comes first
+            self._client.run_javascript("wheelhop.anew()")
             return
         if desk.job is not None:
             self._work.set_text(_job_words(desk))
