@@ -8,6 +8,7 @@ from tests import truth
 from tests.diagnose.cases import LIBRARY, baseline_of
 from wheelhop.diagnose import climb
 from wheelhop.diagnose.confirm.starts import in_form, other_forms
+from wheelhop.diagnose.search import together
 
 STOPS = {"clearance_m": 0.02, "rebound_clearance_m": 0.032, "stiffness_N_m": 1.5e4}
 
@@ -55,7 +56,7 @@ def test_another_form_has_some_of_the_numbers_and_some_of_its_own(stopped, effec
     chosen = LIBRARY[effect].with_choice(form)
     model = base.rung.model.with_effect(chosen, workshop.parameters_of(chosen))
     model = model.with_effect(driver, workshop.parameters_of(driver))
-    found = SimpleNamespace(model=model, fit=base.rung.fit)
+    found = SimpleNamespace(model=model, sigma=base.rung.fit.sigma)
     others = other_forms(workshop, chosen)
     assert list(others) == expected
     for other in others.values():
@@ -66,3 +67,25 @@ def test_another_form_has_some_of_the_numbers_and_some_of_its_own(stopped, effec
         same = after.values.keys() & model.values.keys()
         assert all(after.values[name] == model.values[name] for name in same)
         assert any(name.startswith(f"{other.id}.") for name in same)
+
+
+@pytest.mark.parametrize(("is_noise", "asked"), [(False, ["dry-friction"]), (True, [])])
+def test_effects_are_asked_for_another_form_once_others_are_there(monkeypatch, is_noise, asked):
+    """All but the last one, which has just been, and where something is left: of those that have
+    another form."""
+    effects = [LIBRARY[name] for name in ("dry-friction", "driver-seat", "bump-stop")]
+    rung, better = (SimpleNamespace(model=SimpleNamespace(effects=effects)) for _ in range(2))
+    tried = []
+
+    def in_other_forms(workshop, rung, effect):
+        tried.append(effect.id)
+        return better
+
+    forms = {"dry-friction": {"creeping": None}, "driver-seat": {}, "bump-stop": {"both": None}}
+    monkeypatch.setattr(together, "at_noise", lambda rung, noise: is_noise)
+    monkeypatch.setattr(together, "other_forms", lambda workshop, effect: forms[effect.id])
+    monkeypatch.setattr(together, "in_other_forms", in_other_forms)
+    workshop = SimpleNamespace(noise=1.0)
+    search = SimpleNamespace(workshop=workshop, progress=quiet, best=lambda rung: rung)
+    assert together.in_best_forms(search, rung) is (better if asked else rung)
+    assert tried == asked

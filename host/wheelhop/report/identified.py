@@ -25,7 +25,6 @@ from wheelhop.simulate import Model
 
 Array = NDArray[np.float64]
 
-TICKS = (0.5, 1, 2, 5, 10, 20, 50)
 DECADES = 6
 """Less than so many powers of ten below the highest density is not shown."""
 
@@ -111,11 +110,7 @@ def draw_spectra(panels: Sequence[Axes], run: Predicted) -> None:
         axes.plot(frequency, modelled[:, i], color=AFTER, linewidth=0.9, label="predicted")
         axes.set_title(run.points[i])
         log_axis(axes, least, top)
-        axes.set_xscale("log")
-        axes.set_xlim(frequency[0], frequency[-1])
-        ticks = [f for f in TICKS if frequency[0] <= f <= frequency[-1]]
-        axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-        axes.minorticks_off()
+        log_axis(axes, float(frequency[0]), float(frequency[-1]), "x")
         axes.set_xlabel("frequency, Hz")
     panels[0].set_ylabel("(m/s²)²/Hz")
 

@@ -217,7 +217,7 @@ def in_other_forms(workshop: Workshop, found: Rung, effect: Effect) -> Rung:
     others = [f for f in found.fit.shared if not f.name.startswith(f"{effect.id}.")]
     for form in other_forms(workshop, effect).values():
         if not at_noise(found, workshop.noise):
-            model = in_form(workshop, found, form)
+            model = in_form(workshop, found.fit, form)
             shared = [*others, *effect_parameters(workshop.parameters_of(form), model, form)]
             fitted = fit(workshop, model, shared, workshop.of_role("fit"), bar=least_cost([found]))
             found = _better(workshop, found, validate(workshop, fitted, before=model))

@@ -184,10 +184,10 @@ def other_forms(workshop: Workshop, effect: Effect) -> dict[str, Effect]:
     return found
 
 
-def in_form(workshop: Workshop, found: Rung, form: Effect) -> Model:
-    """A rung with one of its effects in another form: the numbers that both have as they are, the
-    form's own at the starts that fit best. Stops at both ends of the travel may be seen by neither
-    of the clearances that screening gives them, and by one of them all the same."""
+def in_form(workshop: Workshop, found: Fit, form: Effect) -> Model:
+    """A fitted model with one of its effects in another form: the numbers that both have as they
+    are, the form's own at the starts that fit best. Stops at both ends of the travel may be seen by
+    neither of the clearances that screening gives them, and by one of them all the same."""
     effects = [form if e.id == form.id else e for e in found.model.effects]
     parameters = {f"{form.id}.{p.name}": p for p in workshop.parameters_of(form)}
     values = {
@@ -197,9 +197,11 @@ def in_form(workshop: Workshop, found: Rung, form: Effect) -> Model:
     }
     model = replace(found.model, effects=tuple(effects), values=values)
     own = {name: p for name, p in parameters.items() if name not in values}
+    if not own:
+        return model
     begins = product(*(p.starts if p.is_shape else (p.absent,) for p in own.values()))
     models = [model.with_values(dict(zip(own, begin, strict=True))) for begin in begins]
-    left = misfits(workshop, models, workshop.of_role("fit"), found.fit.sigma)
+    left = misfits(workshop, models, workshop.of_role("fit"), found.sigma)
     return models[int(np.argmin(left))]
 
 
@@ -212,10 +214,7 @@ def plainer(workshop: Workshop, found: Fit) -> Iterator[tuple[str, Model]]:
         form = effect.with_choice(choice)
         fewer = {p.name for p in workshop.parameters_of(form)}
         if fewer < names and form.applies_to(workshop.nominal):
-            gone = {f"{effect.id}.{name}" for name in names - fewer}
-            values = {k: v for k, v in found.model.values.items() if k not in gone}
-            effects = (*found.model.effects[:-1], form)
-            yield choice, replace(found.model, values=values, effects=effects)
+            yield choice, in_form(workshop, found, form)
 
 
 def shapes_as_believed(found: Fit) -> Iterator[Model]:
