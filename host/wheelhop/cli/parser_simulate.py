@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from wheelhop.cli.parser_export import add_export
-from wheelhop.cli.parser_modes import add_modes
+from wheelhop.cli.parser_modes import add_modes, add_spectra
 from wheelhop.cli.parser_plan import add_plan
 from wheelhop.cli.parser_tune import add_tune
 
@@ -14,6 +14,7 @@ def add_prediction(commands: Any) -> None:
     add_simulate(commands)
     add_road(commands)
     add_modes(commands)
+    add_spectra(commands)
     add_plan(commands)
     add_tune(commands)
     add_export(commands)
