@@ -14,7 +14,7 @@ from rich.table import Table
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, read_campaign
 from wheelhop.cli.identify_frf import run_frf
 from wheelhop.cli.identify_steps import run_steps
-from wheelhop.cli.identify_study import print_study
+from wheelhop.cli.identify_study import print_car
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.show import print_findings
 from wheelhop.fit import initial_model
@@ -76,8 +76,8 @@ def run(arguments: Namespace) -> int:
     if physics:
         _print_physics(physics, console)
     _write(arguments, campaign, vehicle, chosen, candidates, physics, measured)
-    if arguments.study:
-        print_study(arguments, car_of(chosen.model, vehicle.values), console)
+    if arguments.study or arguments.half_car:
+        print_car(arguments, car_of(chosen.model, vehicle.values), console)
     return 0
 
 

@@ -8,7 +8,7 @@ from rich import box
 from rich.table import Table
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.identify_study import print_study
+from wheelhop.cli.identify_study import print_car
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import (
     car_of_steps,
@@ -46,14 +46,14 @@ def run_steps(arguments: Namespace) -> int:
             table.add_row(first[0], f"{found.sigma[k]:.3f}", f"{found.omega[k]:.3f}", first[1])
     console = open_console()
     console.print(table)
-    if arguments.study:
+    if arguments.study or arguments.half_car:
         if arguments.vehicle is None:
             raise CampaignError(
                 "--study of step responses needs --vehicle VEHICLE.toml: the suspensions the body"
                 " was on, and its wheels"
             )
         values = read_vehicle(arguments.vehicle).values
-        print_study(arguments, car_of_steps(fits[-1], values), console)
+        print_car(arguments, car_of_steps(fits[-1], values), console)
     if arguments.mat:
         last = fits[-1]
         system = last.transfer(len(steps.points), len(steps.forces))

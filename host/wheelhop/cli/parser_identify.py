@@ -54,6 +54,18 @@ def add_identify(commands: Any) -> None:
         help="the corner whose ground and body are studied (default 1, front left)",
     )
     identify.add_argument(
+        "--bushing",
+        metavar="FILE.toml",
+        type=Path,
+        help="for the study: a specimen of wheelhop bushing in line with each strut; then"
+        " front-bushing, rear-bushing and bushing may be varied, too",
+    )
+    identify.add_argument(
+        "--half-car",
+        choices=("left", "right", "front", "rear"),
+        help="the generalized half car of a side or an axle: two grounds to two body points",
+    )
+    identify.add_argument(
         "--frf",
         choices=("H1", "H2", "Hv"),
         help="estimate frequency responses without a model: noise on outputs, inputs, both",
