@@ -61,7 +61,7 @@ def run(arguments: Namespace) -> int:
     gated, console = gate(campaign, vehicle), open_console()
     print_findings(gated.findings, console)
     campaign = gated.campaign
-    measured = measure(campaign)
+    measured = measure(campaign, fore_aft=arguments.fore_aft)
     if arguments.frf:
         return run_frf(arguments, campaign, measured, console)
     belief = suspensions(vehicle.values, vehicle.uncertainty)

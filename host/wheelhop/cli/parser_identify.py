@@ -37,6 +37,11 @@ def add_identify(commands: Any) -> None:
             f"--no-{name}", dest=name.replace("-", "_"), action="store_false", help=what
         )
     identify.add_argument(
+        "--fore-aft",
+        action="store_true",
+        help="take the axles' accelerations along x as inputs, too: eight inputs",
+    )
+    identify.add_argument(
         "--physics", action="store_true", help="fit without each piece of physics, too"
     )
     identify.add_argument(

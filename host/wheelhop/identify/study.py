@@ -25,6 +25,7 @@ from wheelhop.identify.quarter_car import (
 )
 from wheelhop.identify.statespace import StateSpace, of_fractions
 from wheelhop.identify.steps import DampedSinusoids
+from wheelhop.identify.structure import VERTICAL
 from wheelhop.vehicle import (
     CORNERS,
     axle_name,
@@ -152,20 +153,22 @@ def _changed(struts: Struts, wheels: Wheels, varied: str, factor: float) -> tupl
 
 
 def car_of(model: TransferMatrix, values: Mapping[str, float]) -> Car:
-    """The identified body on the suspensions and wheels of vehicle.toml.
+    """The identified body on the suspensions and wheels of vehicle.toml; axles do not move fore and
+    aft in it.
 
     Raises CampaignError if not all four axle and body points were recorded.
     """
-    if model.inputs != (0, 1, 2, 3) or model.outputs != (0, 1, 2, 3):
+    theta = model.theta[:, :VERTICAL]
+    if model.inputs[:VERTICAL] != (0, 1, 2, 3) or model.outputs != (0, 1, 2, 3):
         raise CampaignError("a study needs a transfer matrix of all four axle and body points")
     struts, wheels, sprung = _struts(values), _wheels(values), _sprung(values)
     if model.suspensions is None:
-        body = compliance(of_fractions(model.sections, model.theta), struts)
+        body = compliance(of_fractions(model.sections, theta), struts)
         return Car(body, struts, wheels, sprung)
     ratio, front_s, rear_s = model.suspensions.value
     front = struts.front_N_m
     fitted = Struts(front, ratio * front, front_s * front, rear_s * ratio * front)
-    return Car(of_fractions(model.sections, model.theta / front), fitted, wheels, sprung)
+    return Car(of_fractions(model.sections, theta / front), fitted, wheels, sprung)
 
 
 def car_of_steps(fitted: DampedSinusoids, values: Mapping[str, float]) -> Car:
