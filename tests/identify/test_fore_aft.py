@@ -94,4 +94,4 @@ def test_a_campaign_with_channels_along_x(tmp_path):
     out = ["--json", str(tmp_path / "h.json")]
     assert main(["identify", str(folder), "--fore-aft", "--order", "4", *out]) == 0
     found = json.loads((tmp_path / "h.json").read_text())
-    assert found["inputs"] == [*AXLE_POINTS, *(f"{point} fore-aft" for point in AXLE_POINTS)]
+    assert found["inputs"] == [*AXLE_POINTS, *(f"{point} x" for point in AXLE_POINTS)]

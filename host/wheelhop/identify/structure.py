@@ -110,8 +110,8 @@ class Suspensions:
 
 
 def input_name(number: int) -> str:
-    """What a column is of: "A1", or "A1 fore-aft"."""
-    return AXLE_POINTS[number % VERTICAL] + (" fore-aft" if number >= VERTICAL else "")
+    """What a column is of: "A1" or, fore and aft, "A1 x"."""
+    return AXLE_POINTS[number % VERTICAL] + (" x" if number >= VERTICAL else "")
 
 
 def suspensions(values: Mapping[str, float], uncertainty: Mapping[str, float]) -> Suspensions:

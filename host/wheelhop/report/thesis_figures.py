@@ -142,7 +142,7 @@ def figure_6_1() -> Figure:
         left.set_xlim(0, SHOWN_S)
         left.set_xlabel("time, s")
         left.set_ylabel("B1, m/s²")
-        left.legend(loc="upper right")
+        figure.legend(*left.get_legend_handles_labels(), loc="outside upper left", ncols=2)
         right.set_xlabel("frequency, Hz")
         right.set_ylabel("amplitude, m/s²")
     return figure
