@@ -40,6 +40,13 @@ def test_power_lies_where_the_road_and_the_vehicle_put_it(runs):
         assert measured == pytest.approx(expected, rel=0.12)
 
 
+def test_chance_is_that_of_a_mean_of_squares(runs):
+    """χ² of ten degrees over ten: 0.3247 to 2.0483, in tables; bands are thirds of an octave."""
+    low, high = replace(runs[0], freedom=np.array([10.0])).chance
+    assert (low.item(), high.item()) == pytest.approx((0.3247, 2.0483), abs=1e-4)
+    assert np.diff(np.log2(runs[0].middle_hz))[4:-1] == pytest.approx(1 / 3, abs=0.02)
+
+
 def test_another_vehicle_does_not_fit(campaign):
     values = {**VEHICLE.values, "suspension.front.damping_N_s_m": 1260.0}
     other = replace(VEHICLE, values=values)
@@ -55,8 +62,18 @@ def test_peaks_are_those_of_a_gaussian_signal(runs):
         (largest, rises), (is_largest, is_rises) = one.peaks(), one.shown_peaks()
         assert is_rises == pytest.approx(rises, rel=0.08)
         assert is_largest == pytest.approx(largest, rel=0.4)
+    # The mean of so many drawn from the predicted spectra, of which the formula is 2 % too large.
+    one, rng = runs[0], np.random.default_rng(1)
+    power = np.einsum("kii->ki", one.predicted).real
+    step = one.frequency_hz[1] - one.frequency_hz[0]
+    lines = np.zeros((300, len(one.run.time_s) // 2 + 1, 8), complex)
+    first = round(one.frequency_hz[0] / step)
+    parts = rng.normal(size=(2, 300, *power.shape))
+    drawn = (parts[0] + 1j * parts[1]) * np.sqrt(power * step) / 2 * len(one.run.time_s)
+    lines[:, first : first + len(power)] = drawn
+    mean = np.abs(np.fft.irfft(lines, len(one.run.time_s), axis=1)).max(axis=1).mean(axis=0)
+    assert one.peaks()[0] == pytest.approx(mean, rel=0.05)
     # Of a white band from 0 to f the rate of zero crossings upwards is f/√3.
-    one = runs[0]
     white = replace(one, predicted=np.broadcast_to(np.eye(8), one.predicted.shape))
     low, high = one.frequency_hz[[0, -1]]
     expected = np.sqrt((high**3 - low**3) / (high - low) / 3)

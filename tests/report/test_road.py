@@ -17,6 +17,7 @@ def of(track, speed):
 def test_a_washboard_comes_at_speed_over_pitch_and_to_the_rear_a_wheelbase_later():
     time_s, ground, centres = of("washboard/low", 7.5)
     crests = time_s[1:-1][(np.diff(np.sign(np.diff(ground[:, 0]))) < 0)]
+    assert len(crests) == 20  # on 8 m
     assert np.diff(crests) == pytest.approx(0.4 / (7.5 / 3.6), abs=0.005)
     late = round(WHEELS.wheelbase_m / (7.5 / 3.6) * 500)
     assert centres[late:, 2] == pytest.approx(centres[:-late, 0], abs=2e-4)
@@ -35,6 +36,8 @@ def test_a_herringbone_meets_the_right_wheel_earlier_and_a_one_sided_one_the_lef
 
 def test_the_command_draws_any_track_and_refuses_what_has_no_speed(tmp_path, capsys):
     file = tmp_path / "ground.png"
+    time_s, ground, _ = of("step-bump/thesis", 15.0)
+    assert time_s[np.argmax(ground[:, 0] > 0)] == pytest.approx(1.0 / (15.0 / 3.6), abs=0.003)
     assert main(["road", "step-bump/thesis", "--plot", str(file)]) == 0
     assert file.read_bytes().startswith(b"\x89PNG")
     assert main(["road", "washboard/low", "--plot", str(file), "--speed", "0"]) == 2

@@ -58,7 +58,7 @@ def _show(found: Sequence[RoadRun], console: Console) -> None:
     table.add_column("run", overflow="fold")
     table.add_column("point")
     for heading in (
-        *("rms, m/s²\nis / expected", "largest, m/s²\nis / expected"),
+        *("rms\nis / expected", "largest\nis / expected"),
         *("rises a second\nis / expected", "bands within\nchance"),
     ):
         table.add_column(heading, justify="right")
@@ -68,7 +68,7 @@ def _show(found: Sequence[RoadRun], console: Console) -> None:
         for i, channel in enumerate(one.channels):
             table.add_row(
                 Text(one.run.id if i == 0 else ""),
-                Text(channel.name),
+                Text(f"{channel.name}, {channel.unit}"),
                 f"{rms[i]:.2f} / {expected[i]:.2f}",
                 f"{largest[i]:.1f} / {peak[i]:.1f}",
                 f"{crossed[i]:.1f} / {rises[i]:.1f}",

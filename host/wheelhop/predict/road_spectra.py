@@ -28,9 +28,6 @@ ComplexArray = NDArray[np.complex128]
 
 ISO, PER_OCTAVE = "iso8608", 3
 CHANCE = 0.05
-EULER = 0.5772
-"""Of the mean of the largest of many independent peaks (A. G. Davenport, Proc. ICE 28 (1964) 187).
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +92,9 @@ class RoadRun:
         power, rate = (np.sum(density * omega**n, axis=0) for n in (0, 2))
         crossings = np.sqrt(rate / power) / (2 * np.pi)
         seconds = 1.0 / (self.frequency_hz[1] - self.frequency_hz[0])
-        reach = np.sqrt(2 * np.log(np.maximum(crossings * seconds, 3.0)))
-        return (reach + EULER / reach) * self.rms()[1], crossings
+        # Both ways, so twice as many (A. G. Davenport, Proc. ICE 28 (1964) 187).
+        reach = np.sqrt(2 * np.log(np.maximum(2 * crossings * seconds, 3.0)))
+        return (reach + np.euler_gamma / reach) * self.rms()[1], crossings
 
     def shown_peaks(self) -> tuple[Array, Array]:
         """What `peaks` says, of the record itself in band."""

@@ -37,7 +37,7 @@ def draw_spectra(runs: Sequence[RoadRun], path: Path) -> None:
                 axes.set_title(one.channels[i].name)
                 log_axis(axes, least, top)
                 log_axis(axes, float(hertz[0]), float(hertz[-1]), "x")
-            line[0].set_ylabel(f"{one.run.id}\n(m/s²)²/Hz", fontsize=6)
+            line[0].set_ylabel(f"{one.run.id}\nunit²/Hz", fontsize=6)
         for axes in grid[-1]:
             axes.set_xlabel("Hz")
         figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
