@@ -168,6 +168,8 @@ def test_the_command_puts_a_specimen_in_line_and_prints_a_half_car(tmp_path, cap
     assert main(["bushing", "fit", str(data), "--out", str(tmp_path)]) == 0
     (specimen,) = tmp_path.glob("*.toml")
     assert approximate(read_specimen(specimen).modulus).stiffness_N_m > 5e5
+    alone = ["identify", str(EXAMPLES / "clean"), "--bushing", str(specimen)]
+    assert main(alone) == 2 and "--half-car" in capsys.readouterr().err
     words = ["--order", "6", "--study", "bushing=0.01,1", "--bushing", str(specimen)]
     assert main(["identify", str(EXAMPLES / "clean"), *words, "--half-car", "left"]) == 0
     said = capsys.readouterr().out

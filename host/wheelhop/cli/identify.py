@@ -46,6 +46,8 @@ from wheelhop.vehicle import CORNERS, Vehicle, read_vehicle, wheels
 
 def run(arguments: Namespace) -> int:
     """Fit, judge on held-out runs, print, draw and export; raises CampaignError."""
+    if arguments.bushing and not (arguments.study or arguments.half_car):
+        raise CampaignError("--bushing: what is asked of the car with it? --study or --half-car")
     if arguments.source.is_file():
         return run_steps(arguments)
     campaign = read_campaign(arguments.source)

@@ -49,8 +49,8 @@ def run_steps(arguments: Namespace) -> int:
     if arguments.study or arguments.half_car:
         if arguments.vehicle is None:
             raise CampaignError(
-                "--study of step responses needs --vehicle VEHICLE.toml: the suspensions the body"
-                " was on, and its wheels"
+                "--study and --half-car of step responses need --vehicle VEHICLE.toml: the"
+                " suspensions the body was on, and its wheels"
             )
         values = read_vehicle(arguments.vehicle).values
         print_car(arguments, car_of_steps(fits[-1], values), console)
