@@ -18,7 +18,7 @@ from wheelhop.identify import (
 )
 from wheelhop.vehicle import read_vehicle
 
-CAMPAIGNS_ONLY = ("start", "physics", "figure", "frf")
+CAMPAIGNS_ONLY = ("start", "physics", "figure", "frf", "fore_aft", "report")
 MOST = 3
 """Damped sinusoids tried when no order is given, as in Table 2.1 of the thesis."""
 
@@ -29,7 +29,9 @@ def run_steps(arguments: Namespace) -> int:
         raise CampaignError(f"--order {arguments.order}: damped sinusoids come in pairs of poles")
     given = [name for name in CAMPAIGNS_ONLY if getattr(arguments, name)]
     if given:
-        raise CampaignError(f"--{given[0]} is for campaigns: leave it out with step responses")
+        raise CampaignError(
+            f"--{given[0].replace('_', '-')} is for campaigns: leave it out with step responses"
+        )
     steps = read_steps(arguments.source, arguments.force_N)
     counts = [arguments.order // 2] if arguments.order else list(range(1, MOST + 1))
     table = Table(box=box.SIMPLE_HEAD)

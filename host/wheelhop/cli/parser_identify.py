@@ -99,6 +99,9 @@ def add_identify(commands: Any) -> None:
     thesis.add_argument(
         "--figures", metavar="FOLDER", type=Path, help="draw its figures, and make a page of them"
     )
+    thesis.add_argument(
+        "--frame", metavar="FILE.toml", type=Path, help="draw figure 6.1 with a frame of beams"
+    )
     for command in (identify, thesis):
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")
 
