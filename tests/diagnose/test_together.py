@@ -168,8 +168,8 @@ def pairs(monkeypatch, *, takes, gain, room, noise=1.0, heights=None):
         return SimpleNamespace(id="spring", variant=variant, gain=gain, score=1.0, error=1.0)
 
     def rung(cost, evidence, heights=None):
-        fitted = SimpleNamespace(cost=cost, size=5000, evidence=evidence)
         model = SimpleNamespace(effects=[], random_heights=heights)
+        fitted = SimpleNamespace(cost=cost, misfit=cost, size=5000, evidence=evidence, model=model)
         return SimpleNamespace(fit=fitted, model=model)
 
     def screened_anew(workshop, base, others):
