@@ -17,8 +17,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from numba import NumbaError
 from numba.core.caching import CacheImpl, _CacheLocator
-from numba.core.errors import NumbaError
 
 from wheelhop.campaign import CampaignError
 from wheelhop.effects.base import Effect

@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba.core import types
+from numba import types
 from numba.extending import intrinsic as _intrinsic
 from numba.extending import models, register_model
-from numba.np.arrayobj import make_array
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -106,6 +105,6 @@ def side_by_side(given: Sequence[Array]) -> Array:
 
 
 def _place(context: Any, builder: Any, kind: Any, array: Any, row: Any) -> Any:
-    data = make_array(kind)(context, builder, array).data  # type: ignore[no-untyped-call]
+    data = context.make_array(kind)(context, builder, array).data
     first = builder.mul(row, ir.Constant(row.type, LANES))
     return builder.bitcast(builder.gep(data, [first]), _LLVM.as_pointer())

@@ -20,11 +20,7 @@ from typing import Any
 import numba
 import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba.core import types
-from numba.core.cgutils import unpack_tuple as _unpack_tuple
-from numba.core.errors import NumbaExperimentalFeatureWarning
-from numba.np.arrayobj import make_array as _make_array
-from numba.np.numpy_support import carray
+from numba import NumbaExperimentalFeatureWarning, carray, types
 from numpy.typing import NDArray
 
 from wheelhop.effects import law
@@ -32,9 +28,6 @@ from wheelhop.simulate.lanes import LANES, intrinsic
 from wheelhop.vehicle import Law
 
 Array = NDArray[np.float64]
-
-make_array: Any = _make_array  # these have no types
-unpack_tuple: Any = _unpack_tuple
 
 PARSING = Lock()
 """CPython 3.11 counts how deep the trees of all threads are as one, and a tree that is made beside
@@ -114,9 +107,9 @@ def call(typing, address, ports, elapsed, parameters, first, last):  # type: ign
 
     def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         at, port, since, number, begin, end = arguments
-        port = make_array(signature.args[1])(context, builder, port)
-        number = make_array(signature.args[3])(context, builder, number)
-        lanes, count, width = unpack_tuple(builder, number.shape)
+        port = context.make_array(signature.args[1])(context, builder, port)
+        number = context.make_array(signature.args[3])(context, builder, number)
+        lanes, count, width = (builder.extract_value(number.shape, i) for i in range(3))
         kind = ir.FunctionType(
             ir.VoidType(), [context.get_value_type(argument) for argument in _ARGUMENTS]
         )
