@@ -7,8 +7,8 @@ bin := .venv/bin
 # Tests start hundreds of Pythons. Where these may not keep what they compile, each takes 3 s more.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo check test test-waiting test-computing test-beside-work test-all docs lint wheels firmware \
-	firmware-budget clean
+.PHONY: demo check test test-waiting test-computing test-beside-work test-all docs lint wheels oldest release \
+	firmware firmware-budget clean
 
 demo: .venv/installed
 	$(bin)/wheelhop demo
@@ -49,6 +49,14 @@ lint: .venv/installed-test
 
 wheels: .venv/installed-test
 	tools/test_wheels.sh
+
+# The lower bounds of pyproject.toml, to the letter, on Python 3.11.
+oldest: .venv/installed-test
+	tools/test_oldest.sh
+
+# Everything of a release into dist/; without a tag it is a rehearsal. Nothing is uploaded.
+release: .venv/installed-test
+	tools/release.sh
 
 firmware:
 	tools/build_firmware.sh nano mega

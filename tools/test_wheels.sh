@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The wheel and the sdist in clean environments, one for each Python given: tools/test_wheels.sh [PYTHON …]
+# The wheel and the sdist in clean environments, one for each Python given: tools/test_wheels.sh [--of DIST] [PYTHON …]
+# It builds them, unless a folder says where they are.
 # Without arguments: python3.11 … python3.14. What is not there comes from Debian's next release, into a folder of
 # its own, if this is root and `debootstrap` is installed. Needs PyPI, hatchling in .venv, and
 # what tools/firmware_release.sh needs: the wheel carries the firmware.
@@ -8,8 +9,14 @@ cd "$(dirname "$0")/.."
 place=$(mktemp -d)
 trap 'rm -rf --one-file-system "$place"' EXIT
 
-tools/firmware_release.sh >/dev/null
-.venv/bin/python -m hatchling build --directory "$place/dist" >/dev/null 2>&1
+if [ "${1:-}" = --of ]; then
+  mkdir "$place/dist"
+  cp "$2"/*.whl "$2"/*.tar.gz "$place/dist"
+  shift 2
+else
+  tools/firmware_release.sh >/dev/null
+  .venv/bin/python -m hatchling build --directory "$place/dist" >/dev/null 2>&1
+fi
 cp -r examples/clean "$place/clean"
 
 # try NAME PYTHON FOLDER [chroot ROOT]: both packages of a folder, which the Python sees under this name.

@@ -4,9 +4,15 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
+from packaging.requirements import Requirement
+
+from tools import sbom
+
 ROOT = Path(__file__).parents[2]
 SETUP = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = SETUP["project"]
+BOUND = re.compile(r"([\w-]+)>=([\d.]+)(,<[\d.]+)?")
 
 
 def text_of(name):
@@ -14,11 +20,15 @@ def text_of(name):
 
 
 def test_the_papers_and_a_copy_without_history_name_one_version():
-    newest = re.findall(r"^## (\S+),", text_of("CHANGELOG.md"), re.M)[0]
+    version, state = re.findall(r"^## (\S+), (.+)$", text_of("CHANGELOG.md"), re.M)[0]
     facts = dict(re.findall(r"^([\w-]+): (.+)$", text_of("CITATION.cff"), re.M))
-    assert facts["version"] == newest and facts["license"] == PROJECT["license"]
+    assert facts["version"] == version and facts["license"] == PROJECT["license"]
     assert facts["cff-version"] == "1.2.0" and facts["title"].startswith('"wheelhop')
-    assert SETUP["tool"]["hatch"]["version"]["fallback-version"] == f"{newest}.dev0"
+    assert re.fullmatch(r"\d{4}-\d\d-\d\d", facts["date-released"])
+    released = state == facts["date-released"]
+    assert released or state == "not released yet"
+    fallback = SETUP["tool"]["hatch"]["version"]["fallback-version"]
+    assert fallback == (version if released else f"{version}.dev0")
 
 
 def test_contributors_are_told_commands_that_exist():
@@ -30,6 +40,40 @@ def test_contributors_are_told_commands_that_exist():
         assert tool in wanted
 
 
-def test_pandas_and_pyarrow_come_with_every_installation():
-    names = {re.split(r"[<>=~! ]", one)[0] for one in PROJECT["dependencies"]}
-    assert {"pandas", "pyarrow"} <= names
+def test_every_library_of_an_installation_has_a_tested_lower_bound():
+    """And numba an upper one: effects/own_file.py makes use of what is not public in it."""
+    extras = PROJECT["optional-dependencies"]
+    bounds = PROJECT["dependencies"] + extras["workbench"] + extras["logger"]
+    named = {match[1]: match for one in bounds if (match := BOUND.fullmatch(one))}
+    assert len(named) == len({re.split(r"\W", one)[0] for one in bounds})
+    assert {"pandas", "pyarrow"} <= set(named)
+    assert [name for name, match in named.items() if match[3]] == ["numba"]
+
+
+def test_what_is_linked_into_the_firmware_has_a_licence_beside_it():
+    shipped = tomllib.loads(text_of("licenses/components.toml"))["component"]
+    texts = {one["text"] for one in shipped if "text" in one}
+    assert texts == {path.name for path in (ROOT / "licenses").glob("*.txt")}
+    names = {one["name"] for one in shipped}
+    assert {one["name"] for one in shipped if "text" not in one} == {"libgcc"} and "FatFs" in names
+    (fatfs,) = (one["version"] for one in shipped if one["name"] == "FatFs")
+    assert f"fatfs-ng==0.1.{fatfs.removeprefix('R0.')}" in text_of("firmware/fatfs.txt")
+
+
+def test_the_sbom_holds_what_an_installation_takes_along():
+    found = sbom.bill(Requirement("wheelhop[workbench]"))
+    names = {one["name"]: one for one in found["components"]}
+    assert {"numpy", "llvmlite", "nicegui", "starlette"} <= set(names)  # what needs need, too
+    assert "pytest" not in names and "asammdf" not in names
+    assert names["llvmlite"]["purl"].startswith("pkg:pypi/llvmlite@")
+    whole = found["metadata"]["component"]
+    assert {"FatFs", "avr-libc"} <= {one["name"] for one in whole["components"]}
+    refs = {one["bom-ref"] for one in [whole, *found["components"]]}
+    assert {link["ref"] for link in found["dependencies"]} == refs
+    assert {on for link in found["dependencies"] for on in link["dependsOn"]} <= refs
+
+
+@pytest.mark.parametrize("name", [".github/workflows/ci.yml", "tools/test_oldest.sh"])
+def test_what_runs_elsewhere_names_tests_and_examples_that_exist(name):
+    named = re.findall(r"\b(?:tests|examples|tools)/[\w./-]+|\.ci/\w+", text_of(name))
+    assert named and [path for path in named if not (ROOT / path).exists()] == []

@@ -1,8 +1,11 @@
 """What a user installs: the wheel and the sdist hold the whole package, and it works alone."""
 
+import io
+import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -47,14 +50,32 @@ def build(source, target, out):
 
 
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="a copy without its history")
-def test_the_version_is_that_of_the_tag(tmp_path):
+def test_the_version_is_that_of_the_tag_where_one_is_known(tmp_path):
+    """A copy that knows of none claims no release: neither a git archive nor a plain one."""
     pytest.importorskip("hatch_vcs")
-    for command in (["clone", "-q", str(ROOT), str(tmp_path / "c")], ["tag", "v7.8.9"]):
-        folder = tmp_path / "c" if command[0] == "tag" else tmp_path
-        subprocess.run(["git", *command], cwd=folder, check=True)
+    papers = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    fallback = papers["tool"]["hatch"]["version"]["fallback-version"]
+    clone = tmp_path / "clone"
+    subprocess.run(["git", "clone", "-q", "--no-tags", str(ROOT), str(clone)], check=True)
+    assert version_of(archive(clone, tmp_path / "untagged")) == fallback
+    subprocess.run(["git", "tag", "v7.8.9"], cwd=clone, check=True)
+    assert version_of(clone) == "7.8.9"
+    assert version_of(archive(clone, tmp_path / "tagged")) == "7.8.9"
+    shutil.rmtree(clone / ".git")
+    assert version_of(clone) == fallback
+
+
+def archive(clone, folder):
+    tar = subprocess.run(["git", "archive", "HEAD"], cwd=clone, capture_output=True, check=True)
+    with tarfile.open(fileobj=io.BytesIO(tar.stdout)) as files:
+        files.extractall(folder, filter="data")
+    return folder
+
+
+def version_of(folder):
     command = [sys.executable, "-m", "hatchling", "version"]
-    told = subprocess.run(command, cwd=tmp_path / "c", capture_output=True, text=True, check=True)
-    assert told.stdout.strip() == "7.8.9"
+    told = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+    return told.stdout.strip()
 
 
 def files_in_the_repository():
@@ -72,6 +93,9 @@ def test_the_wheel_holds_every_module_style_and_table_once(built):
     missing = {path for path in ours if path.parts[0] == "wheelhop"} - there
     assert missing == set()
     assert Path("wheelhop/py.typed") in there
+    assert {"LICENSE", "FatFs.txt", "LGPL-2.1.txt"} <= {
+        path.name for path in there if path.parts[0].endswith(".dist-info")
+    }
     assert not [path for path in there if path.name == "truth.toml" or path.parts[0] == "tests"]
     assert len([p for p in there if p.parts[:3] == ("wheelhop", "workbench", "gallery")]) > 20
 
@@ -80,6 +104,7 @@ def test_the_sdist_holds_what_the_tests_and_the_reader_need(built):
     names, _ = built
     for name in ("README.md", "LICENSE", "docs/python.md", "tests/api/test_wheel.py"):
         assert name in names
+    assert "licenses/FatFs.txt" in names
     assert not [name for name in names if name.startswith((".venv", ".git/"))]
 
 
