@@ -21,7 +21,7 @@ wheel=$(echo "$place"/*.whl)
 "$place/env/bin/pip" install -qq --disable-pip-version-check --only-binary :all: -c "$place/oldest.txt" \
   "$wheel[workbench,logger]" pytest hypothesis jsonschema
 tr '\n' ' ' <"$place/oldest.txt"; echo
-"$place/env/bin/python" -W error::DeprecationWarning:wheelhop -c "import wheelhop.workbench.app"
-"$place/env/bin/pytest" -p no:cacheprovider tests/api/test_public.py tests/api/test_results.py tests/api/test_saving.py \
-  tests/api/test_frames.py tests/api/test_simulate.py tests/files tests/formats/test_parquet.py tests/formats/test_text.py \
-  tests/report/test_model_file.py tests/simulate/test_heave.py
+"$place/env/bin/python" -c "import wheelhop.workbench.app"
+"$place/env/bin/pytest" -p no:cacheprovider --durations=5 \
+  tests/api/test_{public,results,saving,frames}.py tests/files/test_{toml,schemas,write}.py \
+  tests/formats/test_{parquet,text}.py tests/report/test_{model_file,thesis_page}.py

@@ -20,7 +20,7 @@ from typing import Any
 import numba
 import numpy as np
 from llvmlite import ir  # type: ignore[import-untyped]
-from numba import NumbaExperimentalFeatureWarning, carray, types
+from numba import NumbaExperimentalFeatureWarning, carray, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
 from wheelhop.effects import law
