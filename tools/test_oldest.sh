@@ -11,7 +11,7 @@ trap 'rm -rf --one-file-system "$place"' EXIT
 import re, tomllib
 project = tomllib.load(open("pyproject.toml", "rb"))["project"]
 extras = project["optional-dependencies"]
-for bound in project["dependencies"] + extras["workbench"] + extras["logger"]:
+for bound in sorted({*project["dependencies"], *extras["workbench"], *extras["logger"]}):
     name, oldest = re.fullmatch(r"([\w-]+)>=([\d.]+)(?:,<[\d.]+)?", bound).groups()
     print(f"{name}=={oldest}")
 PYTHON
