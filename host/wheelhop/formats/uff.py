@@ -25,10 +25,12 @@ from wheelhop.formats.grid import fit_grid, too_few
 from wheelhop.formats.groups import no_time, only_recordings
 from wheelhop.formats.header import Header, read_sidecar, sidecar
 from wheelhop.formats.mapping import Map
+from wheelhop.formats.names import is_time_name
 from wheelhop.formats.table import POINTS, Table
 from wheelhop.logger.recording import ACCELERATION, Channel, Recording
 
 TIME_RESPONSE, EVEN, SI_UNITS = 1, 1, 1
+TIME = 17  # specific data type of an abscissa
 PLUS_Z = 3
 DIRECTIONS = {
     **{k: f"+{'XYZ'[k - 1]}" for k in (1, 2, 3)},
@@ -110,8 +112,12 @@ def _no_recording(item: Mapping[str, Any]) -> str:
     unit = _said(item.get("abscissa_axis_units_lab", ""))
     if axis is None and unit and seconds_in(unit) is None:
         axis = unit
-    if axis is None and "freq" in _said(item.get("abscissa_axis_lab", "")).lower():
+    label = _said(item.get("abscissa_axis_lab", ""))
+    if axis is None and "freq" in label.lower():
         axis = "frequency"
+    sure = unit or item.get("abscissa_spec_data_type", 0) == TIME
+    if axis is None and label and not sure and not is_time_name(label):
+        axis = label
     if axis is None:
         return ""
     return f"its abscissa is {axis}, not time: {no_time('Hz' if axis == 'frequency' else unit)}"
@@ -199,6 +205,8 @@ def _channel(item: dict[str, Any], metric: bool, named: bool) -> Channel:
     if unit in ("", "NONE"):
         known = {code: unit for unit, code in KINDS.items()}
         unit = known.get(item["ordinate_spec_data_type"], "") if metric else ""
+    if per := _said(item.get("orddenom_axis_units_lab", "")):
+        unit = f"{unit}/{per}"
     point = entity if entity in POINTS else ""
     return Channel(name, unit, point)
 

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from wheelhop.files import did_you_mean, quoted
 from wheelhop.files.units import SPELT, is_measured, to_si
+from wheelhop.formats.columns import Question
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.labels import is_unit
 from wheelhop.formats.mapping import Map, parse_mapping
 from wheelhop.formats.places import likely_points
 from wheelhop.formats.table import POINTS
-from wheelhop.formats.timing import Question
 from wheelhop.logger.recording import ACCELERATION
 
 CHANNEL, TIME, LEFT_OUT = "a channel", "time", "left out"
