@@ -248,7 +248,7 @@ def _found(
             yield Found(keys[k], column.label, column.name, unit, TIME, timing.why)
         elif k in names:
             point = points[taken.index(k)]
-            name, why = names[k], why_of(column.unit)
+            name, why = names[k], why_of(names[k], column.unit)
             yield Found(keys[k], column.label, name, column.unit, CHANNEL, why, point)
         else:
             plain = "a clock, too" if column.stamps else _no_number(layout, k) or "no numbers"

@@ -342,8 +342,9 @@ def _distinct(labels: Sequence[str]) -> bool:
 
 def _is_units(found: Sequence[str], above: Sequence[Sequence[str]]) -> bool:
     """Whether a line holds units: most of its cells are known ones or in brackets, or half of them
-    with the first; or it has blanks where a line `above` has a name in every column. A line with
-    none above holds units only if all its cells do."""
+    with the first; or the first is, and cells repeat, or there are blanks, where a line `above` has
+    a name of its own in every column. A line with none above holds units only if all its cells
+    do."""
     there = [cell for cell in found if cell.lower() not in NO_UNITS]
     known = [is_unit(bare_unit(cell)) or bare_unit(cell) != cell for cell in there]
     if not there or not above:
@@ -351,7 +352,8 @@ def _is_units(found: Sequence[str], above: Sequence[Sequence[str]]) -> bool:
     blanks = len(there) < len(found)
     named = any(all(other) and _distinct(other) for other in above)
     half = 2 * sum(known) - len(there)
-    return (blanks and named) or half > 0 or (known[0] and half == 0)
+    again = named and not _distinct(there)
+    return (blanks and named) or half > 0 or (known[0] and (half == 0 or again))
 
 
 def _splits_numbers(lines: Sequence[str], layout: Layout) -> bool:

@@ -62,6 +62,20 @@ def likely_quantity(name: str, si_unit: str) -> str:
     return "speed" if si_unit == "m/s" else ""
 
 
+GOOD_FOR = {
+    "m": "travel:CORNER",
+    "N": "force:CORNER",
+    "rad/s": "rate:pitch or rate:roll",
+    "m/s": "speed",
+}
+
+
+def good_for(name: str, si_unit: str) -> str:
+    """What a channel that is no acceleration may be in a campaign, as `likely_quantity` says it, or
+    as its unit alone allows; "" for nothing."""
+    return likely_quantity(name, si_unit) or GOOD_FOR.get(si_unit, "")
+
+
 def _words(name: str) -> list[str]:
     return re.findall(r"[a-z]+|\d+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
 

@@ -18,7 +18,7 @@ from wheelhop.formats.grid import RESAMPLE, Grid, fit_grid
 from wheelhop.formats.header import Header
 from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.mapping import Map, Pick
-from wheelhop.formats.places import likely_points
+from wheelhop.formats.places import good_for, likely_points
 from wheelhop.logger.recording import ACCELERATION, CODE, Channel, Recording
 
 POINTS = (*(f"A{k}" for k in range(1, 5)), *(f"B{k}" for k in range(1, 5)), "body")
@@ -250,7 +250,17 @@ def _name(old: Channel) -> str:
 
 def _point(table: Table, pick: Pick, old: Channel, unit: str) -> str:
     """Where a channel sits; one in a unit that is not known sits nowhere."""
-    if is_measured(unit) or unit == CODE or table.header is not None:
+    if table.header is not None:
+        return pick.point or old.point
+    if word := good_for(pick.name or old.name, unit):
+        if pick.point:
+            raise ExchangeError(
+                f"{table.file}: {pick.name or old.name} is in {unit}, no acceleration, and so"
+                f" cannot sit at {pick.point}: leave point out; it is good as {word}, which"
+                " campaign new --place says"
+            )
+        return ""
+    if is_measured(unit) or unit == CODE:
         return pick.point or old.point
     if pick.point:
         said = f"is in {unit}, which is not known" if unit else "does not say its unit"

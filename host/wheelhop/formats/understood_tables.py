@@ -62,7 +62,7 @@ def of_tables(
     columns = []
     for k, (number, channel) in enumerate(zip(table.columns, table.channels, strict=True)):
         key = quoted(channel.name) if count[channel.name] == 1 else str(number)
-        why = why_of(channel.unit)
+        why = why_of(named[k], channel.unit)
         found = Found(key, channel.name, named[k], channel.unit, CHANNEL, why, points[k])
         columns.append(found)
     questions = (*timing.questions, *asked)
