@@ -257,3 +257,17 @@ def test_a_column_of_numbers_and_others_is_left_out_with_a_word(cell, tmp_path):
 def test_blanks_do_not_separate_what_semicolons_do(tmp_path):
     body = "".join(f"Jun 05, 2025 10:20:{k / 100:05.2f} AM;0.5\n" for k in range(300))
     assert "no columns of numbers are found" in drafted(tmp_path, f"Time;az [g]\n{body}")
+
+
+@pytest.mark.parametrize(
+    ("head", "units", "guess"),
+    [
+        ("Time [s],az [mg]", "s,g", "az [mg] is in g, as line 2 says"),
+        ("Time [ms],az [g]", "s,g", "Time [ms] is in s, as line 2 says"),
+        ("Time [sec],az [G]", "s,g", None),
+    ],
+)
+def test_a_line_of_units_that_belies_the_names_is_a_guess(head, units, guess, tmp_path):
+    found = drafted(tmp_path, text(head, units, *rows(columns=1)))
+    assert found.rate_hz == 100.0 and found.values[1, 0] == pytest.approx(0.1987 * G)
+    assert understand(tmp_path / "run.csv").guesses == ((guess,) if guess else ())

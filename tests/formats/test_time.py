@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.formats.foreign import G
-from tests.formats.logged import ROWS, WAVE, drafted, table
+from tests.formats.logged import ROWS, WAVE, drafted, table, units_of
 from wheelhop.formats import Map, draft_mapping, read, understand
 
 START = 1762640265216  # 2025-11-08T22:17:45.216Z, ms
@@ -367,3 +367,11 @@ def test_a_day_that_may_be_a_month_is_no_start(tmp_path):
     for day, start in (("05/06/2025", None), ("14/06/2025", 1749895261.0)):
         text = table(lambda k, d=day: f"{d} 10:01:{1 + k / 100:05.2f}Z")
         assert drafted(tmp_path, text).start_unix_s == start
+
+
+@pytest.mark.parametrize(("head", "unit"), [("T [°C]", "°C"), ("T", ""), ("t1 [mm]", "m")])
+def test_what_rises_beside_a_clock_is_a_channel(head, unit, tmp_path):
+    """A temperature that is called as time is."""
+    text = table(lambda k: f"{k / 100:.2f},{20 + (k // 7) * 0.1 + (k % 7) ** 2 * 1e-3:.3f}",
+                 f"Time [s],{head},az [g]")  # fmt: skip
+    assert units_of(drafted(tmp_path, text)) == {head.partition(" ")[0]: unit, "az": "m/s²"}

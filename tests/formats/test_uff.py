@@ -310,3 +310,14 @@ def test_an_abscissa_without_a_unit_must_be_called_time(tmp_path):
 def test_what_is_per_force_is_no_acceleration(tmp_path):
     per = {"orddenom_axis_units_lab": "N"}
     assert read(saved(tmp_path, function(**per))).channels[0].unit == "g/N"
+
+
+def test_what_points_elsewhere_than_up_is_called_so_and_sits_nowhere(tmp_path):
+    named = {"rsp_node": 0, "id1": "Hub FL", "rsp_ent_name": "A1"}
+    for direction, name, point in (
+        (3, "Hub FL", "A1"),
+        (-3, "Hub FL -Z", ""),
+        (1, "Hub FL +X", ""),
+    ):
+        found = read(saved(tmp_path, function(rsp_dir=direction, **named)))
+        assert [(c.name, c.point) for c in found.channels] == [(name, point)]

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.files import quoted
+from wheelhop.files.units import seconds_in, to_si
 from wheelhop.formats import cells
 from wheelhop.formats.asked import answered, resample_keys, timing_keys, uneven_stamps
 from wheelhop.formats.columns import Column, Question, Timing
@@ -174,9 +175,18 @@ def _guesses(layout: Layout, columns: Sequence[Column], timing: Timing) -> Itera
             yield f"{short(column.label)} is left out: {word}"
     for k, column in enumerate(columns):
         said = layout.units[k] if layout.units else ""
-        by_name = column.unit and not said and not name_and_unit(column.label, endings=False)[1]
+        inside = name_and_unit(column.label, endings=False)[1]
+        if said and inside and _means(said) != _means(inside):
+            yield f"{column.label} is in {said}, as line {layout.units_row} says"
+        by_name = column.unit and not said and not inside
         if by_name and k != timing.index and is_doubtful(column.label):
             yield f"{column.label} is in {column.unit}, by the end of its name"
+
+
+def _means(unit: str) -> tuple[str, float]:
+    """A unit whatever it is spelt like."""
+    seconds = seconds_in(unit)
+    return to_si(unit) if seconds is None else ("s", seconds)
 
 
 def _no_number(layout: Layout, k: int) -> str:

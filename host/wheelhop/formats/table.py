@@ -128,7 +128,9 @@ def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recor
     grid = _grid(table, mapping)
     said = mapping is not None and (mapping.rate_hz or mapping.resample_hz or mapping.time_unit)
     if not said and (asked := odd_rate(table, grid.rate_hz)):
-        raise ExchangeError(f"{table.file}: {asked} Say rate_hz in a mapping")
+        raise ExchangeError(
+            f"{table.file}: {asked} Say so: wheelhop import --answer rate_hz=…, or a mapping"
+        )
     picks = picks or tuple(Pick(number) for number in table.columns)
     channels, values, steps = _converted(table, picks)
     uncertain = _uncertain(table, picks, channels)

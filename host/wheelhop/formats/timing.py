@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.files.units import SECONDS, seconds_in
+from wheelhop.files.units import SECONDS, is_measured, seconds_in
 from wheelhop.formats.columns import Column, Question, Stated, Timing, plausible
 from wheelhop.formats.counted import NAMELESS, by_counter, counts, is_counter, says, uncounted
 from wheelhop.formats.error import ExchangeError
@@ -57,6 +57,11 @@ class _Clock:
     whole: bool = True
 
     @property
+    def doubtful(self) -> bool:
+        """Whether it may be anything that rises, such as a temperature that is called T."""
+        return bool(self.guess) and self.jitter > 0.1
+
+    @property
     def rank(self) -> tuple[bool, bool, bool, bool]:
         """The best one comes first: sure, whole, even, and one that says the date."""
         return bool(self.guess), not self.whole, self.jitter > 0.1, not self.absolute
@@ -71,7 +76,7 @@ def find_timing(columns: Sequence[Column], stated: Mapping[float, Stated]) -> Ti
     clocks = [clock for k, column in enumerate(columns) if (clock := _clock(k, column))]
     _check_own_clocks(clocks, columns)
     counters = [k for k, column in enumerate(columns) if counts(column)]
-    aside = {clock.index: "a clock, too" for clock in clocks}
+    aside = {clock.index: "a clock, too" for clock in clocks if not clock.doubtful}
     aside |= {
         k: "a counter"
         for k in counters
@@ -132,7 +137,7 @@ def _clock(index: int, column: Column) -> _Clock | None:
     there = column.values[~np.isnan(column.values)]
     nameless = not column.unit and NAMELESS.fullmatch(column.label) is not None
     since_1970 = nameless and any(is_epoch(there, SECONDS[unit]) for unit in PLAIN)
-    if not (named or timed or since_1970) or (column.unit and not timed and not named):
+    if not (named or timed or since_1970) or (not timed and is_measured(column.unit)):
         return None
     if not len(there) or (len(there) > 1 and not _rises(there)):
         return None

@@ -32,6 +32,7 @@ from wheelhop.logger.recording import ACCELERATION, Channel, Recording
 TIME_RESPONSE, EVEN, SI_UNITS = 1, 1, 1
 TIME = 17  # specific data type of an abscissa
 PLUS_Z = 3
+UPWARDS = (0, PLUS_Z)  # 0: it does not say
 DIRECTIONS = {
     **{k: f"+{'XYZ'[k - 1]}" for k in (1, 2, 3)},
     **{-k: f"-{'XYZ'[k - 1]}" for k in (1, 2, 3)},
@@ -148,7 +149,9 @@ def _apart(pieces: list[_Piece]) -> list[_Piece]:
         replace(
             piece,
             key=(piece.label, *piece.key[1:]),
-            channel=replace(piece.channel, name=piece.label or piece.channel.name),
+            channel=replace(
+                piece.channel, name=_called(piece.label, piece.key[2]) or piece.channel.name
+            ),
         )
         if piece.key in shared
         else piece
@@ -207,8 +210,15 @@ def _channel(item: dict[str, Any], metric: bool, named: bool) -> Channel:
         unit = known.get(item["ordinate_spec_data_type"], "") if metric else ""
     if per := _said(item.get("orddenom_axis_units_lab", "")):
         unit = f"{unit}/{per}"
-    point = entity if entity in POINTS else ""
+    name = name if name == node else _called(name, item["rsp_dir"])
+    point = entity if entity in POINTS and item["rsp_dir"] in UPWARDS else ""
     return Channel(name, unit, point)
+
+
+def _called(label: str, direction: object) -> str:
+    """A function by its first line, and by its direction unless that is up."""
+    way = DIRECTIONS.get(direction, "") if isinstance(direction, int) else ""
+    return label if direction in UPWARDS or not label else f"{label} {way}".strip()
 
 
 def _sort_in(groups: list[dict[Key, list[_Piece]]], piece: _Piece) -> None:
