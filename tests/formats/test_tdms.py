@@ -237,7 +237,7 @@ def test_a_rate_at_which_no_suspension_is_recorded_is_asked_about(step, odd, tmp
     asked = [question.key for question in understand(path).questions]
     assert asked == (["rate_hz"] if odd else [])
     if odd:
-        with pytest.raises(ExchangeError, match="Hz, at which suspensions are not recorded"):
+        with pytest.raises(ExchangeError, match="Hz, at which no suspension is recorded"):
             read(path)
         said = understand(path, {"rate_hz": "200"}).mapping()
         assert read(path, said).rate_hz == 200.0

@@ -129,7 +129,7 @@ def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recor
     said = mapping is not None and (mapping.rate_hz or mapping.resample_hz or mapping.time_unit)
     if not said and (asked := odd_rate(table, grid.rate_hz)):
         raise ExchangeError(
-            f"{table.file}: {asked} Say so: wheelhop import --answer rate_hz=…, or a mapping"
+            f"{table.file}: {asked}: if it is right, wheelhop import --answer rate_hz=… says so"
         )
     picks = picks or tuple(Pick(number) for number in table.columns)
     channels, values, steps = _converted(table, picks)
@@ -363,7 +363,7 @@ def odd_rate(table: Table, rate_hz: float) -> str:
     """What is asked of a rate at which suspensions are not recorded, "" of any other."""
     if table.own or table.header is not None or plausible(rate_hz):
         return ""
-    return f"the file says {rate_hz:.6g} Hz, at which suspensions are not recorded: is it so?"
+    return f"the file says {rate_hz:.6g} Hz, at which no suspension is recorded"
 
 
 def _grid(table: Table, mapping: Map | None) -> Grid:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.files import TABLE, check_room
-from wheelhop.files.units import seconds_in
+from wheelhop.files.units import seconds_in, to_si
 from wheelhop.formats.error import ExchangeError, need
 from wheelhop.formats.grid import fit_grid, too_few
 from wheelhop.formats.groups import no_time, only_recordings
@@ -150,7 +150,8 @@ def _apart(pieces: list[_Piece]) -> list[_Piece]:
             piece,
             key=(piece.label, *piece.key[1:]),
             channel=replace(
-                piece.channel, name=_called(piece.label, piece.key[2]) or piece.channel.name
+                piece.channel,
+                name=_called(piece.label, piece.channel.unit, piece.key[2]) or piece.channel.name,
             ),
         )
         if piece.key in shared
@@ -210,15 +211,16 @@ def _channel(item: dict[str, Any], metric: bool, named: bool) -> Channel:
         unit = known.get(item["ordinate_spec_data_type"], "") if metric else ""
     if per := _said(item.get("orddenom_axis_units_lab", "")):
         unit = f"{unit}/{per}"
-    name = name if name == node else _called(name, item["rsp_dir"])
+    name = name if name == node else _called(name, unit, item["rsp_dir"])
     point = entity if entity in POINTS and item["rsp_dir"] in UPWARDS else ""
     return Channel(name, unit, point)
 
 
-def _called(label: str, direction: object) -> str:
-    """A function by its first line, and by its direction unless that is up."""
+def _called(label: str, unit: str, direction: object) -> str:
+    """A function by its first line, and an acceleration by its direction, too, unless it is up."""
     way = DIRECTIONS.get(direction, "") if isinstance(direction, int) else ""
-    return label if direction in UPWARDS or not label else f"{label} {way}".strip()
+    felt = to_si(unit)[0] == ACCELERATION and direction not in UPWARDS
+    return f"{label} {way}".strip() if label and felt else label
 
 
 def _sort_in(groups: list[dict[Key, list[_Piece]]], piece: _Piece) -> None:
