@@ -17,7 +17,7 @@ from wheelhop.files.units import SECONDS, is_measured, seconds_in
 from wheelhop.formats.columns import Column, Question, Stated, Timing, plausible
 from wheelhop.formats.counted import NAMELESS, by_counter, counts, is_counter, says, uncounted
 from wheelhop.formats.error import ExchangeError
-from wheelhop.formats.grid import typical_step
+from wheelhop.formats.grid import STRAY, typical_step
 from wheelhop.formats.names import UNITS, is_time_name, time_words
 from wheelhop.formats.stamps import (
     CLOCK,
@@ -57,14 +57,19 @@ class _Clock:
     whole: bool = True
 
     @property
+    def uneven(self) -> bool:
+        """Whether its steps are not equal."""
+        return self.jitter > 0.1
+
+    @property
     def doubtful(self) -> bool:
         """Whether it may be anything that rises, such as a temperature that is called T."""
-        return bool(self.guess) and self.jitter > 0.1
+        return bool(self.guess) and self.uneven
 
     @property
     def rank(self) -> tuple[bool, bool, bool, bool]:
         """The best one comes first: sure, whole, even, and one that says the date."""
-        return bool(self.guess), not self.whole, self.jitter > 0.1, not self.absolute
+        return bool(self.guess), not self.whole, self.uneven, not self.absolute
 
 
 def find_timing(columns: Sequence[Column], stated: Mapping[float, Stated]) -> Timing:
@@ -302,7 +307,7 @@ def _check_own_clocks(clocks: Sequence[_Clock], columns: Sequence[Column]) -> No
         return
     first = times[at[0]]
     step = float(np.median(np.diff(first)))
-    if any(not np.abs(times[k] - first).max() < step / 4 for k in at[1:]):
+    if any(not np.abs(times[k] - first).max() < STRAY * step for k in at[1:]):
         names = " and ".join(f"{columns[k].label} (column {k + 1})" for k in at[:2])
         raise ExchangeError(f"{names} differ, each before its own channels: {OWN_CLOCKS}")
 
