@@ -375,3 +375,12 @@ def test_what_rises_beside_a_clock_is_a_channel(head, unit, tmp_path):
     text = table(lambda k: f"{k / 100:.2f},{20 + (k // 7) * 0.1 + (k % 7) ** 2 * 1e-3:.3f}",
                  f"Time [s],{head},az [g]")  # fmt: skip
     assert units_of(drafted(tmp_path, text)) == {head.partition(" ")[0]: unit, "az": "m/s²"}
+
+
+def test_seconds_of_gps_are_not_since_1970(tmp_path):
+    """GPS counts since 1980: read as Unix time, the start would be ten years early."""
+    text = table(lambda k: f"{1446675483 + k / 100:.2f}", "GPS Time,az [g]")
+    found = drafted(tmp_path, text)
+    assert_right(found)
+    assert found.start_unix_s is None
+    assert "GPS Time may count since 1980, as GPS does: its start is not known" in found.history
