@@ -19,10 +19,9 @@ import numpy as np
 
 from tests.component import rig
 from tests.component.cases import CASES, DAMPER, RIG_ONLY
+from wheelhop.api import DiagnosisResult, diagnose
 from wheelhop.campaign import read_campaign
-from wheelhop.diagnose import Diagnosis, diagnose
 from wheelhop.effects import Effect, load_effects
-from wheelhop.vehicle import read_nominal
 
 SPREAD = 1.4
 LIBRARY = load_effects()
@@ -76,11 +75,11 @@ def component(name: str, rng: np.random.Generator) -> rig.Component:
     return replace(base, hidden=case.hidden, numbers=numbers)
 
 
-def diagnosed(folder: Path, library: Mapping[str, Effect]) -> tuple[Diagnosis, float]:
-    """The diagnosis, and its processor seconds."""
+def diagnosed(folder: Path, library: Mapping[str, Effect]) -> tuple[DiagnosisResult, float]:
+    """The diagnosis, laws without names included, and its processor seconds."""
     campaign = read_campaign(folder)
     begin = time.process_time()
-    found = diagnose(campaign, read_nominal(campaign), library, jobs=1)
+    found = diagnose(campaign, effects=library, jobs=1, progress=False)
     return found, time.process_time() - begin
 
 
@@ -115,7 +114,7 @@ def main() -> None:
                     right[which] += verdict == expected
                     asked[which] += 1
                     seconds[which] += took
-                    last = found.ladder[-1].over_floor
+                    last = found.steps[-1].over_floor
                     line += f" | {verdict:28} {found.confidence:4.2f} {last:6.2f} {took:5.1f} s"
                 print(line, flush=True)
     for which in right:

@@ -43,7 +43,7 @@ def creeping_slip(
     return p[0] * tanh(v / p[1]), z
 
 
-LEAST = 1e-3
+LEAST = 1e-4
 """Of the usual speed, a third of the fastest, or of the longest way: joints that creep more slowly
 or yield on less slip at once, as far as the record of a rig shows."""
 
