@@ -29,7 +29,6 @@ OF_VEHICLES = {name: effect for name, effect in LIBRARY.items() if effect.on_veh
 EXPECTED = {
     **{name: case.effect for name, case in {**CASES, **RIG_ONLY}.items()},
     "strong-friction": "dry-friction",
-    "stribeck": "dry-friction",
     "slow-creep": "dry-friction",
     "seal": "dry-friction",
     "clean": "none",
@@ -53,13 +52,9 @@ def component(name: str, rng: np.random.Generator) -> rig.Component:
     if name == "strong-friction":
         numbers = {"coulomb_N": drawn(250.0), "joint_N_m": drawn(4e5)}
         return replace(base, hidden="dry-friction", numbers=numbers)
-    if name in ("stribeck", "slow-creep"):
-        numbers = {
-            "coulomb_N": drawn(60.0),
-            "sticking": 1.6 if name == "stribeck" else 1.0,
-            "stribeck_m_s": drawn(0.03),
-            "creep_m_s": drawn(0.001 if name == "stribeck" else 2e-4),
-        }
+    if name == "slow-creep":
+        numbers = {"coulomb_N": drawn(60.0), "sticking": 1.0, "stribeck_m_s": 1.0}
+        numbers["creep_m_s"] = drawn(2e-4)
         return replace(base, hidden="stribeck", numbers=numbers)
     if name == "seal":
         return replace(base, hidden=name, numbers={"drag_N": drawn(60.0), "lip_m": drawn(1e-3)})
