@@ -115,5 +115,10 @@ def test_what_a_look_passed_over_before_it_chose_is_no_doubt(came_to_its_choice,
     accepted = SimpleNamespace(model=model, fit=SimpleNamespace(error=0.02))
     promising = SimpleNamespace(id="backlash", score=1.0, error=0.01)
     beside = Scored(None, (promising,), looked=came_to_its_choice)
-    step, stand = SimpleNamespace(rung=accepted), Stand(accepted, None, (), beside)
+    step, stand = SimpleNamespace(rung=accepted), Stand(accepted, None, (), beside, accepted)
     assert _untried(step, "dry-friction", beside, stand) == chance
+
+
+def test_what_did_better_by_itself_may_do_as_well_beside_the_others():
+    stand = SimpleNamespace(is_behind=True)
+    assert _untried(None, "dry-friction", None, stand) == AS_LIKELY

@@ -37,10 +37,10 @@ def test_where_one_went_astray_the_fitted_runs_say_whether_it_is_fitted_in_full(
             tried=1,
             rung=SimpleNamespace(
                 id=name,
-                model=SimpleNamespace(random_heights=None),
                 fit=SimpleNamespace(
+                    model=SimpleNamespace(random_heights=None),
                     evidence=e,
-                    cost=90.0 if name == "friction" else 99.0,
+                    misfit=90.0 if name == "friction" else 99.0,
                     error=2.1 if name == "gain" else 1.0,
                 ),
                 error_judging=e,
@@ -63,7 +63,7 @@ def test_where_one_went_astray_the_fitted_runs_say_whether_it_is_fitted_in_full(
         return next(c for c in candidates if c.id == screened)
 
     def best_first(rungs, noise):
-        return sorted(rungs, key=lambda rung: rung.fit.cost)
+        return sorted(rungs, key=lambda rung: rung.fit.misfit)
 
     monkeypatch.setattr(looking, "refit", refit)
     monkeypatch.setattr(looking, "best_form", best_form)
@@ -71,7 +71,8 @@ def test_where_one_went_astray_the_fitted_runs_say_whether_it_is_fitted_in_full(
     monkeypatch.setattr(looking, "at_noise", lambda rung, noise: False)
     monkeypatch.setattr(looking, "judged", judged)
     monkeypatch.setattr(looking, "_best_first", lambda some, noise: list(some))
-    rung = SimpleNamespace(fit=SimpleNamespace(cost=100.0, size=50))
+    nothing = SimpleNamespace(random_heights=None)
+    rung = SimpleNamespace(fit=SimpleNamespace(model=nothing, misfit=100.0, cost=100.0, size=50))
     incumbent = SimpleNamespace(workshop=SimpleNamespace(noise=0.0), rung=rung)
     looking._refit_leaders(incumbent, candidates, True, lambda text: None)
     assert fitted == pytest.approx(expected)
@@ -168,7 +169,8 @@ def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch
     after all may have a form that comes further yet."""
 
     def candidate(name, error):
-        fitted = SimpleNamespace(cost=100.0 * error, error=error, evidence=-error)
+        fitted = SimpleNamespace(misfit=100.0 * error, error=error, evidence=-error)
+        fitted.model = SimpleNamespace(random_heights=None)
         rung = SimpleNamespace(error_judging=error, fit=fitted)
         return SimpleNamespace(id=name, holds=True, screened=name, tried=1, rung=rung)
 
@@ -181,7 +183,6 @@ def test_of_what_comes_second_no_other_form_is_tried(second, formed, monkeypatch
 
     monkeypatch.setattr(looking, "refit", lambda workshop, rung, bar: rung)
     monkeypatch.setattr(looking, "best_form", best_form)
-    monkeypatch.setattr(looking, "least_cost", lambda rungs: rungs[0].fit.cost)
     monkeypatch.setattr(looking, "at_noise", lambda rung, noise: False)
     monkeypatch.setattr(
         looking, "best_first", lambda rungs, noise: sorted(rungs, key=lambda r: r.error_judging)

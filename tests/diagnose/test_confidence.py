@@ -198,7 +198,7 @@ def test_a_rival_that_is_worse_than_nothing_is_no_measure():
     )
     last_look = SimpleNamespace(candidates=())
     steps = [SimpleNamespace(over_floor=4.0), last]
-    stand = Stand(final, base, [spoilt], last_look)
+    stand = Stand(final, base, [spoilt], last_look, final)
     found = grounds_of(("a", "unknown"), steps, last_look, stand, 2, 1.0)
     assert found.stability > 0.8
 

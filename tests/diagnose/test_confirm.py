@@ -118,6 +118,10 @@ class Quick:
     error: float
     evidence: float
 
+    @property
+    def misfit(self):
+        return self.cost
+
 
 @pytest.mark.parametrize(
     ("cost", "error", "beside", "bars"),
@@ -137,8 +141,8 @@ def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(
     switch = SimpleNamespace(amplitudes=[SimpleNamespace(switch=True)], parameters=())
     switch.effect = SimpleNamespace(has_random_heights=False)
     model = SimpleNamespace(theta=lambda effect: {}, random_heights=None, effects=(), values={})
-    base = Rung(SimpleNamespace(cost=100.0, size=100.0, error=1.0, model=model, shared=()), None)
-
+    fitted = SimpleNamespace(cost=100.0, misfit=100.0, size=100.0, error=1.0, model=model)
+    base = Rung(fitted, None)
     quick = Quick(model, cost=cost, error=error, evidence=0.0)
     fitted = []
 
@@ -152,7 +156,7 @@ def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(
     monkeypatch.setattr(confirming, "begun", lambda *_: model)
     monkeypatch.setattr(confirming, "validate", lambda workshop, fit, update: Rung(fit, None))
     monkeypatch.setattr(confirming, "refit", full)
-    others = [replace(base, fit=SimpleNamespace(cost=each, model=model)) for each in beside]
+    others = [replace(base, fit=SimpleNamespace(misfit=each, model=model)) for each in beside]
     confirm(Incumbent(workshop, base), SimpleNamespace(variant=switch, error=1.0), others)
     assert fitted == bars
 

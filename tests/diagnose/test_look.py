@@ -150,20 +150,29 @@ def test_what_an_effect_stands_against_is_read_off_its_neighbours(searched):
     stand = searched.stand(both, "dry-friction")
     assert stand.accepted is both and stand.rivals == [stand.without]
     assert stand.without.fit is base.fit
-    # Once friction was simulated beside the baseline, what it was there tells.
-    beside.append(candidate(friction, "dry-friction", searched))
-    searched.table[BASELINE] = replace(searched.table[BASELINE], candidates=tuple(beside))
-    stand = searched.stand(both, "dry-friction")
-    assert stand.accepted is friction and stand.without.fit is base.fit
+    # Friction and a driver who does better were simulated beside the baseline: he might do better
+    # beside the effects that came after, too.
+    better = replace(friction, fit=replace(friction.fit, runs=quieter(friction.fit.runs)))
+    for rival, behind in ((better, True), (friction, False)):
+        known = [candidate(friction, "dry-friction", searched), candidate(rival, "stop", searched)]
+        searched.table[BASELINE] = replace(searched.table[BASELINE], candidates=tuple(known))
+        stand = searched.stand(both, "dry-friction")
+        assert stand.accepted is both and stand.without.fit is base.fit
+        assert stand.rivals == [rival] and stand.is_behind == behind
     assert stand.beside is searched.table[BASELINE]
     searched.best(seat)
     stand = searched.stand(both, "dry-friction")
     assert stand.accepted is both and stand.without.fit is seat.fit
 
 
+def quieter(runs):
+    return tuple(replace(run, residual=0.9 * run.residual) for run in runs)
+
+
 def candidate(rung, name, search):
     """An effect as it was simulated in full."""
-    screened = Screened(SimpleNamespace(effect=search.effects[name]), {}, 0, 0, 0, 0, {}, None)
+    effect = search.effects.get(name, SimpleNamespace(id=name))
+    screened = Screened(SimpleNamespace(effect=effect), {}, 0, 0, 0, 0, {}, None)
     return Candidate(screened, rung, 0.0, 2, False)
 
 

@@ -56,6 +56,7 @@ def quiet(text):
     pass
 
 
+@pytest.mark.slow
 def test_what_a_law_of_another_form_leaves_is_no_second_law(tmp_path):
     """Friction that holds more while it sticks: a digressive damper takes most of what Coulomb's
     law leaves of it, and is not there. Nor does it stay where it came with friction."""
@@ -103,6 +104,7 @@ def test_no_group_is_sought_among_laws_that_could_not_hold():
         assert {effect.id for effect in found} == others
 
 
+@pytest.mark.slow
 def test_a_frame_that_bends_is_no_driver(tmp_path):
     """Its middle moves all four points exactly as a mass on a spring would that no person is. Of
     all numbers only ratios show: the heaviest driver would do, in a car a third lighter than

@@ -130,6 +130,7 @@ def test_a_ratio_that_is_known_roughly_is_estimated(tmp_path):
     assert fitted.deviations["channel.pot4.gain"] < 0.01
 
 
+@pytest.mark.slow
 def test_gyros_judge_what_measured_axles_do(tmp_path):
     """On a road nobody surveyed travel is not compared, and friction is named all the same."""
     hubs = tuple(Sensor(f"A{i}", "acceleration", f"A{i}", 0.1) for i in (1, 2, 3, 4))

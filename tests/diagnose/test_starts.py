@@ -13,11 +13,13 @@ NOISE = 1.0
 SHAPE = SimpleNamespace(is_shape=True)
 
 
-def ended(error, evidence, away=0.0):
-    """A fit with one number of its last effect, so many deviations from what is believed."""
-    free = SimpleNamespace(name="stop.clearance", away=lambda value: value)
-    model = SimpleNamespace(values={"stop.clearance": away})
-    return SimpleNamespace(error=error, evidence=evidence, shared=[free], model=model)
+def ended(error, evidence, away=0.0, vehicle=0.0):
+    """A fit with one number of its last effect and one of the vehicle, so many deviations from what
+    is believed."""
+    values = {"stop.clearance": away, "wheel.radius": vehicle}
+    free = [SimpleNamespace(name=name, away=lambda value: value) for name in values]
+    model = SimpleNamespace(values=values, effects=[SimpleNamespace(id="stop")])
+    return SimpleNamespace(error=error, evidence=evidence, shared=free, model=model)
 
 
 def begun(monkeypatch, forms, results, *, believed=True, plain=()):
@@ -47,6 +49,7 @@ def begun(monkeypatch, forms, results, *, believed=True, plain=()):
 
 NEAR, ASTRAY, IN_NOISE = ended(1.1, 1.0), ended(1.3, 1.0), ended(0.9, 2.0)
 WRONG, BETTER = ended(1.1, 1.0, away=5.0), ended(1.1, 3.0)
+SMALL_WHEELS, IN_NOISE_SO = ended(1.1, 1.0, vehicle=5.0), ended(0.9, 2.0, vehicle=5.0)
 
 
 @pytest.mark.parametrize(
@@ -64,8 +67,9 @@ def test_a_fit_begins_anew_until_one_has_come_far_enough(forms, results, expecte
     assert begun(monkeypatch, forms, results) == expected
 
 
-@pytest.mark.parametrize(("result", "more"), [(NEAR, 1), (IN_NOISE, 0)])
+@pytest.mark.parametrize(("result", "more"), [(SMALL_WHEELS, 1), (IN_NOISE_SO, 0), (NEAR, 0)])
 def test_where_something_is_left_it_begins_in_the_vehicle_as_believed(result, more, monkeypatch):
+    """As long as no fit has led back to a vehicle that is believable."""
     found = begun(monkeypatch, ["one"], [result] * 3, believed=False)
     assert found == ["one"] + more * ["in the vehicle as believed"]
 

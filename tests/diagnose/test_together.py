@@ -168,8 +168,8 @@ def pairs(monkeypatch, *, takes, gain, room, noise=1.0, heights=None):
         return SimpleNamespace(id="spring", variant=variant, gain=gain, score=1.0, error=1.0)
 
     def rung(cost, evidence, heights=None):
-        fitted = SimpleNamespace(cost=cost, size=5000, evidence=evidence)
         model = SimpleNamespace(effects=[], random_heights=heights)
+        fitted = SimpleNamespace(cost=cost, misfit=cost, size=5000, evidence=evidence, model=model)
         return SimpleNamespace(fit=fitted, model=model)
 
     def screened_anew(workshop, base, others):
@@ -266,6 +266,7 @@ def test_a_driver_who_brakes_changes_the_speed_and_pitches_the_body(tmp_path):
     assert kept == [True, False, True]
 
 
+@pytest.mark.slow
 def test_no_pair_stands_in_for_what_is_not_in_the_library(loose):
     """Without friction to be had, a mount and a wrong gain are likeliest of what is left, and
     significantly: they do not explain nearly all, so that they are not believed. Beside them a

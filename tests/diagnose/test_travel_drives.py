@@ -56,7 +56,9 @@ def test_noisy_pots_find_no_physics_in_what_channels_err_together(tmp_path):
     assert diagnosis.confidence > 0.9
 
 
-@pytest.mark.parametrize("name", ["digressive-damper", "bump-stop"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("digressive-damper", marks=pytest.mark.slow), "bump-stop"]
+)
 def test_a_law_of_the_struts_is_named(name, tmp_path):
     """A stop's clearance counts from where struts rest, which travel about its mean tells by what
     the stop does."""

@@ -16,9 +16,12 @@ ROOT = HERE.parents[1]
 # health and frame, which compute for long and write as rates does.
 SCENARIOS = (
     *("campaign-new", "campaign-add", "convert-csv", "import", "compare", "add", "recover"),
-    *("decode", "thesis", "new", "road-csv"),
+    *("decode", "new", "road-csv"),
 )
-ALIKE = ("convert-uff", "convert-force", "calibrate", "rates", "road-crg", "simulate-campaign")
+ALIKE = (
+    *("convert-uff", "convert-force", "calibrate", "rates", "road-crg", "simulate-campaign"),
+    "thesis",
+)
 """They write by the same means as some of those above."""
 
 

@@ -100,7 +100,7 @@ def test_a_fit_ends_when_ten_steps_as_good_as_the_last_would_not_do(bar, steps):
     more than the first, and ten more like it would lead to 78 %."""
     bench, model = single(steepness=100.0, truth=1e3)
     start = float(bench.residual(model, {}) @ bench.residual(model, {})) / SIGMA**2
-    found, seen = watched(bench, model, bar=bar * start)
+    found, seen = watched(bench, model, bar=bar * start + 2.0 * bench.size * np.log(SIGMA))
     assert len(seen) == steps
     assert found.cost == pytest.approx(start * 0.99 ** (2 * steps), rel=1e-3)
 

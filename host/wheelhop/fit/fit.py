@@ -71,7 +71,7 @@ def fit(
     Start values are those of `model`; with no `shared` parameters only the runs' own are fitted.
     Derivatives that a fit of a similar model, `known`, holds already are taken from there: much
     faster, and a fit that ends a little above the minimum. A fit that has no hope to come below the
-    cost `bar` ends early.
+    misfit `bar` ends early.
     """
     belief = Belief.of(shared, workshop.measured)
     if shared or len(benches) < 2 or model.random_heights is not None:
@@ -170,7 +170,7 @@ def _solved(problem: _Problem, model: Model, bar: float = -np.inf) -> Fit:
                 break
             damping = LEAST_DAMPING
             continue
-        if 0 < drop <= before and state.cost - AHEAD * drop > bar > -np.inf:
+        if 0 < drop <= before and state.misfit - AHEAD * drop > bar > -np.inf:
             break
         before = drop
         if gain > WORTHWHILE and not state.of_heights:

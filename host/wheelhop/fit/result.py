@@ -197,7 +197,13 @@ class Fit:
         Likelihood at the best fit times the share of the prior volume the data leave (D. MacKay,
         Information Theory, Inference, and Learning Algorithms, eq. 28.7).
         """
-        return -0.5 * self.cost - self.size * float(np.log(self.sigma)) + self.log_volume
+        return -0.5 * self.misfit + self.log_volume
+
+    @property
+    def misfit(self) -> float:
+        """−2 ln p of the data and the numbers found, up to a constant of the data: the cost, which
+        is in units of the noise found, and what that noise makes of it."""
+        return self.cost + 2.0 * self.size * float(np.log(self.sigma))
 
     @property
     def rss(self) -> float:

@@ -108,10 +108,11 @@ def confirm(
     `beside` it ends early.
     """
     workshop, base, effect = incumbent.workshop, incumbent.rung, screened.variant.effect
-    bar, raced = -inf if effect.has_random_heights else least_cost(beside), list[Fit]()
+    others, raced = [rung.fit for rung in beside], list[Fit]()
     for start in starts(incumbent, screened, raced):
         if raced:
             further(start)
+        bar = least_misfit(start.model, [*others, *raced])
         raced.append(fitted_from(workshop, start, bar))
     best = max(raced, key=lambda one: one.evidence)
     # A run held out took no part in the fit: it begins about the numbers found.
@@ -122,8 +123,8 @@ def confirm(
     worse = best.cost > base.fit.cost + neglected
     switch = all(p.switch for p in screened.variant.amplitudes)
     if switch and worse and best.error < HOPELESS * base.fit.error:
-        full = refit(workshop, rough, least_cost([base, *beside]))
-        return min(rough, full, key=lambda rung: rung.fit.cost)
+        full = refit(workshop, rough, least_misfit(rough.model, [base.fit, *others]))
+        return min(rough, full, key=lambda rung: rung.fit.misfit)
     return rough
 
 
@@ -145,18 +146,18 @@ def confirm_strong(incumbent: Incumbent, start: Start, beside: Sequence[Rung]) -
     """The rung that a fit from a strong effect ends at, with its own derivatives: those of the
     vehicle without the effect do not show it. Ends early where it has no hope to reach the
     incumbent or the models `beside` it."""
-    found = fitted_from(incumbent.workshop, start, least_cost([incumbent.rung, *beside]))
+    bar = least_misfit(start.model, [rung.fit for rung in (incumbent.rung, *beside)])
+    found = fitted_from(incumbent.workshop, start, bar)
     return validate(incumbent.workshop, found, before=start.model)
 
 
 def refit(workshop: Workshop, rung: Rung, bar: float = -inf) -> Rung:
     """Fit all parameters of a rung again, with all derivatives following the model; runs that stay
     far above the others are placed on their track anew. A fit that has no hope to come below the
-    cost `bar` ends early; the cost of unknown heights of the ground is held against none."""
+    misfit `bar` ends early."""
     model, benches = placed_anew(workshop, rung), workshop.of_role("fit")
-    bar = bar if model.random_heights is None else -inf
     found = fit(workshop, model, rung.fit.shared, benches, bar=bar)
-    promising = bar == -inf or found.cost < bar
+    promising = bar == -inf or found.misfit < bar
     if model.effects and promising and not all_noise(found, workshop.noise):
         found = off_the_plateau(workshop, found)
     return validate(workshop, found, before=model)
@@ -167,17 +168,18 @@ def off_the_plateau(workshop: Workshop, found: Fit) -> Fit:
     derivative leads off a plateau, such as a stop that is never reached."""
     best, benches = found, workshop.of_role("fit")
     for model in shapes_as_believed(found):
-        trial = fit(workshop, model, found.shared, benches, found, bar=found.cost)
+        trial = fit(workshop, model, found.shared, benches, found, bar=found.misfit)
         # Two ends of one minimum differ by what a quick fit neglects.
-        if trial.cost < best.cost - CONVERGED_QUICK * max(best.cost, best.size):
+        if trial.misfit < best.misfit - CONVERGED_QUICK * max(best.cost, best.size):
             best = trial
     return best if best is found else fit(workshop, best.model, found.shared, benches)
 
 
-def least_cost(rivals: Sequence[Rung]) -> float:
-    """The least cost among rivals, −∞ without any. Unknown heights have another likelihood: what
-    they cost says nothing of models without."""
-    alike = [r.fit.cost for r in rivals if r.model.random_heights is None]
+def least_misfit(model: Model, rivals: Sequence[Fit]) -> float:
+    """The bar that rivals set for a model: their least misfit, −∞ where none is comparable. What
+    unknown heights of the ground take up says nothing of models without them."""
+    rough = model.random_heights is None
+    alike = [found.misfit for found in rivals if (found.model.random_heights is None) is rough]
     return min(alike, default=-inf)
 
 
@@ -206,7 +208,7 @@ def best_form(incumbent: Incumbent, screened: Screened, found: Rung) -> Rung:
             present.add(other.variant.choice)
             rival = confirm(incumbent, replace(other, others=()), beside=[found])
             if rival.error_judging <= HOPELESS * found.error_judging:
-                rival = refit(workshop, rival, least_cost([found]))
+                rival = refit(workshop, rival, least_misfit(rival.model, [found.fit]))
             found = _better(workshop, found, rival)
     return in_other_forms(workshop, found, found.model.effects[-1])
 
@@ -219,13 +221,14 @@ def in_other_forms(workshop: Workshop, found: Rung, effect: Effect) -> Rung:
         if not at_noise(found, workshop.noise):
             model = in_form(workshop, found.fit, form)
             shared = [*others, *effect_parameters(workshop.parameters_of(form), model, form)]
-            fitted = fit(workshop, model, shared, workshop.of_role("fit"), bar=least_cost([found]))
+            bar = least_misfit(model, [found.fit])
+            fitted = fit(workshop, model, shared, workshop.of_role("fit"), bar=bar)
             found = _better(workshop, found, validate(workshop, fitted, before=model))
     return found
 
 
 def _better(workshop: Workshop, found: Rung, rival: Rung) -> Rung:
-    if rival.fit.cost >= found.fit.cost:
+    if rival.fit.misfit >= found.fit.misfit:
         return found
     return best_first([found, rival], workshop.noise)[0]
 

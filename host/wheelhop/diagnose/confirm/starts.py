@@ -66,7 +66,7 @@ def starts(incumbent: Incumbent, screened: Screened, ended: Sequence[Fit]) -> It
     shapes are hard to believe, saturated. Where something is left, where those have ended in
     plainer forms that were not tried: what is free to do more looks better to first order, and may
     end elsewhere. And where the vehicle is hard to believe, that may be for want of the effect, and
-    no way may lead back: so as it is believed.
+    no way may have led back: so as it is believed.
     """
     workshop, noise = incumbent.workshop, incumbent.workshop.noise
     listed = _screened(workshop, incumbent.rung, screened)[: len(SHARES)]
@@ -87,7 +87,8 @@ def starts(incumbent: Incumbent, screened: Screened, ended: Sequence[Fit]) -> It
             if choice not in forms:
                 yield Start(model, "in a plainer form", incumbent.rung)
         best = max(ended, key=lambda one: one.evidence)
-    if not all_noise(best, noise) and incumbent.as_believed is not None:
+    astray = not believable(best, of_the_vehicle(best))
+    if astray and not all_noise(best, noise) and incumbent.as_believed is not None:
         (_, start), *_ = _screened(workshop, incumbent.as_believed, screened)
         yield replace(start, why="in the vehicle as believed")
 
@@ -305,6 +306,12 @@ def with_starts(model: Model, effect: Effect, run_id: str, start: Values) -> Mod
     return model.with_run(
         run_id, {k if k in whole else f"{effect.id}.{k}": v for k, v in start.items()}
     )
+
+
+def of_the_vehicle(found: Fit) -> list[Free]:
+    """The shared numbers of a fit that are no effect's."""
+    effects = tuple(f"{effect.id}." for effect in found.model.effects)
+    return [f for f in found.shared if not f.name.startswith(effects)]
 
 
 def believable(found: Fit, free: Sequence[Free]) -> bool:

@@ -13,7 +13,7 @@ from math import isfinite
 
 import numpy as np
 
-from wheelhop.diagnose.confirm.starts import believable, misfits, shapes_nearby
+from wheelhop.diagnose.confirm.starts import believable, misfits, of_the_vehicle, shapes_nearby
 from wheelhop.diagnose.score import Rung, best_first, log_odds, unforeseen
 from wheelhop.fit import Bench, Fit, Workshop, fit, follow, linearised, update
 from wheelhop.fit.bench import RUNS_AWAY
@@ -60,7 +60,7 @@ def from_elsewhere(workshop: Workshop, fitted: Fit, foreseen: Model, moved: Fit)
     if not starts:
         return moved
     best = starts[int(np.argmin(misfits(workshop, starts, benches, moved.sigma)))]
-    return min(moved, update(workshop, fitted, best, benches), key=lambda one: one.cost)
+    return min(moved, update(workshop, fitted, best, benches), key=lambda one: one.misfit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +86,7 @@ class Incumbent:
         unless the fitted numbers are far from these. Wheels that are too small, for one, stand for
         contact patches that are too long, and from there no way may lead to these."""
         fitted = self.rung.fit
-        effects = tuple(f"{effect.id}." for effect in fitted.model.effects)
-        vehicle = [f for f in fitted.shared if not f.name.startswith(effects)]
+        vehicle = of_the_vehicle(fitted)
         if believable(fitted, vehicle):
             return None
         model = fitted.model.with_values({f.name: f.mean for f in vehicle})

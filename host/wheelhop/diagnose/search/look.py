@@ -13,7 +13,7 @@ from wheelhop.diagnose.confirm.in_full import (
     best_form,
     confirm,
     confirm_strong,
-    least_cost,
+    least_misfit,
     refit,
     worth_simulating,
 )
@@ -229,7 +229,6 @@ def _refit_leaders(
     """
     workshop, rung = incumbent.workshop, incumbent.rung
     holding = [c for c in candidates if c.holds][:2]
-    bar = -inf if holding else rung.fit.cost - worth_seeking(rung.fit)
     likeliest = max((c.rung.fit.evidence for c in holding), default=-inf)
     astray = [c for c in candidates if not c.holds and c.rung.fit.evidence > likeliest]
     astray = sorted(astray, key=lambda c: -c.rung.fit.evidence)[:LAST_RESORT]
@@ -241,9 +240,12 @@ def _refit_leaders(
             refitted.append(leader)
             continue
         progress(f"fitting the vehicle with {leader.id}")
-        beat = least_cost([ahead]) if ahead else bar
+        if ahead or holding:
+            beat = least_misfit(leader.rung.fit.model, [ahead.fit] if ahead else [])
+        else:
+            beat = least_misfit(leader.rung.fit.model, [rung.fit]) - worth_seeking(rung.fit)
         better = refit(workshop, leader.rung, beat)
-        worth = leader.holds or better.fit.cost < beat
+        worth = leader.holds or better.fit.misfit < beat
         leads = not ahead or best_first([ahead, better], workshop.noise)[0] is better
         if worth and leads and not at_noise(better, workshop.noise):
             better = best_form(incumbent, leader.screened, better)

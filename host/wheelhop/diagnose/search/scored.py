@@ -14,7 +14,7 @@ from wheelhop.compare import Floor
 from wheelhop.diagnose.confirm.in_full import refit
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.diagnosis import Step
-from wheelhop.diagnose.score import Rung, enough_held_out, p_value
+from wheelhop.diagnose.score import Rung, enough_held_out, lead, p_value
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.effects import Effect, form_of
 from wheelhop.files import Progress
@@ -104,12 +104,21 @@ class Scored:
 class Stand:
     """What an effect was held against: the model accepted with it, the one without it as judged
     beside that, and those with another effect in its place (if none was tried, the one without);
-    and all that is known of the effects `beside` it."""
+    and all that is known of the effects `beside` it. ``there`` is the model with it and these
+    alone."""
 
     accepted: Rung
     without: Rung
     rivals: Sequence[Rung]
     beside: Scored
+    there: Rung
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether a rival did better there, and was not tried beside the effects that came after
+        them."""
+        tried = self.there is self.accepted
+        return not tried and any(lead(self.there, rival) < 0.0 for rival in self.rivals)
 
 
 Watch = Callable[[Scored], None]
@@ -159,8 +168,9 @@ class Search:
         return with_derivatives(self.workshop, better)
 
     def stand(self, rung: Rung, effect_id: str) -> Stand:
-        """What an effect of a rung stands against: beside the rung's other effects or, where the
-        search was ended before it asked that, beside as many of them as it was simulated with."""
+        """What an effect of a rung stands against: in place of it beside the rung's other effects
+        or, where the search was ended before it asked that, beside as many of them as it was
+        simulated with."""
         present = ids_of(rung)
         if present - {effect_id} in self.table:
             beside = present - {effect_id}
@@ -168,11 +178,10 @@ class Search:
             simulated = (i for i, s in self.table.items() if i < present and s.candidate(effect_id))
             beside = max(simulated, key=len, default=BASELINE)
         known = self.table[beside]
-        if (then := known.candidate(effect_id)) and beside | {effect_id} != present:
-            rung = then.rung
         rivals = [c.rung for c in known.candidates if c.id not in present]
         base = Incumbent(self.workshop, known.rung).against(rung)
-        return Stand(rung, base, rivals or [base], known)
+        then = known.candidate(effect_id) if beside | {effect_id} != present else None
+        return Stand(rung, base, rivals or [base], known, rung if then is None else then.rung)
 
     def settle(self) -> None:
         """Drop derivatives of all sets that are only compared against from now on. The baseline

@@ -22,8 +22,8 @@ from wheelhop.diagnose.confirm.in_full import (
     SEEN,
     confirm,
     in_other_forms,
-    least_cost,
     least_gain,
+    least_misfit,
     refit,
     without,
     worth_simulating,
@@ -110,7 +110,8 @@ def _promising(
     firsts = [c for c in open_to if c.rung.fit.evidence > base.evidence][:FIRSTS]
     found = []
     for first in firsts:
-        least, gain = least_gain(workshop, first.rung), base.cost - least_cost([first.rung])
+        least = least_gain(workshop, first.rung)
+        gain = base.misfit - least_misfit(base.model, [first.rung.fit])
         found += [
             (first, s)
             for s in _beside(search, scored, first, effects, gain < least)
@@ -282,8 +283,9 @@ def _in_full(search: Search, rung: Rung, rival: Rung) -> Rung:
     close = best_first([rung, rival], noise)[0] is rival or lead(rung, rival) < NEAR
     if not close and all_noise(rung.fit, noise):
         return rival
-    fitted = refit(search.workshop, rival, -inf if close else rung.fit.cost)
-    return search.best(fitted) if close or fitted.fit.cost < rung.fit.cost else fitted
+    bar = -inf if close else least_misfit(rival.model, [rung.fit])
+    fitted = refit(search.workshop, rival, bar)
+    return search.best(fitted) if close or fitted.fit.misfit < rung.fit.misfit else fitted
 
 
 def _tried_in_place(search: Search, rung: Rung, accepted: Effect) -> Scored:

@@ -75,12 +75,15 @@ def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = N
 def _untried(step: Step, first: str, last: Scored, stand: Stand | None) -> float:
     """Chance that another entry would come first had all been simulated. What first order puts
     ahead of the effect accepted is as likely, and so is any where nothing was screened, unless the
-    search had come to its choice there, and passed it over; of what nothing explains so far, the
-    best of them may explain the share that first order says."""
+    search had come to its choice there, and passed it over; what did better than the effect by
+    itself may do as well beside the others; of what nothing explains so far, the best of them may
+    explain the share that first order says."""
     if stand is not None:
+        if stand.is_behind:
+            return AS_LIKELY
         if stand.beside.looked:
             return 0.0
-        present, left = ids_of(step.rung), stand.accepted.fit.error
+        present, left = ids_of(step.rung), stand.there.fit.error
         waiting = _not_simulated(stand.beside)
         ahead = any(error < left for name, error in waiting if name not in present)
         return AS_LIKELY if ahead or not stand.beside.screened else 0.0
