@@ -94,7 +94,7 @@ def slow_noise(campaign):
     return replace(campaign, runs=tuple(runs), noise_rms=None)
 
 
-def test_noise_that_no_law_explains_is_no_unknown(folder, tmp_path):
+def test_noise_that_no_law_explains_is_no_unknown(tmp_path, capsys):
     """No motion repeats, and the quietest parts are far below the noise, which is slow. A law that
     is in the library leaves as much as a free law does: that is the floor. One that is not leaves
     more, and is still unknown."""
@@ -112,6 +112,10 @@ def test_noise_that_no_law_explains_is_no_unknown(folder, tmp_path):
     assert found.steps[-1].expected == pytest.approx(least, rel=1e-6)
     assert floor.pooled_rms == pytest.approx(0.1 * rms_of(known), rel=0.2)
     assert "Impose one motion twice" in beyond_names(found.law)[-1]
+    print_diagnosis(found.diagnosis, open_console(), found.law)
+    assert f"noise floor is estimated from {NEIGHBOURS}" in " ".join(
+        capsys.readouterr().out.split()
+    )
 
     hidden = Component(hidden="bypass-damper", numbers={"share": 1.0, "travel_m": 0.02})
     strange = rig.make_campaign(
