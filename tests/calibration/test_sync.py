@@ -13,7 +13,7 @@ from tests.calibration.test_sync_planted import ruler
 from wheelhop.calibration.error import CalibrationError
 from wheelhop.calibration.sync.check import check_synchronicity
 from wheelhop.calibration.sync.delay import align
-from wheelhop.hil_sim.beam_rig import BeamRig
+from wheelhop.hil_sim.beam_rig import CODES_PER_M_S2, REST, BeamRig
 
 EIGHT = tuple(np.linspace(0.25, 1.0, 8) * 0.6096)
 TWO_TONES = ruler(EIGHT, (15.0, 34.0), loss_factor=0.008)
@@ -172,3 +172,25 @@ def test_no_recording_is_too_odd_to_refuse(values):
 @cache
 def recorded_once():
     return recorded()
+
+
+def test_a_known_force_makes_the_comparison_absolute():
+    """Figure C.4: the ruler moves as much as 0.5 N move it, and half as much as 1 N."""
+    codes = recorded()
+    calibrated = replace(
+        codes,
+        values=(codes.values - REST) / CODES_PER_M_S2,
+        channels=tuple(replace(channel, unit="m/s²") for channel in codes.channels),
+    )
+    right = check_synchronicity(calibrated, replace(TWO_TONES, force_N=0.5))
+    assert right.level == pytest.approx((1.0, 1.0), rel=0.01)
+    for channel in right.channels:
+        assert channel.measured == pytest.approx(channel.expected, rel=0.03, abs=0.3)
+    wrong = check_synchronicity(calibrated, replace(TWO_TONES, force_N=1.0))
+    assert wrong.level == pytest.approx((0.5, 0.5), rel=0.01) and wrong.passed
+    # By hand: ω² F over the bare ruler's receptance, without sensors, averaged over 10 ms.
+    bare = ruler((0.6096,), (15.0,), sensor_kg=0.0)
+    assert abs(bare.shape(np.array([15.0]), 0.0).item()) == pytest.approx(89.8, abs=0.1)
+    assert not check_synchronicity(codes, TWO_TONES).level
+    in_codes = check_synchronicity(codes, replace(TWO_TONES, force_N=0.5))
+    assert not in_codes.level and any("decode it" in remark for remark in in_codes.remarks)

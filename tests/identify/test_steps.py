@@ -115,7 +115,7 @@ def test_steps_are_studied_as_the_car_they_are_of(tmp_path, capsys):
     truth = study(car, "front-stiffness", [1.0, 1.5])
     assert all(f"{v.static:.3f}" in printed for v in truth)
     assert main(words) == 2
-    assert "needs --vehicle" in capsys.readouterr().err
+    assert "need --vehicle" in capsys.readouterr().err
     assert main([*words, "--physics"]) == 2
     assert "--physics is for campaigns" in capsys.readouterr().err
 

@@ -54,12 +54,19 @@ def test_other_wheels_hold_the_body_as_the_headline_says(rows):
 
 
 def test_all_tables_without_transfer_functions_are_there(rows):
-    wanted = {"2.5", "A.1", "3.2", "3.3", "4.1", "4.4", "4.5", "4.6", "4.7", "4.8", "5.1"}
-    assert {row.table for row in rows} == wanted | {"fig 2.21"}
+    wanted = {"2.5", "A.1", "3.2", "3.3", "4.1", "4.3", "4.3.3", "4.4", "4.5", "4.6", "4.7", "4.8"}
+    assert {row.table for row in rows} == wanted | {"5.1", "5.4", "fig 2.21", "C.4"}
     assert {row.kind for row in rows} <= set(KINDS)
     off = [row for row in rows if not abs(row.ours - row.printed) <= 0.01 * abs(row.printed)]
     assert all(row.reason for row in off)
-    assert {row.table for row in off} <= {"3.2", "3.3", "4.8"}
+    assert {row.table for row in off} <= {"3.2", "3.3", "4.8", "C.4"}
+
+
+def test_the_driven_ruler_is_away_from_resonance(rows):
+    """Appendix C says that damping does not matter at 15 Hz."""
+    ratio = one(rows, "C.4", "free end at 15 Hz, loss factor 0.02 over none").ours
+    assert ratio == pytest.approx(1.00057, abs=2e-5)
+    assert one(rows, "C.4", "100 gf, N").ours == pytest.approx(0.980665)
 
 
 def test_the_eighteen_tests_are_those_of_table_5_1():
@@ -72,7 +79,7 @@ def test_the_eighteen_tests_are_those_of_table_5_1():
 def test_the_two_models_of_a_bushing_are_alike(rows):
     """Both were fitted to one set of points: within 1 % in stiffness, 3 % in loss."""
     for row in (row for row in rows if row.table == "3.2"):
-        limit = 0.01 if "stiffness" in row.what else 0.03
+        limit = 0.03 if "loss" in row.what else 0.01 if "stiffness" in row.what else 0.012
         assert row.ours == pytest.approx(row.printed, rel=limit)
 
 

@@ -1,6 +1,7 @@
 """The thesis's figures on one page: every one there, and what they show is what they say."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from wheelhop.identify.thesis_tables import table_rows
 from wheelhop.report import thesis_figures
 from wheelhop.report.thesis import STUDIES, write_thesis
-from wheelhop.report.thesis_figures import FIGURES, printed_atv
+from wheelhop.report.thesis_figures import FIGURES, on_frame, printed_atv
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +55,15 @@ def test_a_frame_twists_where_one_side_is_lifted_and_only_there(monkeypatch):
     assert 0.01 < change() < 0.5
     monkeypatch.setattr(thesis_figures, "TRACK", "washboard/high")
     assert change() < 1e-9
+
+
+def test_a_frame_that_bends_shows_on_the_thesis_s_own_track():
+    """Figure 6.1: both sides are lifted alike, and what differs is bending."""
+    file = Path(__file__).parents[2] / "examples/frame/baja.toml"
+    (draw, caption) = on_frame(file)["6.1"]
+    rigid, flexible = (line.get_ydata() for line in draw().axes[0].lines)
+    assert 0.02 < np.abs(flexible - rigid).max() / np.abs(rigid).max() < 0.1
+    assert "27.0 Hz" in caption and "26.49" in caption
 
 
 def test_the_vehicle_is_the_printed_one():

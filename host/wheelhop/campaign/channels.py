@@ -215,7 +215,7 @@ def _acceleration(table: Table, channel: Channel) -> tuple[Channel, bool]:
             f' point such as "B1", or on = "{ABOARD[0]}"'
         )
     placed = _placed(table, "position", channel.name)
-    return placed, axis != VERTICAL
+    return replace(placed, axis=axis), axis != VERTICAL
 
 
 def _corner(table: Table) -> int:

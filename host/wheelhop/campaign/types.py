@@ -44,7 +44,8 @@ class Channel:
     sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
     sprung body, position unknown) for a vertical acceleration, "S1".."S4" (struts) for travel or
     force, "pitch" or "roll" for a rate, or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
-    right. A channel of a strut shows `per_wheel` times what the strut does at the wheel.
+    right. A channel of a strut shows `per_wheel` times what the strut does at the wheel. An
+    acceleration along another `axis` than z, up, is known alone: x forward, y to the left.
 
     `noise_rms` is the noise in band that is stated of this channel or its quantity, in `unit`,
     None where the campaign's holds, or none is stated. `noise_scale` is its noise over the
@@ -70,6 +71,7 @@ class Channel:
     gain_uncertainty: float = 0.0
     corner_hz: float = 0.0
     corner_uncertainty: float = 0.0
+    axis: str = "z"
 
     @property
     def corner(self) -> int | None:

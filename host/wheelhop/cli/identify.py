@@ -14,7 +14,7 @@ from rich.table import Table
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, read_campaign
 from wheelhop.cli.identify_frf import run_frf
 from wheelhop.cli.identify_steps import run_steps
-from wheelhop.cli.identify_study import print_study
+from wheelhop.cli.identify_study import print_car
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.cli.show import print_findings
 from wheelhop.fit import initial_model
@@ -46,6 +46,8 @@ from wheelhop.vehicle import CORNERS, Vehicle, read_vehicle, wheels
 
 def run(arguments: Namespace) -> int:
     """Fit, judge on held-out runs, print, draw and export; raises CampaignError."""
+    if arguments.bushing and not (arguments.study or arguments.half_car):
+        raise CampaignError("--bushing: what is asked of the car with it? --study or --half-car")
     if arguments.source.is_file():
         return run_steps(arguments)
     campaign = read_campaign(arguments.source)
@@ -61,7 +63,7 @@ def run(arguments: Namespace) -> int:
     gated, console = gate(campaign, vehicle), open_console()
     print_findings(gated.findings, console)
     campaign = gated.campaign
-    measured = measure(campaign)
+    measured = measure(campaign, fore_aft=arguments.fore_aft)
     if arguments.frf:
         return run_frf(arguments, campaign, measured, console)
     belief = suspensions(vehicle.values, vehicle.uncertainty)
@@ -76,8 +78,8 @@ def run(arguments: Namespace) -> int:
     if physics:
         _print_physics(physics, console)
     _write(arguments, campaign, vehicle, chosen, candidates, physics, measured)
-    if arguments.study:
-        print_study(arguments, car_of(chosen.model, vehicle.values), console)
+    if arguments.study or arguments.half_car:
+        print_car(arguments, car_of(chosen.model, vehicle.values), console)
     return 0
 
 

@@ -11,11 +11,12 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign, CampaignError
+from wheelhop.campaign import BODY_POINTS, Campaign, CampaignError
 from wheelhop.cli.output import write_json
 from wheelhop.files import replacing
 from wheelhop.identify import Frf, Measured, frf, not_excited
 from wheelhop.identify.figure import draw_frf
+from wheelhop.identify.structure import input_name
 
 
 def run_frf(arguments: Namespace, campaign: Campaign, measured: Measured, console: Console) -> int:
@@ -40,7 +41,7 @@ def _in_band(campaign: Campaign, found: Frf) -> Any:
 
 
 def _names(measured: Measured) -> tuple[list[str], list[str]]:
-    return [AXLE_POINTS[c] for c in measured.inputs], [BODY_POINTS[c] for c in measured.outputs]
+    return [input_name(c) for c in measured.inputs], [BODY_POINTS[c] for c in measured.outputs]
 
 
 def _print(kind: str, measured: Measured, found: Frf, inside: Any, console: Console) -> None:

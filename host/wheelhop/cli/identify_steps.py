@@ -8,7 +8,7 @@ from rich import box
 from rich.table import Table
 
 from wheelhop.campaign import CampaignError
-from wheelhop.cli.identify_study import print_study
+from wheelhop.cli.identify_study import print_car
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import (
     car_of_steps,
@@ -18,7 +18,7 @@ from wheelhop.identify import (
 )
 from wheelhop.vehicle import read_vehicle
 
-CAMPAIGNS_ONLY = ("start", "physics", "figure", "frf")
+CAMPAIGNS_ONLY = ("start", "physics", "figure", "frf", "fore_aft", "report")
 MOST = 3
 """Damped sinusoids tried when no order is given, as in Table 2.1 of the thesis."""
 
@@ -29,7 +29,9 @@ def run_steps(arguments: Namespace) -> int:
         raise CampaignError(f"--order {arguments.order}: damped sinusoids come in pairs of poles")
     given = [name for name in CAMPAIGNS_ONLY if getattr(arguments, name)]
     if given:
-        raise CampaignError(f"--{given[0]} is for campaigns: leave it out with step responses")
+        raise CampaignError(
+            f"--{given[0].replace('_', '-')} is for campaigns: leave it out with step responses"
+        )
     steps = read_steps(arguments.source, arguments.force_N)
     counts = [arguments.order // 2] if arguments.order else list(range(1, MOST + 1))
     table = Table(box=box.SIMPLE_HEAD)
@@ -46,14 +48,14 @@ def run_steps(arguments: Namespace) -> int:
             table.add_row(first[0], f"{found.sigma[k]:.3f}", f"{found.omega[k]:.3f}", first[1])
     console = open_console()
     console.print(table)
-    if arguments.study:
+    if arguments.study or arguments.half_car:
         if arguments.vehicle is None:
             raise CampaignError(
-                "--study of step responses needs --vehicle VEHICLE.toml: the suspensions the body"
-                " was on, and its wheels"
+                "--study and --half-car of step responses need --vehicle VEHICLE.toml: the"
+                " suspensions the body was on, and its wheels"
             )
         values = read_vehicle(arguments.vehicle).values
-        print_study(arguments, car_of_steps(fits[-1], values), console)
+        print_car(arguments, car_of_steps(fits[-1], values), console)
     if arguments.mat:
         last = fits[-1]
         system = last.transfer(len(steps.points), len(steps.forces))

@@ -37,6 +37,11 @@ def add_identify(commands: Any) -> None:
             f"--no-{name}", dest=name.replace("-", "_"), action="store_false", help=what
         )
     identify.add_argument(
+        "--fore-aft",
+        action="store_true",
+        help="take the axles' accelerations along x as inputs, too: eight inputs",
+    )
+    identify.add_argument(
         "--physics", action="store_true", help="fit without each piece of physics, too"
     )
     identify.add_argument(
@@ -52,6 +57,18 @@ def add_identify(commands: Any) -> None:
         choices=(1, 2, 3, 4),
         default=1,
         help="the corner whose ground and body are studied (default 1, front left)",
+    )
+    identify.add_argument(
+        "--bushing",
+        metavar="FILE.toml",
+        type=Path,
+        help="for the study: a specimen of wheelhop bushing in line with each strut; then"
+        " front-bushing, rear-bushing and bushing may be varied, too",
+    )
+    identify.add_argument(
+        "--half-car",
+        choices=("left", "right", "front", "rear"),
+        help="the generalized half car of a side or an axle: two grounds to two body points",
     )
     identify.add_argument(
         "--frf",
@@ -81,6 +98,9 @@ def add_identify(commands: Any) -> None:
     )
     thesis.add_argument(
         "--figures", metavar="FOLDER", type=Path, help="draw its figures, and make a page of them"
+    )
+    thesis.add_argument(
+        "--frame", metavar="FILE.toml", type=Path, help="draw figure 6.1 with a frame of beams"
     )
     for command in (identify, thesis):
         command.add_argument("--json", metavar="FILE", type=Path, help="write the result as JSON")

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from wheelhop.cli.parser_export import add_export
-from wheelhop.cli.parser_modes import add_modes
+from wheelhop.cli.parser_modes import add_modes, add_spectra
 from wheelhop.cli.parser_plan import add_plan
 from wheelhop.cli.parser_tune import add_tune
 
@@ -14,6 +14,7 @@ def add_prediction(commands: Any) -> None:
     add_simulate(commands)
     add_road(commands)
     add_modes(commands)
+    add_spectra(commands)
     add_plan(commands)
     add_tune(commands)
     add_export(commands)
@@ -119,6 +120,20 @@ def add_road(commands: Any) -> None:
     )
     road.add_argument(
         "--out", metavar="FILE", type=Path, help="two paths as .csv, a grid as .crg or .rdf (Adams)"
+    )
+    road.add_argument(
+        "--plot",
+        dest="figure",
+        metavar="FILE.png",
+        type=Path,
+        help="draw ground and wheels' paths over time, at --speed (default: the thesis's)",
+    )
+    road.add_argument("--speed", metavar="KMPH", nargs="+", type=float, default=[], help="km/h")
+    road.add_argument(
+        "--vehicle",
+        metavar="VEHICLE.toml",
+        type=Path,
+        help="whose wheels are drawn (default: the thesis's, 22 inch, 1.42 m apart)",
     )
     road.add_argument("--json", metavar="FILE", type=Path, help="write what was found as JSON")
     road.add_argument("--grid", action="store_true", help="write a grid as .csv, too")

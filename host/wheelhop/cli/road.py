@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import inf, isfinite, isinf
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from wheelhop.track.rdf import write_rdf
 from wheelhop.track.roughness import roughness
 from wheelhop.track.surveyed import HIGHEST_M, SurveyedGrid, WheelPaths
 from wheelhop.track.write import write_grid, write_opencrg, write_paths
+from wheelhop.vehicle import read_vehicle
 
 Array = NDArray[np.float64]
 
@@ -33,6 +34,10 @@ def run(arguments: Namespace) -> int:
     """Analyse a track and write it if wanted; raises CampaignError."""
     if arguments.out is not None:
         check_new(arguments.out, CampaignError)
+    if arguments.figure is not None:
+        _plot(arguments)
+        if arguments.json is None and arguments.out is None:
+            return 0
     (drive, *_) = read_drives([arguments.track], [1.0])
     track = make_track(drive.track)
     step = _own_step(track) if arguments.step is None else arguments.step
@@ -68,6 +73,19 @@ def run(arguments: Namespace) -> int:
         _write(arguments.out, arguments.grid, track, x, y, half)
         console.print(f"{arguments.out}: {len(x)} stations", markup=False)
     return 0
+
+
+def _plot(arguments: Namespace) -> None:
+    """Draw what the wheels meet."""
+    from wheelhop.report.road import WHEELS, RoadWheels, draw_ground
+
+    wheels = WHEELS
+    if arguments.vehicle is not None:
+        wheels = RoadWheels.of(read_vehicle(arguments.vehicle).values)
+    if arguments.width is not None:
+        wheels = replace(wheels, apart_m=arguments.width)
+    draw_ground(read_drives([arguments.track], arguments.speed), wheels, arguments.figure)
+    open_console().print(f"figure: {arguments.figure}", markup=False)
 
 
 def _own_step(track: Track) -> float:

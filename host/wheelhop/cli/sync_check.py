@@ -64,6 +64,7 @@ def as_json(check: SyncCheck) -> dict[str, object]:
             for f in check.faults
         ],
         "remarks": list(check.remarks),
+        "level": list(check.level),
         "channels": [
             {
                 "name": c.name,
@@ -110,6 +111,9 @@ def _lines(check: SyncCheck, limit_ms: float) -> list[str]:
     lines.append(
         f"loss factor of the beam {check.loss_factor:.4f} ± {check.loss_expanded:.4f} (k = 2)"
     )
+    for frequency, level in zip(check.frequencies_hz, check.level, strict=False):
+        moved = f"at {frequency:.1f} Hz the beam moves {level:.3g} times as much as"
+        lines.append(f"{moved} the stated force moves it")
     lines += [f"note: {remark}" for remark in check.remarks]
     if check.passed:
         lines.append(f"[green]in step[/]: all channels within {limit_ms:g} ms")

@@ -8,13 +8,17 @@ from math import isnan
 from rich import box
 from rich.table import Table
 
+from wheelhop.campaign import CampaignError
 from wheelhop.cli.output import open_console, write_json
 from wheelhop.identify import Row, thesis_rows
 from wheelhop.identify.row import KINDS
 
 
 def run(arguments: Namespace) -> int:
-    """Print each number with how ours came about, and a reason where it differs."""
+    """Print each number with how ours came about, and a reason where it differs; raises
+    CampaignError."""
+    if arguments.frame and not arguments.figures:
+        raise CampaignError("--frame: is for figure 6.1: give --figures FOLDER")
     rows = thesis_rows()
     console = open_console()
     table = Table(box=box.SIMPLE_HEAD)
@@ -37,7 +41,7 @@ def run(arguments: Namespace) -> int:
     if arguments.figures:
         from wheelhop.report.thesis import write_thesis
 
-        for path in write_thesis(arguments.figures, rows):
+        for path in write_thesis(arguments.figures, rows, arguments.frame):
             console.print(f"drawn: {path}", markup=False, soft_wrap=True)
     return 0
 

@@ -15,6 +15,8 @@ from wheelhop.identify.linear import Linearity, linearity
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.predicted import Predicted, predict
 from wheelhop.identify.quarter_car import (
+    Bushings,
+    Part,
     Struts,
     Wheels,
     compliance,
@@ -31,10 +33,21 @@ from wheelhop.identify.statespace import StateSpace, balanced_reduction, of_frac
 from wheelhop.identify.steps import DampedSinusoids, fit_damped_sinusoids, incremental_model
 from wheelhop.identify.steps_file import StepResponses, read_steps
 from wheelhop.identify.structure import Structure, Suspensions, suspensions
-from wheelhop.identify.study import Car, Variant, WheelHop, car_of, car_of_steps, study
+from wheelhop.identify.study import (
+    HALVES,
+    Car,
+    Variant,
+    WheelHop,
+    car_of,
+    car_of_steps,
+    check_stable,
+    study,
+)
 from wheelhop.identify.thesis import thesis_rows
 
 __all__ = [
+    "HALVES",
+    "Bushings",
     "Candidate",
     "Car",
     "DampedSinusoids",
@@ -42,6 +55,7 @@ __all__ = [
     "Judged",
     "Linearity",
     "Measured",
+    "Part",
     "Predicted",
     "Row",
     "Sections",
@@ -60,6 +74,7 @@ __all__ = [
     "candidate",
     "car_of",
     "car_of_steps",
+    "check_stable",
     "compliance",
     "fit_damped_sinusoids",
     "frf",

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, CampaignError
+from wheelhop.campaign import BODY_POINTS, CampaignError
 from wheelhop.files import replacing
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.statespace import StateSpace, of_fractions
+from wheelhop.identify.structure import input_name
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -83,7 +84,7 @@ def to_json(model: TransferMatrix) -> dict[str, Any]:
     numerators, denominator = polynomials(model)
     structure = model.structure
     return {
-        "inputs": [AXLE_POINTS[corner] for corner in model.inputs],
+        "inputs": [input_name(corner) for corner in model.inputs],
         "outputs": [BODY_POINTS[corner] for corner in model.outputs],
         "order": model.order,
         "structure": {
@@ -123,7 +124,7 @@ def write_mat(model: TransferMatrix, path: Path) -> None:
         poles, residues, direct = poles_and_residues(model)
         more |= {"poles": poles, "residues": residues, "direct": direct}
     inputs, outputs = (
-        [AXLE_POINTS[c] for c in model.inputs],
+        [input_name(c) for c in model.inputs],
         [BODY_POINTS[c] for c in model.outputs],
     )
     write_mat_of_states(state_space(model), inputs, outputs, path, more)

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Channel
+from wheelhop.campaign import BODY_POINTS, Channel
 from wheelhop.files import write_picture
 from wheelhop.identify.frf import Frf
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.spectra import Measured
+from wheelhop.identify.structure import VERTICAL, input_name
 from wheelhop.identify.study import Variant
 from wheelhop.simulate import Model, frequency_response
 
@@ -27,14 +28,18 @@ TICKS = (0.5, 1, 2, 5, 10, 20, 50)
 def physical_matrix(
     channels: Sequence[Channel], physical: Model, model: TransferMatrix, frequency_hz: Array
 ) -> ComplexArray:
-    """H of a physical model at the places of an identified one (f, n, m). Its force laws, which
-    are not linear, are left out."""
+    """H of a physical model at the places of an identified one (f, n, m), NaN for axles that move
+    fore and aft, which it has not. Its force laws, which are not linear, are left out."""
     wanted = {BODY_POINTS[corner]: row for row, corner in enumerate(model.outputs)}
     places = sorted((c for c in channels if c.point in wanted), key=lambda c: wanted[c.point])
     system = physical.system(places, "axles")
     omega = 2 * np.pi * frequency_hz[:, None, None]
     response = frequency_response(system, frequency_hz) / -(omega**2)
-    return np.asarray(response[:, :, list(model.inputs)])
+    found = np.full((*response.shape[:2], len(model.inputs)), np.nan, complex)
+    for j, corner in enumerate(model.inputs):
+        if corner < VERTICAL:
+            found[:, :, j] = response[:, :, corner]
+    return found
 
 
 def draw_matrix(
@@ -61,7 +66,7 @@ def draw_matrix(
                 *(frequency_hz, np.abs(nominal[:, i, j])),
                 **{"color": NOMINAL, "lw": 1.2, "ls": "--", "label": "vehicle.toml"},
             )
-            title = f"{AXLE_POINTS[model.inputs[j]]} → {BODY_POINTS[model.outputs[i]]}"
+            title = f"{input_name(model.inputs[j])} → {BODY_POINTS[model.outputs[i]]}"
             axis.set_title(title, fontsize=9)
             axis.set_ylim(0.002, 3 * max(1.0, float(h.max()) / 2))
             _frequency_axis(axis, frequency_hz, i == rows - 1)
@@ -91,7 +96,7 @@ def draw_frf(found: Frf, measured: Measured, lines: NDArray[np.bool_], path: Pat
                 frequency, np.maximum(low, 1e-6), high, color=IDENTIFIED, alpha=0.25, lw=0
             )
             axis.plot(frequency, h[:, i, j], color=IDENTIFIED, lw=1.2)
-            axis.set_title(f"{AXLE_POINTS[measured.inputs[j]]} → {output}", fontsize=9)
+            axis.set_title(f"{input_name(measured.inputs[j])} → {output}", fontsize=9)
             _frequency_axis(axis, frequency, i == rows - 1)
             axis.set_yscale("log")
             axis.set_ylim(0.002, 3 * max(1.0, float(h.max()) / 2))

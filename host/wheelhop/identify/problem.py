@@ -19,7 +19,7 @@ from scipy import linalg
 
 from wheelhop.identify.gram import Gram, Regressors, Stack, Weighted, real_products
 from wheelhop.identify.sections import ComplexArray, Sections, from_parameters
-from wheelhop.identify.structure import RIGID, Structure, Suspensions
+from wheelhop.identify.structure import RIGID, VERTICAL, Structure, Suspensions
 
 Array = NDArray[np.float64]
 RIDGE = 1e-13
@@ -189,19 +189,25 @@ class Problem:
 
     def _constraints(self, sections: Sections, suspension: Array) -> tuple[Array, Array, Array]:
         """A (k, unknowns) and b (k,) of A free = b, and the derivative of A by K_rear / K_front."""
-        if not (self.structure.rigid and len(self.inputs) == 4):
+        vertical = [corner for corner in self.inputs if corner < VERTICAL]
+        if not (self.structure.rigid and len(vertical) == VERTICAL):
             return np.zeros((0, self.unknowns)), np.zeros(0), np.zeros((0, self.unknowns))
-        rear = np.array([corner >= 2 for corner in self.inputs])
+        rear = np.array([2 <= corner < VERTICAL for corner in self.inputs])
         scale = np.where(rear & self.uses_suspensions, suspension[0], 1.0)
         at_zero = sections.at_zero()[0]
-        rigid = RIGID[list(self.inputs)]
-        a = np.zeros((len(self.outputs) * 3, self.unknowns))
+        # Moved forward alike, the axles raise the body by nothing.
+        count = 4 if len(self.inputs) == 2 * VERTICAL else 3
+        rigid = np.zeros((len(self.inputs), count))
+        rigid[:VERTICAL, :3], rigid[VERTICAL:, 3:] = RIGID[vertical], 1.0
+        lifted = np.zeros((len(self.outputs), count))
+        lifted[:, :3] = RIGID[list(self.outputs)]
+        a = np.zeros((len(self.outputs) * count, self.unknowns))
         by_ratio = np.zeros_like(a)
         held, moved = (np.kron((by[:, None] * rigid).T, at_zero) for by in (scale, rear))
         for i, at in enumerate(self.index):
-            rows = slice(3 * i, 3 * i + 3)
+            rows = slice(count * i, count * (i + 1))
             a[rows, at], by_ratio[rows, at] = held, moved
-        return a, RIGID[list(self.outputs)].ravel(), by_ratio
+        return a, lifted.ravel(), by_ratio
 
     def _numerators(self, sums: Gram, sections: Sections, suspension: Array) -> tuple[Array, bool]:
         """The free numbers, and whether their least squares have a minimum (noise leaves it)."""

@@ -132,11 +132,30 @@ TABLE_3_2 = (
 """Two specimens each of four bushings: A₀, β, M₀ of the modified power law, A₀, A₁, A₂ of the
 logarithmic polynomial, N/mm."""
 
-TABLE_3_3 = {"modified power law": (529.72, 0.06, 485.64), "E": (615.72, 392.49, 0.09)}
-"""The first specimen: A₀, β, M₀, and E₀, E₁, α of the fractional Kelvin–Voigt model, N/mm."""
+TABLE_3_3 = {
+    "modified power law": (529.72, 0.06, 485.64),
+    "fractional Kelvin-Voigt": (615.72, 392.49, 0.09),
+    "four-parameter fractional": (899.72, 1.82, 8.2e-6, 0.19),
+}
+"""The first specimen: A₀, β, M₀; E₀, E₁, α of (3.42); E₀, k, τ, α of (3.43); N/mm, s."""
 
 TABLE_4_1 = {"front": (25e3, 1500.0, 10.5e3, 630.0), "rear": (15e3, 1360.0, 6.5e3, 590.0)}
 """K, N/m, and C, N·s/m, of the component, then at the wheel."""
+
+TABLE_4_3 = {"front": (15.0, 40e3, 200.0), "rear": (12.5, 40e3, 200.0)}
+"""Unsprung mass, kg, tyre stiffness, N/m, and damping, N·s/m: Table 5.3's again."""
+
+OTHER_TRACKS: Mapping[str, Mapping[str, float]] = {
+    "sine-sweep/thesis": {
+        "amplitude_mm": 15.0,
+        "pitch_start_mm": 400.0,
+        "pitch_end_mm": 600.0,
+        "length_mm": 24e3,
+    },
+    "half-sine-bump/thesis": {"amplitude_mm": 200.0, "length_mm": 1000.0},
+    "step-bump/thesis": {"height_mm": 80.0, "width_mm": 200.0},
+}
+"""Table 4.4's last line, and the bumps of section 4.3.3."""
 
 TABLE_4_4 = {
     "washboard/low": (15.0, 400.0),
@@ -182,3 +201,8 @@ TABLE_5_1: Mapping[str, tuple[float, ...]] = {
 
 TABLE_4_8 = (6.7e-4, 1.36)
 """Degree of unevenness C, m³, and waviness w of the pave."""
+
+BEAM_M = (0.6096, 0.0254, 0.000635)
+"""Length, width and thickness of appendix C's ruler: 24, 1 and 1/40 inch."""
+BEAM_HZ, BEAM_FORCE_GF = 15.0, 100.0
+"""What drives it at its free end; a footnote takes the force for 1 N."""

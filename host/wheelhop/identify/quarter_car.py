@@ -7,6 +7,7 @@ these loops in state space gives X = G U without inverting a matrix of polynomia
 2.18 and 2.25 at once, and 5.16, 5.21 and 5.23 with S = H D_o⁻¹. Raising the ground raises the
 body. The published H_n has the opposite sign: B of 5.22 was taken as positive there, as the check
 after 2.25 has it, which says that B = I for a tyre that does not yield, where 2.21 gives -I.
+`legs` closes the loops, for struts and wheels richer than the thesis's as well (its section 2.12).
 """
 
 from __future__ import annotations
@@ -17,7 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign import CampaignError
+from wheelhop.identify.legs import BODY, FIXED, GROUND, Legs, Link, check_body, closed
 from wheelhop.identify.statespace import StateSpace
+from wheelhop.material.rational import Elements
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -52,6 +56,26 @@ class Wheels:
     damping_N_s_m: tuple[float, float]
 
 
+@dataclass(frozen=True)
+class Part:
+    """A second mass in each wheel, kg, on springs, N/m, and dampers, N·s/m, of its own, as (front,
+    rear): a hub motor that hangs in the wheel or, with `on_ground`, the tyre's belt, between which
+    and the rim these springs are and on which the tyre's own stand."""
+
+    mass_kg: tuple[float, float]
+    stiffness_N_m: tuple[float, float]
+    damping_N_s_m: tuple[float, float]
+    on_ground: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Bushings:
+    """A bushing in line with each strut, `elements` times so much (front, rear)."""
+
+    elements: Elements
+    factor: tuple[float, float] = (1.0, 1.0)
+
+
 def corners(pair: tuple[float, float]) -> Array:
     """Front and rear values as those of the four corners."""
     return np.repeat(pair, 2)
@@ -75,66 +99,71 @@ def compliance(h: StateSpace, old: Struts) -> StateSpace:
 
 def other_suspensions(s: StateSpace, old: Struts, new: Struts) -> StateSpace:
     """H_n: from the motion of the suspensions' far ends to the body's (thesis 2.18, 5.21)."""
-    return _closed(s, old, new, None)
-
-
-def on_wheels(s: StateSpace, old: Struts, new: Struts, wheels: Wheels) -> StateSpace:
-    """G: from the ground under the wheels to the body (thesis 2.25; H_n of 5.23)."""
-    return _closed(s, old, new, wheels)
-
-
-def _closed(s: StateSpace, old: Struts, new: Struts, wheels: Wheels | None) -> StateSpace:
-    """All loops closed. The states are those of S, then what carries the far ends: their position
-    alone, or position and momentum less the tyre damper's share of the ground's motion."""
-    if s.d.any():
-        raise ValueError("a body that jumps when pushed has no inertia: S must be strictly proper")
-    n = s.order
-    eye = np.eye(4)
+    check_body(s)
     kn, cn = np.diag(new.stiffness), np.diag(new.damping)
     dk, dc = kn - np.diag(old.stiffness), cn - np.diag(old.damping)
-    # F = kn Y + cn Y' - dk X - dc X', with X' = C A x + C B F: solved for F.
-    through = np.linalg.inv(eye + dc @ s.c @ s.b)
-    if wheels is None:
-        # Y' is no state here: F = kn Y + cn Y', and the integral of F's second part is cn Y.
-        shift = s.b @ through @ cn
-        a = s.a - s.b @ through @ (dk @ s.c + dc @ s.c @ s.a)
-        b = a @ shift + s.b @ through @ kn
-        return StateSpace(a, b, s.c, s.c @ shift)
-    m, kt, ct = (
-        np.diag(corners(pair))
-        for pair in (wheels.mass_kg, wheels.stiffness_N_m, wheels.damping_N_s_m)
-    )
-    inverse = np.linalg.inv(m)
-    # States x, Y and p = m Y' - ct U, so that Y' = m⁻¹ (p + ct U).
-    from_x = np.hstack([s.c, np.zeros((4, 8))])
-    y = np.hstack([np.zeros((4, n)), eye, np.zeros((4, 4))])
-    rate_y = np.hstack([np.zeros((4, n + 4)), inverse])
-    rate_y_u = inverse @ ct
-    x_a = np.hstack([s.c @ s.a, np.zeros((4, 8))])
-    force = through @ (kn @ y + cn @ rate_y - dk @ from_x - dc @ x_a)
-    force_u = through @ cn @ rate_y_u
-    rate_x = x_a + s.c @ s.b @ force
-    rate_x_u = s.c @ s.b @ force_u
-    strut = kn @ (from_x - y) + cn @ (rate_x - rate_y)
-    strut_u = cn @ (rate_x_u - rate_y_u)
-    momentum = strut - kt @ y - ct @ rate_y
-    momentum_u = strut_u + kt - ct @ rate_y_u
-    body = np.hstack([s.a, np.zeros((n, 8))]) + s.b @ force
-    a = np.vstack([body, rate_y, momentum])
-    b = np.vstack([s.b @ force_u, rate_y_u, momentum_u])
-    return StateSpace(a, b, from_x, np.zeros((4, 4)))
+    # F = kn Y + cn Y' - dk X - dc X', with X' = C A x + C B F: solved for F. Y' is no state: the
+    # integral of F's second part is cn Y.
+    through = np.linalg.inv(np.eye(4) + dc @ s.c @ s.b)
+    shift = s.b @ through @ cn
+    a = s.a - s.b @ through @ (dk @ s.c + dc @ s.c @ s.a)
+    b = a @ shift + s.b @ through @ kn
+    return StateSpace(a, b, s.c, s.c @ shift)
 
 
-def free_motion(
-    s: StateSpace, old: Struts, new: Struts, wheels: Wheels
-) -> tuple[ComplexArray, ComplexArray]:
+def on_wheels(
+    s: StateSpace,
+    old: Struts,
+    new: Struts,
+    wheels: Wheels,
+    bushings: Bushings | None = None,
+    part: Part | None = None,
+) -> StateSpace:
+    """G: from the ground under the wheels to the body (thesis 2.25; H_n of 5.23).
+
+    With `bushings` D_n is that of strut and bushing in line, D M / (D + M); with a `part` the
+    wheel's T of (2.19) has two masses.
+    """
+    return closed(s, legs(old, new, wheels, bushings, part))
+
+
+def legs(
+    old: Struts, new: Struts, wheels: Wheels, bushings: Bushings | None, part: Part | None
+) -> Legs:
+    """What is between ground and body, less the suspension that the body was identified on. Raises
+    CampaignError for a place without mass that no damper holds."""
+    mass = [corners(wheels.mass_kg)]
+    stands = 0
+    links = [Link(BODY, FIXED, -old.stiffness, -old.damping)]
+    if part is not None:
+        mass.append(corners(part.mass_kg))
+        stands = 1 if part.on_ground else 0
+        links.append(Link(0, 1, corners(part.stiffness_N_m), corners(part.damping_N_s_m)))
+    tyre = corners(wheels.stiffness_N_m), corners(wheels.damping_N_s_m)
+    links.append(Link(GROUND, stands, *tyre))
+    top = BODY
+    if bushings is not None:
+        top = len(mass)
+        mass.append(np.zeros(4))
+        of, times = bushings.elements, corners(bushings.factor)
+        stiffness, damping = of.stiffness_N_m * times, of.damping_N_s_m * times
+        strengths = np.outer(of.strengths_N_m, times)
+        links.append(Link(top, BODY, stiffness, damping, strengths, of.times_s))
+        if not (new.damping + damping > 0.0).all():
+            raise CampaignError("a strut in line with a bushing needs damping, or the bushing some")
+    links.append(Link(0, top, new.stiffness, new.damping))
+    return Legs(np.array(mass), tuple(links))
+
+
+def free_motion(s: StateSpace, between: Legs) -> tuple[ComplexArray, ComplexArray]:
     """Poles (k,), rad/s, of the modes of :func:`on_wheels` that oscillate, one of each conjugate
-    pair, and how B1 to B4 and A1 to A4 move in them (k, 8)."""
-    system = on_wheels(s, old, new, wheels)
+    pair, and how B1 to B4 and the legs' masses move in them (k, 4 + 4 masses): A1 to A4 first."""
+    system = closed(s, between)
     pole, vector = np.linalg.eig(system.a)
     oscillates = (pole.imag > 0.0) & (-pole.real < np.abs(pole))
     vector = vector[:, oscillates]
-    shape = np.vstack([system.c @ vector, vector[s.order : s.order + 4]]).T
+    heavy = vector[s.order : s.order + int(np.sum(between.mass_kg > 0.0))]
+    shape = np.vstack([system.c @ vector, heavy]).T
     return np.asarray(pole[oscillates], complex), np.asarray(shape, complex)
 
 

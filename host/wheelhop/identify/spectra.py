@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign, CampaignError, Channel, Run
 from wheelhop.compare import InBand
+from wheelhop.identify.structure import VERTICAL
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -68,16 +69,18 @@ class Measured:
         return tuple(name for part in self.fit for name in part.runs)
 
 
-def measure(campaign: Campaign) -> Measured:
+def measure(campaign: Campaign, *, fore_aft: bool = False) -> Measured:
     """Spectra of the axle and body points of every run.
 
     Channels at other places take no part. A point that was not recorded is left out, of the inputs
-    or of the outputs.
+    or of the outputs. With `fore_aft` accelerations of the axles along x are inputs, too, numbered
+    on from 4.
 
     Raises
     ------
     CampaignError
-        No axle or no body point, a channel that is zero in every run, or only one run to fit.
+        No axle or no body point, a channel that is zero in every run, only one run to fit, or with
+        `fore_aft` no acceleration of an axle along x.
     """
     where = campaign.folder / "campaign.toml"
     axles = _columns(campaign.channels, AXLE_POINTS)
@@ -102,11 +105,12 @@ def measure(campaign: Campaign) -> Measured:
                     f"{where}: channel {campaign.channels[column].name} ({corner_points[corner]})"
                     " never changes in any run to fit: leave it out under [channels]"
                 )
-    chosen = (list(axles.values()), list(bodies.values()))
+    along = _along(campaign) if fore_aft else {}
+    chosen = (list(axles.values()), list(along.values()), list(bodies.values()))
     return Measured(
         _of(campaign, campaign.fit_runs, *chosen),
         _of(campaign, campaign.validate_runs, *chosen),
-        tuple(axles),
+        (*axles, *along),
         tuple(bodies),
         campaign.noise_rms,
     )
@@ -118,8 +122,20 @@ def _columns(channels: Sequence[Channel], points: Sequence[str]) -> dict[int, in
     return {corner: column[p] for corner, p in enumerate(points) if p in column}
 
 
+def _along(campaign: Campaign) -> dict[int, str]:
+    """Names of the axles' channels along x, by the number of the input."""
+    of = {c.point: c.name for c in campaign.known if c.is_acceleration and c.axis == "x"}
+    found = {VERTICAL + i: of[p] for i, p in enumerate(AXLE_POINTS) if p in of}
+    if not found:
+        raise CampaignError(
+            f"{campaign.folder / 'campaign.toml'}: [channels] has no acceleration of an axle along"
+            ' x, such as A1_x = { quantity = "acceleration", axis = "x", position = "A1" }'
+        )
+    return found
+
+
 def _of(
-    campaign: Campaign, runs: Sequence[Run], axles: list[int], bodies: list[int]
+    campaign: Campaign, runs: Sequence[Run], axles: list[int], along: list[str], bodies: list[int]
 ) -> tuple[Spectra, ...]:
     """One `Spectra` for each length of record."""
     by_length: dict[int, list[Run]] = {}
@@ -128,9 +144,11 @@ def _of(
     out = []
     for n, alike in by_length.items():
         records = np.stack([run.record for run in alike])
+        beside = [np.stack([run.known[name] for run in alike]) for name in along]
+        driven = np.dstack([records[:, :, axles], *(one[:, :, None] for one in beside)])
         out.append(
             spectra(
-                records[:, :, axles],
+                driven,
                 records[:, :, bodies],
                 campaign.sample_rate_hz,
                 campaign.band_hz,
@@ -170,8 +188,9 @@ def through(matrix: ComplexArray, inputs: ComplexArray) -> ComplexArray:
 def not_excited(spectra: Sequence[Spectra], noise_rms: float | None) -> tuple[str, ...]:
     """Motions of the four axles that no run excites beyond noise: what a transfer matrix says of
     them is not measured. Empty if not all four axles were recorded."""
-    if spectra[0].inputs.shape[2] != 4:
+    if spectra[0].inputs.shape[2] not in (VERTICAL, 2 * VERTICAL):
         return ()
+    spectra = [replace(part, inputs=part.inputs[:, :, :VERTICAL]) for part in spectra]
     total = sum(float(np.sum(np.abs(part.inputs) ** 2)) for part in spectra)
     noise = sum(len(part.runs) * part.samples for part in spectra) * (noise_rms or 0.0) ** 2
     quiet = []

@@ -6,6 +6,7 @@ precision: their coefficients span seventy decades. States can.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +56,11 @@ class StateSpace:
             self.c[[output]],
             self.d[[output]][:, [input_]],
         )
+
+    def block(self, places: Sequence[int]) -> StateSpace:
+        """The elements between these inputs and the outputs of the same numbers."""
+        at = list(places)
+        return StateSpace(self.a, self.b[:, at], self.c[at], self.d[np.ix_(at, at)])
 
     def step(self, time_s: Array) -> Array:
         """Response (len(time_s), p, m) to a unit step of each input at time 0; uniform times."""

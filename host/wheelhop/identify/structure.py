@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign import AXLE_POINTS
 from wheelhop.identify.sections import ComplexArray, Points
 
 Array = NDArray[np.float64]
@@ -22,7 +23,10 @@ Array = NDArray[np.float64]
 Symmetry = Literal["reciprocal", "symmetric", "free"]
 """S = H D⁻¹ symmetric (physics), H symmetric (thesis 5.5), or neither."""
 
-MIRROR = (1, 0, 3, 2)
+MIRROR = (1, 0, 3, 2, 5, 4, 7, 6)
+"""Of the inputs: the axles' vertical motion, and fore and aft."""
+VERTICAL = 4
+"""So many inputs are vertical; those from here on are the same axles' motion fore and aft."""
 RIGID = np.array([[1.0, 1, 1, 1], [1, 1, -1, -1], [1, -1, 1, -1]]).T
 """Heave, pitch and roll of the four corners (4, 3); each axle as wide as the other."""
 
@@ -38,7 +42,8 @@ class Structure:
         are the six elements of thesis 5.5.
     rigid
         The axles raised along any plane raise the body along the same plane: H(0) r = r for heave,
-        pitch and roll. The rows of H(0) then sum to 1. Needs all four axles.
+        pitch and roll. The rows of H(0) then sum to 1. Needs all four axles. All moved
+        forward alike, they do not raise it.
     stable
         Every pole decays.
     """
@@ -65,7 +70,7 @@ class Structure:
         places = {(row, column)}
         if self.left_right:
             places |= {(MIRROR[i], MIRROR[j]) for i, j in places}
-        if self.symmetry != "free":
+        if self.symmetry != "free" and column < VERTICAL:
             places |= {(j, i) for i, j in places}
         return places
 
@@ -86,6 +91,8 @@ class Suspensions:
 
     @staticmethod
     def _one(numbers: Array, s: Points, corner: int) -> ComplexArray:
+        if corner >= VERTICAL:  # no strut
+            return np.ones(len(s), complex)
         if corner < 2:
             return np.asarray(1.0 + numbers[1] * s, complex)
         return np.asarray(numbers[0] * (1.0 + numbers[2] * s), complex)
@@ -96,10 +103,15 @@ class Suspensions:
         for j, corner in enumerate(corners):
             if corner < 2:
                 out[1, :, j] = s
-            else:
+            elif corner < VERTICAL:
                 out[0, :, j] = 1.0 + numbers[2] * s
                 out[2, :, j] = numbers[0] * s
         return out
+
+
+def input_name(number: int) -> str:
+    """What a column is of: "A1" or, fore and aft, "A1 x"."""
+    return AXLE_POINTS[number % VERTICAL] + (" x" if number >= VERTICAL else "")
 
 
 def suspensions(values: Mapping[str, float], uncertainty: Mapping[str, float]) -> Suspensions:

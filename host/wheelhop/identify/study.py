@@ -8,20 +8,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from wheelhop.campaign import CampaignError
+from wheelhop.identify.legs import Legs, closed
 from wheelhop.identify.matrix import TransferMatrix
 from wheelhop.identify.quarter_car import (
+    Bushings,
+    Part,
     Struts,
     Wheels,
     compliance,
-    corners,
     free_motion,
-    on_wheels,
+    legs,
     rigid_inertia,
 )
 from wheelhop.identify.statespace import StateSpace, of_fractions
 from wheelhop.identify.steps import DampedSinusoids
+from wheelhop.identify.structure import VERTICAL
 from wheelhop.vehicle import (
     CORNERS,
     axle_name,
@@ -33,9 +37,17 @@ from wheelhop.vehicle import (
 
 Array = NDArray[np.float64]
 
-QUANTITIES = ("stiffness", "damping", "unsprung-mass", "tyre")
+BUSHING = "bushing"
+QUANTITIES = ("stiffness", "damping", "unsprung-mass", "tyre", BUSHING)
 VARIED = tuple(f"{end}{what}" for end in ("front-", "rear-", "") for what in QUANTITIES)
 """What a study may vary: of front, rear or both suspensions and wheels."""
+HALVES: Mapping[str, tuple[int, int]] = {
+    "left": (0, 2),
+    "right": (1, 3),
+    "front": (0, 1),
+    "rear": (2, 3),
+}
+"""Corners of a half car: of a side it heaves and pitches, of an axle it heaves and rolls."""
 
 
 @dataclass(frozen=True)
@@ -61,16 +73,26 @@ class Car:
     wheels: Wheels
     sprung_kg: Array
     identified_on: Struts | None = None
+    bushings: Bushings | None = None
+    part: Part | None = None
 
     def varied(self, varied: str, factor: float) -> Car:
         """This car with one number of `VARIED` times `factor`. Raises CampaignError for another
         name."""
+        if varied.endswith(BUSHING):
+            return replace(self, bushings=_scaled(self.bushings, varied, factor))
         struts, wheels = _changed(self.struts, self.wheels, varied, factor)
         return replace(self, struts=struts, wheels=wheels, identified_on=self._held)
 
     def ground_to_body(self) -> StateSpace:
         """G(s), from the ground under the wheels to the body (4, 4)."""
-        return on_wheels(self.body, self._held, self.struts, self.wheels)
+        return closed(self.body, self._legs)
+
+    def half_car(self, which: str) -> StateSpace:
+        """The generalized half car (thesis 2.12): from the ground under two wheels to the body
+        above them (2, 2), the other two wheels standing on the ground; `which` is a name of
+        `HALVES`."""
+        return self.ground_to_body().block(HALVES[which])
 
     def wheel_hops(self, end: str) -> tuple[WheelHop, ...]:
         """Modes of the wheels at one end, "front" or "rear", that oscillate, by frequency.
@@ -79,11 +101,13 @@ class Car:
         those at this end more than those at the other. None is left where damping is so strong
         that the wheels creep back.
         """
-        pole, shape = free_motion(self.body, self._held, self.struts, self.wheels)
-        mass = np.zeros((8, 8))
-        mass[:4, :4], mass[4:, 4:] = self.sprung_kg, np.diag(corners(self.wheels.mass_kg))
-        share = kinetic_shares(shape, mass)
-        front, rear = share[:, 4:6].sum(axis=1), share[:, 6:].sum(axis=1)
+        pole, shape = free_motion(self.body, self._legs)
+        unsprung = self._legs.mass_kg
+        unsprung = unsprung[unsprung[:, 0] > 0.0]
+        mass = linalg.block_diag(self.sprung_kg, np.diag(unsprung.ravel()))
+        share = kinetic_shares(shape, mass)[:, 4:]
+        share = share.reshape(len(pole), len(unsprung), 4).sum(axis=1)
+        front, rear = share[:, :2].sum(axis=1), share[:, 2:].sum(axis=1)
         here, there = (front, rear) if end == "front" else (rear, front)
         hops = sorted(pole[(front + rear > 0.5) & (here > there)].tolist(), key=abs)
         return tuple(WheelHop(abs(one) / (2 * np.pi), -one.real / abs(one)) for one in hops)
@@ -91,6 +115,24 @@ class Car:
     @property
     def _held(self) -> Struts:
         return self.identified_on or self.struts
+
+    @property
+    def _legs(self) -> Legs:
+        return legs(self._held, self.struts, self.wheels, self.bushings, self.part)
+
+
+def _scaled(bushings: Bushings | None, varied: str, factor: float) -> Bushings:
+    if varied not in VARIED or bushings is None:
+        raise CampaignError(
+            f'a study of "{varied}" needs a bushing in line with the struts, and a name of'
+            f" {', '.join(name for name in VARIED if name.endswith(BUSHING))}: --bushing FILE.toml"
+        )
+    front, rear = bushings.factor
+    here = (
+        front if varied.startswith("rear") else front * factor,
+        rear if varied.startswith("front") else rear * factor,
+    )
+    return replace(bushings, factor=here)
 
 
 def _changed(struts: Struts, wheels: Wheels, varied: str, factor: float) -> tuple[Struts, Wheels]:
@@ -111,20 +153,22 @@ def _changed(struts: Struts, wheels: Wheels, varied: str, factor: float) -> tupl
 
 
 def car_of(model: TransferMatrix, values: Mapping[str, float]) -> Car:
-    """The identified body on the suspensions and wheels of vehicle.toml.
+    """The identified body on the suspensions and wheels of vehicle.toml; axles do not move fore and
+    aft in it.
 
     Raises CampaignError if not all four axle and body points were recorded.
     """
-    if model.inputs != (0, 1, 2, 3) or model.outputs != (0, 1, 2, 3):
+    theta = model.theta[:, :VERTICAL]
+    if model.inputs[:VERTICAL] != (0, 1, 2, 3) or model.outputs != (0, 1, 2, 3):
         raise CampaignError("a study needs a transfer matrix of all four axle and body points")
     struts, wheels, sprung = _struts(values), _wheels(values), _sprung(values)
     if model.suspensions is None:
-        body = compliance(of_fractions(model.sections, model.theta), struts)
+        body = compliance(of_fractions(model.sections, theta), struts)
         return Car(body, struts, wheels, sprung)
     ratio, front_s, rear_s = model.suspensions.value
     front = struts.front_N_m
     fitted = Struts(front, ratio * front, front_s * front, rear_s * ratio * front)
-    return Car(of_fractions(model.sections, model.theta / front), fitted, wheels, sprung)
+    return Car(of_fractions(model.sections, theta / front), fitted, wheels, sprung)
 
 
 def car_of_steps(fitted: DampedSinusoids, values: Mapping[str, float]) -> Car:
@@ -195,10 +239,15 @@ def study(car: Car, varied: str, factors: Sequence[float], corner: int = 0) -> l
     for factor in factors:
         changed = car.varied(varied, factor)
         system = changed.ground_to_body().part(corner, corner)
-        if (system.poles().real >= 0).any():
-            raise CampaignError(
-                f"with {varied} × {factor:g} the identified body is unstable: the runs do not fix"
-                " it well enough for that change; take a lower order or a smaller change"
-            )
+        check_stable(system, f"{varied} × {factor:g}")
         out.append(Variant(factor, system, changed.wheel_hops(axle_name(corner))))
     return out
+
+
+def check_stable(system: StateSpace, changed: str) -> None:
+    """Raise CampaignError for a car that does not stay in its place with what was `changed`."""
+    if (system.poles().real >= 0).any():
+        raise CampaignError(
+            f"with {changed} the identified body is unstable: the runs do not fix it well enough"
+            " for that change; take a lower order or a smaller change"
+        )

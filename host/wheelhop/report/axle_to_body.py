@@ -10,11 +10,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from wheelhop.campaign import AXLE_POINTS, BODY_POINTS, Campaign
+from wheelhop.campaign import BODY_POINTS, Campaign
 from wheelhop.diagnose import Step
 from wheelhop.files.words import listed, percent
 from wheelhop.identify import Linearity, TransferMatrix
 from wheelhop.identify.figure import physical_matrix
+from wheelhop.identify.structure import input_name
 from wheelhop.report import tables
 from wheelhop.report.figures import AFTER, BEFORE, INK, MEASURED, WIDTH
 from wheelhop.report.page import figure, paragraph, section
@@ -60,7 +61,7 @@ def matrix_figure(
         (name, colour, np.abs(physical_matrix(campaign.channels, one, model, frequency)))
         for name, colour, one in models
     ]
-    top = 1.6 * max(float(h.max()) for h in (identified, *(h for _, _, h in physical)))
+    top = 1.6 * max(float(np.nanmax(h)) for h in (identified, *(h for _, _, h in physical)))
     with mpl.rc_context(STYLE):
         drawing = Drawing(figsize=(WIDTH, 6.6), layout="constrained")
         panels = drawing.subplots(*identified.shape[1:], sharex=True, sharey=True, squeeze=False)
@@ -72,7 +73,7 @@ def matrix_figure(
             axes.plot(frequency, h, color=INK, linewidth=2.2, label="identified")
             for name, colour, values in physical:
                 axes.plot(frequency, values[:, i, j], color=colour, linewidth=1.2, label=name)
-            axes.set_title(f"{AXLE_POINTS[model.inputs[j]]} → {BODY_POINTS[model.outputs[i]]}")
+            axes.set_title(f"{input_name(model.inputs[j])} → {BODY_POINTS[model.outputs[i]]}")
             _scale(axes, frequency, top)
             if i == len(panels) - 1:
                 axes.set_xlabel("frequency, Hz")

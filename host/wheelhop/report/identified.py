@@ -43,31 +43,40 @@ def write_identified_report(
     caption = (
         "Motion of each body point per motion of each axle; the band is twice the standard error."
     )
-    by_track: dict[str, list[Predicted]] = {}
-    kinds = {run.id: run.track.kind for run in campaign.runs}
-    for one in predicted:
-        by_track.setdefault(kinds[one.run], []).append(one)
     body = [
         paragraph(f"wheelhop identify · {campaign.title}", "kicker"),
         title("What the axles do to the body"),
         section("The matrix", bullets(said), _modes(chosen)),
         section("From each axle to each point", figure(inline(matrix, "h", "|H|"), caption)),
+        *predictions(campaign, predicted),
+    ]
+    write_page(path, f"{campaign.title}: axles to body", body)
+
+
+def predictions(
+    campaign: Campaign, predicted: Sequence[Predicted], *, folded: bool = False
+) -> list[str]:
+    """Sections: the errors of all runs, and track by track the runs' figures, each `folded` under
+    its line or not."""
+    by_track: dict[str, list[Predicted]] = {}
+    kinds = {run.id: run.track.kind for run in campaign.runs}
+    for one in predicted:
+        by_track.setdefault(kinds[one.run], []).append(one)
+    return [
         section("Predicted and measured", paragraph(WORDS), _errors(predicted)),
         *(
-            section(
-                kind,
-                *(
-                    figure(
-                        inline(run_figure(one), f"run-{kind}-{i}", f"{one.run}, predicted"),
-                        f"{one.run}, {_role(one)}: error {percent(_overall(one), 2)}.",
-                    )
-                    for i, one in enumerate(runs)
-                ),
-            )
+            section(kind, *(_run(one, f"run-{kind}-{i}", folded) for i, one in enumerate(runs)))
             for kind, runs in by_track.items()
         ),
     ]
-    write_page(path, f"{campaign.title}: axles to body", body)
+
+
+def _run(one: Predicted, name: str, folded: bool) -> str:
+    said = f"{one.run}, {_role(one)}: error {percent(_overall(one), 2)}."
+    drawing = inline(run_figure(one), name, f"{one.run}, predicted")
+    if folded:
+        return f"<details><summary>{escape(said)}</summary>{figure(drawing, '')}</details>"
+    return figure(drawing, said)
 
 
 WORDS = (

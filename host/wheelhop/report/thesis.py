@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from math import isnan
 from pathlib import Path
@@ -13,7 +13,7 @@ from wheelhop.files.words import significant
 from wheelhop.identify.row import KINDS, Row
 from wheelhop.identify.thesis_figures import draw_thesis
 from wheelhop.report.page import bullets, figure, section, table, title, write_page
-from wheelhop.report.thesis_figures import FIGURES
+from wheelhop.report.thesis_figures import FIGURES, on_frame
 
 PAGE = "thesis.html"
 TABLES_OF = {"2.21": "fig 2.21", "2.7": "2.1", "2.14": "2.8", "2.15": "fig 2.15", "2.20": "2.4"}
@@ -28,19 +28,21 @@ STUDIES = {
 """Captions of the parameter studies."""
 
 
-def write_thesis(folder: Path, rows: Sequence[Row]) -> list[Path]:
+def write_thesis(folder: Path, rows: Sequence[Row], frame: Path | None = None) -> list[Path]:
     """Draw every figure into a folder, which is made if need be, and write the page; the files.
-    Raises InputError."""
+    Figure 6.1 is drawn with the `frame` of a file, if there is one. Raises InputError."""
+    figures = {**FIGURES, **(on_frame(frame) if frame else {})}
+    captions = {**STUDIES, **{number: caption for number, (_, caption) in figures.items()}}
     with made_folder(folder):
         drawn = draw_thesis(folder)
-        for number, (draw, _) in FIGURES.items():
+        for number, (draw, _) in figures.items():
             drawn.append(folder / f"figure-{number}.png")
             write_picture(drawn[-1], draw(), dpi=130)
-        write_page(folder / PAGE, "The thesis recomputed", _body(drawn, rows))
+        write_page(folder / PAGE, "The thesis recomputed", _body(drawn, rows, captions))
     return [*drawn, folder / PAGE]
 
 
-def _body(drawn: Sequence[Path], rows: Sequence[Row]) -> list[str]:
+def _body(drawn: Sequence[Path], rows: Sequence[Row], captions: Mapping[str, str]) -> list[str]:
     tables = list(dict.fromkeys(row.table for row in rows))
     agree = sum(not row.reason for row in rows)
     head = [
@@ -51,12 +53,11 @@ def _body(drawn: Sequence[Path], rows: Sequence[Row]) -> list[str]:
     parts = [title("The thesis recomputed"), bullets(head)]
     for path in sorted(drawn, key=_order):
         number = _number(path)
-        caption = FIGURES[number][1] if number in FIGURES else STUDIES[number]
         own = [row for row in rows if row.table == TABLES_OF.get(number)]
         parts.append(
             section(
                 f"Figure {path.stem.removeprefix('figure-')}",
-                _picture(path, caption),
+                _picture(path, captions[number]),
                 _table(own) if own else "",
             )
         )

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
+from dataclasses import replace
+from functools import cache, partial
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -12,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from wheelhop.effects import load_effects
+from wheelhop.frame import CornerModes, read_corner_modes
 from wheelhop.identify import published
 from wheelhop.identify.equivalent import (
     STEP_TIME_S,
@@ -30,6 +33,8 @@ from wheelhop.predict.drives import read_drives, read_effects
 from wheelhop.report.figures import AFTER, BEFORE, INK, MEASURED, SOFT, WIDTH
 from wheelhop.report.svg import STYLE
 from wheelhop.vehicle import Vehicle
+from wheelhop.vehicle.frame_modes import mode_values
+from wheelhop.vehicle.vehicle import FRAME_DAMPING, FRAME_MODES
 
 Array = NDArray[np.float64]
 INKS = (BEFORE, AFTER, INK, SOFT)
@@ -39,6 +44,8 @@ ORDERS_5_25 = (4, 6, 8, 10)
 SHOWN_S = 2.0
 TRACK, SPEED_KMPH = "one-sided-washboard/high", 13.0
 """Where a frame twists. On the washboard of figure 6.1 both sides are lifted alike."""
+OWN_TRACK = ("washboard/high", 11.0)
+"""That of figure 6.1, at its low speed."""
 RADIUS_M = 0.279
 """Of the wheels: tyres 22x7-10."""
 SPRUNG_AHEAD = "cg_to_front_axle_m"
@@ -125,11 +132,13 @@ def figure_2_14() -> Figure:
     return figure
 
 
-def figure_6_1() -> Figure:
-    """Body accelerations on the high one-sided washboard, with a rigid frame and with one that
-    twists at the frequency that Table D.1 prints."""
+def figure_6_1(frame: CornerModes | None = None) -> Figure:
+    """Body accelerations with a rigid and with a flexible frame: on the high one-sided washboard
+    with one that twists at the frequency that Table D.1 prints, or on the thesis's own track with
+    the modes of a `frame`."""
     records = {
-        name: _acceleration(flexible) for name, flexible in (("rigid", False), ("flexible", True))
+        name: _acceleration(flexible, frame)
+        for name, flexible in (("rigid", False), ("flexible", True))
     }
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
@@ -142,7 +151,7 @@ def figure_6_1() -> Figure:
         left.set_xlim(0, SHOWN_S)
         left.set_xlabel("time, s")
         left.set_ylabel("B1, m/s²")
-        left.legend(loc="upper right")
+        figure.legend(*left.get_legend_handles_labels(), loc="outside upper left", ncols=2)
         right.set_xlabel("frequency, Hz")
         right.set_ylabel("amplitude, m/s²")
     return figure
@@ -175,6 +184,18 @@ FIGURES: Mapping[str, tuple[Callable[[], Figure], str]] = {
     ),
 }
 """What draws each figure, and its caption."""
+
+
+def on_frame(file: Path) -> Mapping[str, tuple[Callable[[], Figure], str]]:
+    """Figure 6.1 on its own track, with the frame of a file: what draws it, and its caption. Raises
+    FrameError."""
+    frame = read_corner_modes(file)
+    caption = (
+        "Figure 6.1. Body acceleration on the high washboard at 11 km/h with a rigid frame and with"
+        f" that of {file.name}, whose first mode is at {frame.frequency_hz[0]:.1f} Hz (Table D.1:"
+        " 26.49 Hz)."
+    )
+    return {"6.1": (partial(figure_6_1, frame), caption)}
 
 
 @cache
@@ -236,10 +257,19 @@ def printed_atv() -> Vehicle:
     return Vehicle("ATV of chapters 4 and 5", values, dict.fromkeys(values, 0.0))
 
 
-def _acceleration(flexible: bool) -> Array:
+def _acceleration(flexible: bool, frame: CornerModes | None = None) -> Array:
     """Accelerations (n, 8), m/s², without noise."""
-    twist = published.TABLE_D_1["twist"]
-    words = [f"frame-twist:freq_hz={twist}"] if flexible else []
-    chosen = read_effects(words, load_effects())
-    case = Case(printed_atv(), chosen, read_drives([TRACK], [SPEED_KMPH]))
-    return case.record(0, 100.0, 0.01)
+    twist, vehicle, words = published.TABLE_D_1["twist"], printed_atv(), list[str]()
+    if flexible and frame is None:
+        words = [f"frame-twist:freq_hz={twist}"]
+    elif flexible and frame is not None:
+        modes = mode_values(frame, FRAME_MODES, FRAME_DAMPING)
+        certain = dict.fromkeys(modes, 0.0)
+        vehicle = replace(
+            vehicle,
+            values={**vehicle.values, **modes},
+            uncertainty={**vehicle.uncertainty, **certain},
+        )
+    track, speed = (TRACK, SPEED_KMPH) if frame is None else OWN_TRACK
+    drives = read_drives([track], [speed])
+    return Case(vehicle, read_effects(words, load_effects()), drives).record(0, 100.0, 0.01)

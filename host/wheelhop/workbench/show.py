@@ -19,13 +19,14 @@ from wheelhop.diagnose.verdict.ranking import Angles, ranked_so_far
 from wheelhop.effects import Effect
 from wheelhop.fit import Fit, RunFit, Workshop
 from wheelhop.gate import Finding
-from wheelhop.identify import Linearity
+from wheelhop.identify import Linearity, TransferMatrix, measure, predict
 from wheelhop.law import Found
 from wheelhop.predict.detectable import Detectable
 from wheelhop.report import sections
 from wheelhop.report.axle_to_body import axle_to_body
 from wheelhop.report.can_show import best_words, seen_from
 from wheelhop.report.cases import cases, records_of
+from wheelhop.report.identified import predictions
 from wheelhop.report.law import law_figure, law_lines
 from wheelhop.report.loops import FINER, loop_of
 from wheelhop.report.settings import settings_headline, settings_sections
@@ -259,9 +260,16 @@ def _limit(limit: Limit) -> str:
     return f"{limit.effect}{form}: {limit_words(limit)}"
 
 
-def between(found: Linearity, campaign: Campaign, steps: Sequence[Step]) -> shown.AxleToBody:
-    """The report's section, beside the models of `steps`."""
-    return shown.AxleToBody(axle_to_body(found, campaign, steps))
+def between(
+    found: Linearity, campaign: Campaign, steps: Sequence[Step], foretold: str
+) -> shown.AxleToBody:
+    """The report's section, beside the models of `steps`, and below it what is `foretold`."""
+    return shown.AxleToBody(axle_to_body(found, campaign, steps) + foretold)
+
+
+def foretold(model: TransferMatrix, campaign: Campaign) -> str:
+    """What an identified matrix predicts of the body in every run, beside its record: sections."""
+    return "".join(predictions(campaign, predict(model, measure(campaign)), folded=True))
 
 
 def can_show(found: Detectable) -> shown.CanShow:

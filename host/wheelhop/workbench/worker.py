@@ -58,6 +58,7 @@ class Work:
     diagnosis: Diagnosis | None = None
     law: LastRungs | None = None
     linearity: Linearity | None = None
+    foretold: str = ""
 
     def ladder(self, added: Sequence[str]) -> list[Step]:
         """The rungs that are fitted already, from the baseline towards `added`."""
@@ -196,7 +197,11 @@ class Worker:
         self._say(Said("fitting transfer functions from the axles to the body"))
         if work.linearity is None:
             work.linearity = linearity(campaign, work.vehicle)
-        self._say(show.between(work.linearity, campaign, work.ladder(added)))
+            if work.linearity.model is not None:
+                self._say(Said("drawing what they predict of every run"))
+                work.foretold = show.foretold(work.linearity.model, campaign)
+        found = show.between(work.linearity, campaign, work.ladder(added), work.foretold)
+        self._say(found)
 
     def _foresee(self, work: Work) -> None:
         campaign, library = work.gated.campaign, work.library.values()

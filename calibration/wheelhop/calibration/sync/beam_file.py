@@ -19,7 +19,8 @@ class BeamSession:
     """A cantilever that carries sensors and is driven by a harmonic force.
 
     `beam` has the sensors' masses and what hangs at the drive on it; `channels` and `positions_m`
-    belong together. `loss_factor` is what the damping is believed to be.
+    belong together. `loss_factor` is what the damping is believed to be, `force_N` the amplitude of
+    the force where it acts on the beam, 0: not known.
     """
 
     beam: Beam
@@ -28,6 +29,7 @@ class BeamSession:
     frequencies_hz: tuple[float, ...]
     channels: tuple[str, ...]
     positions_m: tuple[float, ...]
+    force_N: float = 0.0
 
     def shape(
         self, frequencies_hz: NDArray[np.float64], loss_factor: float
@@ -50,7 +52,7 @@ def read_beam(path: Path) -> BeamSession:
     table = top.table_if_any("beam")
     bare = _bare(table)
     drive = top.table_if_any("drive")
-    drive.only(("position_mm", "frequencies_hz", "mass_g", "stiffness_N_m"))
+    drive.only(("position_mm", "frequencies_hz", "mass_g", "stiffness_N_m", "force_N"))
     drive_m = _position(drive, bare.length_m, default_mm=bare.length_m * 1e3)
     beam = bare.carrying(
         drive_m,
@@ -75,6 +77,7 @@ def read_beam(path: Path) -> BeamSession:
         _frequencies(drive),
         tuple(channels),
         tuple(positions),
+        drive.number("force_N", 0.0, at_least=0.0),
     )
 
 

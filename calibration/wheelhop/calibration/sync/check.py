@@ -22,6 +22,7 @@ from wheelhop.calibration.sync.fit import Tones, fit_tones
 from wheelhop.logger.recording import Recording
 
 LIMIT_S = 0.5e-3
+ACCELERATION = "m/s²"
 NEAR_RESONANCE = 0.10  # of the natural frequency: dimensions and modulus are not known better
 NODE = 0.10  # of the largest amplitude, below which a sensor sits near a node
 SMALL_LOSS = 5e-3  # loss factor of which even a steel beam in its clamp is not sure
@@ -37,7 +38,8 @@ class ChannelSkew:
     """One channel. `skew_s` is how much later than the first live channel it is sampled, NaN if
     it cannot be told, ± `expanded_s` (k = 2); `off_s` the distance within which half of the
     others lie. `measured` and `expected` are signed amplitudes at the frequencies used, in the
-    recording's unit. `verdict` is "pass", "fail", "open" (the limit lies within the uncertainty)
+    recording's unit; expected of the stated force, or else of one that fits all best. `verdict` is
+    "pass", "fail", "open" (the limit lies within the uncertainty)
     or "not told".
     """
 
@@ -56,7 +58,8 @@ class SyncCheck:
     """What a beam session says. `frequencies_hz` are those used, `refused` those that were not with
     the reason; `faults` what else is wrong; `ramp_s` the delay from one channel to the next where
     they are sampled in turn, 0 where not; `loss_factor` ± `loss_expanded` (k = 2) the damping
-    found; `remarks` what the reader should know."""
+    found; `level` (f,) how many times as much the beam moves as the stated force moves it, empty if
+    it cannot be said; `remarks` what the reader should know."""
 
     channels: tuple[ChannelSkew, ...]
     frequencies_hz: tuple[float, ...]
@@ -66,6 +69,7 @@ class SyncCheck:
     loss_factor: float
     loss_expanded: float
     remarks: tuple[str, ...]
+    level: tuple[float, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -96,7 +100,8 @@ def check_synchronicity(
     Raises CalibrationError where a channel is not in the recording, where the drive is not, or
     where every frequency is too near a resonance to tell.
     """
-    values = recording.values[:, _columns(recording, session)]
+    at = _columns(recording, session)
+    values = recording.values[:, at]
     used, refused = _usable(session)
     tones = fit_tones(values, recording.rate_hz, session.frequencies_hz)
     keep = [session.frequencies_hz.index(frequency) for frequency in used]
@@ -110,7 +115,13 @@ def check_synchronicity(
     slope = _damping_slope(session, tones.frequencies_hz)
     shape = expected.of(undamped)
     estimate = _estimate(tones, shape, slope[:, expected.at], session.loss_factor)
-    channels = _channels(session, tones, signed, shape, estimate, limit_s)
+    factor = np.sum(signed * shape, axis=1) / np.sum(shape**2, axis=1) * tones.amplitudes
+    drawn, level = factor, np.zeros(0)
+    if session.force_N and all(recording.channels[i].unit == ACCELERATION for i in at):
+        kept = np.sinc(tones.frequencies_hz * recording.averaging_s)
+        drawn = np.sign(factor) * session.force_N * kept
+        level = factor / drawn
+    channels = _channels(session, tones, signed, drawn, estimate, limit_s)
     return SyncCheck(
         channels,
         tuple(float(f) for f in tones.frequencies_hz),
@@ -119,7 +130,8 @@ def check_synchronicity(
         _ramp(recording, channels),
         estimate.loss_factor,
         estimate.loss_expanded,
-        _remarks(session, undamped, noise, chi, faults),
+        (*_remarks(session, undamped, noise, chi, faults), *_unforced(session, level)),
+        tuple(level.tolist()),
     )
 
 
@@ -215,7 +227,7 @@ def _channels(
     session: BeamSession,
     tones: Tones,
     signed: Real,
-    shape: Real,
+    drawn: Real,
     estimate: _Estimate,
     limit_s: float,
 ) -> tuple[ChannelSkew, ...]:
@@ -224,7 +236,6 @@ def _channels(
     between = np.sqrt(np.maximum(variance[:, None] + variance - 2 * covariance, 0.0))
     told = np.flatnonzero(~np.isnan(skew))
     undamped = session.shape(tones.frequencies_hz, 0.0).real
-    factor = np.sum(signed * shape, axis=1) / np.sum(shape**2, axis=1)
     out = []
     for c, name in enumerate(session.channels):
         later, expanded, off = np.nan, np.nan, np.nan
@@ -244,7 +255,7 @@ def _channels(
                 float(expanded),
                 float(off),
                 tuple(float(v) for v in signed[:, c] * tones.amplitudes),
-                tuple(float(v) for v in factor * undamped[:, c] * tones.amplitudes),
+                tuple(float(v) for v in drawn * undamped[:, c]),
                 verdict,
             )
         )
@@ -270,6 +281,12 @@ def _ramp(recording: Recording, channels: tuple[ChannelSkew, ...]) -> float:
     explained = step**2 * (order @ order) / max(float(skew @ skew), 1e-30)
     doubt = max(c.expanded_s for c in told) / np.sqrt(order @ order)
     return step if explained > RAMP and abs(step) > 5 * doubt else 0.0
+
+
+def _unforced(session: BeamSession, level: Real) -> tuple[str, ...]:
+    if not session.force_N or len(level):
+        return ()
+    return (f"force_N is stated and the recording is not in {ACCELERATION}: decode it calibrated",)
 
 
 def _remarks(
