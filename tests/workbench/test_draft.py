@@ -340,6 +340,16 @@ def test_a_length_whose_name_tells_a_corner_is_a_damper_s_travel(tmp_path):
     draft.read()
 
 
+def test_a_speed_that_was_measured_is_not_asked(tmp_path):
+    draft = with_unit(tmp_path, "km/h", "GPS speed")
+    assert draft.columns[0].place == "speed"
+    draft.read()
+    assert not any("speed" in gap for gap in draft.gaps())
+    draft.columns[0].place = NOT_USED
+    draft.read()
+    assert any("speed" in gap for gap in draft.gaps())
+
+
 def test_every_recording_keeps_the_unit_it_says(tmp_path):
     """The second was set to mg: its numbers are a thousand times larger, not its motion."""
     rows = "\n".join(f"{i / 100};{{}};{{}}" for i in range(2000))

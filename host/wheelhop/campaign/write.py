@@ -4,13 +4,13 @@ import filecmp
 import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from wheelhop.campaign.channels import Place, place_of, units_of, with_noise
+from wheelhop.campaign.channels import QUANTITIES, Place, place_of, units_of, with_noise
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
@@ -32,17 +32,19 @@ from wheelhop.formats.table import uncertain_between
 from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
+SPEED_UNIT = QUANTITIES["speed"].unit
 TOP_OF_BAND = 0.4  # of the sample rate, where 30 Hz is too much
 FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
 @dataclass(frozen=True)
 class NewRun:
-    """How a run was driven, as campaign.toml says it; `track` holds `kind` and its other keys."""
+    """How a run was driven, as campaign.toml says it; `track` holds `kind` and its other keys, and
+    a speed of None is the mean of what the campaign's speed channel shows."""
 
     id: str
     role: str
-    speed_kmph: float
+    speed_kmph: float | None
     track: Mapping[str, str | float]
     source: str = ""
     course: Course | None = None
@@ -177,6 +179,7 @@ def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> li
     units = listed(folder)
     for recording, run in runs:
         _check_samples(recording, run.source or run.id, units)
+    runs = [(recording, _driven(recording, run, units)) for recording, run in runs]
     with locked(folder, CampaignError):
         text = before = _text(toml)
         made: list[Path] = []
@@ -203,6 +206,17 @@ def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> li
                 remove(made)
             raise
     return files
+
+
+def _driven(recording: Recording, run: NewRun, units: Mapping[str, str]) -> NewRun:
+    """A run with its speed, the mean of a channel of speed where none was said."""
+    if run.speed_kmph is not None:
+        return run
+    told = [i for i, c in enumerate(recording.channels) if units.get(c.name) == SPEED_UNIT]
+    mean = float(recording.values[:, told[0]].mean()) if told else 0.0
+    if mean <= 0.0:
+        raise CampaignError(f"run {run.id}: no channel tells its speed: say it (--speed-kmph)")
+    return replace(run, speed_kmph=float(f"{3.6 * mean:.3g}"))
 
 
 def listed(folder: str | Path) -> dict[str, str]:
