@@ -241,3 +241,24 @@ def test_advice_for_a_unit_is_one_that_helps(folder, unit, said):
         add_run(folder, recording_of(unit=unit), run_of("more"))
     assert said in str(caught.value)
     assert ("--nominal" in str(caught.value)) == (unit == "code")
+
+
+@pytest.mark.parametrize(
+    ("unit", "place", "said"),
+    [
+        ("m", "A1", "it is good as travel:1"),
+        ("m/s", "B1", "it is good as speed"),
+        ("m", "speed", "a campaign takes m/s"),
+        ("", "A1", "does not say its unit"),
+        ("%", "A1", "is in %, a campaign takes m/s²"),
+    ],
+)
+def test_a_campaign_begins_with_no_channel_that_it_would_never_take(unit, place, said, tmp_path):
+    named = recording_of(("FL", "B2"), unit=unit)
+    channels = (named.channels[0], replace(named.channels[1], unit="m/s²"))
+    like = replace(named, channels=channels)
+    with pytest.raises(CampaignError, match="channel FL") as caught:
+        new_campaign(tmp_path / "c", "t", like, {"FL": place})
+    assert said in str(caught.value) and not (tmp_path / "c").exists()
+    if unit == "m" and place == "A1":
+        new_campaign(tmp_path / "c", "t", like, {"FL": "travel:1"})

@@ -309,6 +309,9 @@ def test_a_column_in_no_unit_of_acceleration_is_never_taken_for_one(tmp_path, un
     """A damper's potentiometer called A1 has no place; nor has a unit that is not known."""
     draft = with_unit(tmp_path, unit)
     assert draft.columns[0].unit == unit
+    proposed = {"mm": NOT_USED, "deg/s": NOT_USED, "km/h": "speed"}
+    assert draft.columns[0].place == proposed.get(unit, "A1")
+    draft.columns[0].place = "A1"
     with pytest.raises(CampaignError, match=r"drive 1\.csv: column A1.* unit") as caught:
         draft.read()
     assert (unit or "does not say") in str(caught.value)

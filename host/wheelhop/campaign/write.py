@@ -27,7 +27,7 @@ from wheelhop.files import (
     write_text,
 )
 from wheelhop.files.keys import LONGEST_TEXT
-from wheelhop.formats.places import likely_points
+from wheelhop.formats.places import good_for, likely_points
 from wheelhop.formats.table import uncertain_between
 from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
@@ -116,6 +116,7 @@ def new_campaign(
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
     given[file] = "\n".join(lines) + "\n"
+    _check_units(like, title, units_of(parse_toml(given[file], file, CampaignError)), CODE)
     made = make_folder(folder, CampaignError)
     try:
         with locked(folder, CampaignError):
@@ -288,17 +289,24 @@ def cut(recording: Recording, from_s: float | None, to_s: float | None) -> Recor
     )
 
 
-def _check_samples(recording: Recording, name: str, units: Mapping[str, str]) -> None:
+def _check_units(recording: Recording, name: str, units: Mapping[str, str], but: str = "") -> None:
+    """Raise CampaignError for a channel in another unit than the campaign takes, or than `but`."""
     for channel in recording.channels:
         wanted = units.get(channel.name, ACCELERATION)
-        if channel.unit != wanted:
+        if channel.unit not in (wanted, but or wanted):
             remedy = "say its unit in a mapping (wheelhop import --draft), or leave it out"
             if channel.unit == CODE:
                 remedy = "give its constants with --calibration, or --nominal to do without"
+            elif word := good_for(channel.name, channel.unit):
+                remedy = f"it is good as {word}: campaign new --place says so; or leave it out"
             unit = f"is in {channel.unit}" if channel.unit else "does not say its unit"
             raise CampaignError(
                 f"{name}: channel {channel.name} {unit}, a campaign takes {wanted}: {remedy}"
             )
+
+
+def _check_samples(recording: Recording, name: str, units: Mapping[str, str]) -> None:
+    _check_units(recording, name, units)
     missing = np.flatnonzero(recording.missing)
     if len(missing):
         raise CampaignError(

@@ -22,8 +22,8 @@ from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
 from wheelhop.files import InputError, remove
 from wheelhop.files.units import to_si
 from wheelhop.formats import Map, Pick, read, understand
+from wheelhop.formats.columns import Question
 from wheelhop.formats.places import likely_quantity
-from wheelhop.formats.timing import Question
 from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
