@@ -182,12 +182,11 @@ def _of_what_was_tried(
 def _no_stand_in(grounds: Grounds, of_laws: float) -> float:
     """Chance that what leaves a part unexplained is no stand-in for something unknown.
 
-    A stand-in leaves any share s of the power that a law explains, above the floor and what no law
-    was found to leave less than, alike, density 1. What is right may
-    leave something small beside it, no size likelier than another down to ε², the power that such
-    models are exact to, density 1 / (s ln(1/ε²)): a law of the struts leaves a tenth of the
-    amplitude, under its right name, as machines part from textbooks. Beforehand the odds for what
-    is right are `ODDS_RIGHT`.
+    A stand-in leaves any share s of the power above the floor, and above what no law was found to
+    leave less than, alike, density 1. What is right may leave something small beside it, no size
+    likelier than another down to ε², the power that such models are exact to, density 1 / (s
+    ln(1/ε²)): a law of the struts leaves a tenth of the amplitude, under its right name, as
+    machines part from textbooks. Beforehand the odds for what is right are `ODDS_RIGHT`.
     """
     least = max(of_laws, 1.0) ** 2
     excess = grounds.baseline_over_expected**2 - least
