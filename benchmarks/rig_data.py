@@ -3,8 +3,10 @@
 Each campaign comes from the independent rig (`tests/component/rig.py`), its numbers drawn anew by
 each seed, and has one thing that real rigs have: a load cell that is not zeroed under an imposed
 force; a rack without a spring, declared so and not; a display that shows steps; cycles that a servo
-repeats, one recording each; a reversed load cell. A line says what was named, what is left of the
-runs held out by the names and by the laws that follow, and what was said before the fit.
+repeats, one recording each; a reversed load cell; noise of a tenth of the force that is slow, so
+that what is quietest is far below it, with friction or a law of no library; that law alone. A line
+says what was named, what is left of the runs held out by the names and by the laws that follow, and
+what was said before the fit.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.signal import lfilter
 
 from tests.component import rig
 from tests.component.cases import DAMPER, OSCILLATOR
@@ -24,7 +27,10 @@ from wheelhop.api import diagnose
 from wheelhop.campaign import ComponentCampaign, RigRun, read_campaign
 
 FRICTION = {"coulomb_N": 60.0, "joint_N_m": 4e5}
-NAMES = ("offset", "rack", "rack-unknown", "display", "cycles", "reversed")
+NAMES = (
+    *("offset", "rack", "rack-unknown", "display", "cycles", "reversed"),
+    *("coloured", "coloured-outside", "outside"),
+)
 BELIEVED = "mass_kg = {}\nstiffness_N_m = {}\ndamping_N_s_m = {}"
 NO_SPRING = 1e-300
 
@@ -39,6 +45,10 @@ def campaign(name: str, folder: Path, rng: np.random.Generator, seed: int) -> Co
         component = replace(OSCILLATOR, stiffness_N_m=NO_SPRING, damping_N_s_m=200.0)
         component = replace(component, mass_kg=90.0, hidden="dry-friction", numbers=friction)
         nominal = BELIEVED.format(80.0, '"unknown"', 250.0)
+    if name.endswith("outside"):
+        component = replace(
+            DAMPER, hidden="bypass-damper", numbers={"share": 1.0, "travel_m": 0.02}
+        )
     if name.startswith("rack"):
         component = replace(component, stiffness_N_m=NO_SPRING, damping_N_s_m=250.0)
         spring = '"none"' if name == "rack" else "0.0"
@@ -53,8 +63,9 @@ def campaign(name: str, folder: Path, rng: np.random.Generator, seed: int) -> Co
 
 
 def only_of(name: str) -> str:
-    """Of which runs the campaign is: without a spring, free decays show nothing."""
-    return "random" if name == "offset" else ""
+    """Of which runs the campaign is: without a spring, free decays show nothing; of random motion
+    nothing repeats."""
+    return "random" if name in ("offset", *NAMES[-3:]) else ""
 
 
 def spoilt(name: str, run: RigRun, rng: np.random.Generator) -> RigRun:
@@ -69,6 +80,9 @@ def spoilt(name: str, run: RigRun, rng: np.random.Generator) -> RigRun:
     elif name == "cycles" and run.id.startswith("sine-1.7hz"):
         # The same cycles once more, with noise of their own.
         force = force + rng.normal(0.0, 1e-3 * np.std(force), len(force))
+    elif name.startswith("coloured"):
+        slow = lfilter([0.06], [1.0, -0.94], rng.normal(size=len(force)))
+        force = force + 0.1 * np.std(force) / np.std(slow) * slow
     record = x if run.drive == "force" else force
     return replace(run, force=force, displacement=x, record=record[:, None])
 

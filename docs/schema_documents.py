@@ -88,10 +88,18 @@ role = "fit"
         head
         + 'drive = "force"\nnoise_rms_m = 1e-5\n\n'
         + part.replace("MASS", "2.0").replace("relative_uncertainty = 0.2", OTHER),
+        head + 'drive = "force"\n\n' + WORDS + part[part.index("\n[[run]]") :],
     ]
 
 
 OTHER = "relative_uncertainty = 0.3"
+WORDS = """[component]
+mass_kg = "unknown"
+stiffness_N_m = "unknown"
+damping_N_s_m = "none"
+preload = "unknown"
+relative_uncertainty = 0.2
+"""
 PLACED = "mass_kg = 20.0\nx_m = 0.1\ny_m = 0.0\n"
 MOUNTED = f"{PLACED}stiffness_N_m = 30000.0\ndamping_N_s_m = 300.0\n"
 VEHICLE = f"""format = 1

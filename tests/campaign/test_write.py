@@ -51,6 +51,20 @@ def folder(tmp_path):
     return tmp_path / "c"
 
 
+def test_a_speed_that_a_channel_measures_need_not_be_said(folder, tmp_path):
+    """It is the mean over the run, 5 m/s of 1 to 9; without such a channel it is asked for."""
+    names = (*POINTS, "gps")
+    channels = tuple(Channel(n, "m/s" if n == "gps" else "m/s²") for n in names)
+    recording = replace(recording_of(names), channels=channels)
+    recording.values[:, 8] = np.linspace(1.0, 9.0, len(recording.values))
+    new_campaign(tmp_path / "gps", "our car", recording, {"gps": "speed"})
+    add_run(tmp_path / "gps", recording, run_of(speed_kmph=None))
+    (run,) = read_campaign(tmp_path / "gps").runs
+    assert run.speed_m_s == pytest.approx(5.0, rel=1e-3)
+    with pytest.raises(CampaignError, match=r"run slow: no channel tells its speed: .*speed-kmph"):
+        add_run(folder, recording_of(), run_of(speed_kmph=None))
+
+
 def test_a_campaign_of_two_runs_reads_back(folder):
     recording = recording_of()
     add_run(folder, recording, run_of())
@@ -227,3 +241,24 @@ def test_advice_for_a_unit_is_one_that_helps(folder, unit, said):
         add_run(folder, recording_of(unit=unit), run_of("more"))
     assert said in str(caught.value)
     assert ("--nominal" in str(caught.value)) == (unit == "code")
+
+
+@pytest.mark.parametrize(
+    ("unit", "place", "said"),
+    [
+        ("m", "A1", "it is good as travel:1"),
+        ("m/s", "B1", "it is good as speed"),
+        ("m", "speed", "a campaign takes m/s"),
+        ("", "A1", "does not say its unit"),
+        ("%", "A1", "is in %, a campaign takes m/s²"),
+    ],
+)
+def test_a_campaign_begins_with_no_channel_that_it_would_never_take(unit, place, said, tmp_path):
+    named = recording_of(("FL", "B2"), unit=unit)
+    channels = (named.channels[0], replace(named.channels[1], unit="m/s²"))
+    like = replace(named, channels=channels)
+    with pytest.raises(CampaignError, match="channel FL") as caught:
+        new_campaign(tmp_path / "c", "t", like, {"FL": place})
+    assert said in str(caught.value) and not (tmp_path / "c").exists()
+    if unit == "m" and place == "A1":
+        new_campaign(tmp_path / "c", "t", like, {"FL": "travel:1"})

@@ -128,6 +128,13 @@ RIG_ONLY = {
         "smooth",
         either(strut_N=80.0, yield_m=0.003, roundness=0.7),
     ),
+    "falling": Case(
+        "stribeck",
+        either(coulomb_N=60.0, sticking=1.6, stribeck_m_s=0.03, creep_m_s=0.001),
+        "dry-friction",
+        "falling",
+        either(strut_N=60.0, creep_m_s=0.001, sticking=1.6, stribeck_m_s=0.03),
+    ),
     "friction-with-play": Case(
         "friction-with-play",
         either(coulomb_N=60.0, joint_N_m=1e5, gap_m=0.003),

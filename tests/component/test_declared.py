@@ -9,6 +9,7 @@ from tests.component import rig
 from tests.component.cases import diagnosed
 from tests.component.rig import Component
 from tests.component.test_read import edit
+from wheelhop.api import compare
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.fit import vehicle_parameters
@@ -123,3 +124,32 @@ def test_friction_on_a_rack_is_friction(tmp_path):
     found = diagnosed(folder)
     assert found.verdict == ("dry-friction",)
     assert found.ladder[-1].parameters["dry-friction.strut_N"][0] == pytest.approx(58.0, rel=0.02)
+
+
+class Hung(Component):
+    """One on which a weight hangs that no load cell shows; displacement counts from where it rests,
+    1.75 mm below."""
+
+    REST = 1.75e-3
+
+    def law(self):
+        force = super().law()
+        return lambda x, v: force(x + self.REST, v) - force(self.REST, 0.0)
+
+
+@pytest.mark.parametrize(("said", "least", "most"), [("unknown", 0.0, 1.2), ("none", 3.0, 50.0)])
+def test_a_weight_that_hangs_on_a_spring_that_bends_is_found(said, least, most, tmp_path):
+    """Where the campaign says so; else the law is about another rest and leaves what is even."""
+    hung = Hung(5.0, 20000.0, 120.0, hidden="cubic-spring", numbers={"cubic_N_m3": 1e8})
+    folder = rig.make_campaign(
+        tmp_path / "c", "force", hung, seed=3, noise=0.01, only="random", seconds=3.0
+    )
+    edit(folder / "campaign.toml", "[component]", f'[component]\npreload = "{said}"')
+    found = compare(folder, add=["progressive-spring"], jobs=1, progress=False)
+    assert least < found.error / found.floor < most
+    alike = folder / "campaign.toml"
+    edit(alike, 'drive = "force"', 'drive = "displacement"')
+    edit(alike, "noise_rms_m", "noise_rms_N")
+    if said == "unknown":
+        with pytest.raises(CampaignError, match="preload: of an imposed displacement"):
+            read_campaign(folder)

@@ -133,6 +133,41 @@ def test_the_more_is_left_the_less_is_claimed(grounds, more):
     assert confidence(("unknown",), left) >= confidence(("unknown",), grounds)
 
 
+@pytest.mark.parametrize("sd", [0.05, 0.15])
+def test_an_estimated_noise_is_believed_to_be_log_normal(sd):
+    """It is e^sd times as much with a chance of one in six, whatever 10⁶ data leave to chance."""
+    judged = SimpleNamespace(error_judging=0.3, judging=SimpleNamespace(size=10**6))
+    for times, chance in ((1.0, 0.5), (np.exp(sd), 0.1587), (np.exp(-2.0 * sd), 0.9772)):
+        step = SimpleNamespace(
+            rung=judged,
+            expected=0.3 / times,
+            allowed=0.0,
+            comparison=SimpleNamespace(floor=SimpleNamespace(uncertainty=sd)),
+        )
+        assert posterior._by_chance(step) == pytest.approx(chance, abs=1e-3)
+    allowed = SimpleNamespace(rung=judged, expected=0.3, allowed=0.1)
+    assert posterior._by_chance(allowed) == 1.0
+
+
+@given(grounds=grounds, missing=st.floats(0.0, 1.0))
+def test_where_noise_is_uncertain_both_readings_count_as_likely_as_they_are(grounds, missing):
+    alone, beside = (confidence(v, grounds) for v in (("backlash",), ("backlash", "unknown")))
+    found = confidence(("backlash",), grounds, missing)
+    assert found == pytest.approx((1.0 - missing) * alone + missing * beside)
+
+
+def test_what_no_law_leaves_less_than_tells_nothing_of_a_name():
+    """A name that leaves as little as a free law is as good as one at the floor; one that leaves
+    more is no better for it than the power that a law explains says."""
+    left = replace(CLEAR, over_floor=10.0, baseline_over_floor=40.0)
+    beside = ("backlash", "unknown")
+    assert confidence(beside, left, of_laws=10.0) == CEILING
+    found = confidence(beside, left, of_laws=8.0)
+    plain = replace(CLEAR, over_floor=np.sqrt(1.0 + (100.0 - 64.0) / (1600.0 - 64.0) * 1599.0))
+    plain = replace(plain, baseline_over_floor=40.0)
+    assert found == pytest.approx(confidence(beside, plain), rel=1e-9)
+
+
 def test_plain_cases():
     assert confidence(("backlash",), CLEAR) == CEILING
     assert confidence(("backlash",), replace(CLEAR, lead=0.0)) == CEILING / 2.0  # two alike

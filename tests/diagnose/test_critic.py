@@ -8,7 +8,7 @@ import pytest
 
 from wheelhop.campaign import Channel
 from wheelhop.compare import Slice, estimate_noise_between_samples
-from wheelhop.compare.floor import QUIETEST, REPEATED
+from wheelhop.compare.floor import QUIETEST, REPEATED, Floor
 from wheelhop.diagnose.diagnosis import Ranked
 from wheelhop.diagnose.verdict.critic import (
     Number,
@@ -234,13 +234,9 @@ def test_an_estimated_floor_that_neighbouring_samples_do_not_show_is_misfit(
         simulator=SimpleNamespace(campaign=SimpleNamespace(unstated=(Channel("A1", "A1"),))),
     )
     fitted = SimpleNamespace(runs=(SimpleNamespace(bench=bench),))
-    floor = SimpleNamespace(
-        is_stated=stated,
-        pooled_rms=rms,
-        unit="m/s²",
-        noise_key="noise_rms_m_s2",
-        basis=basis,
-    )
+    key = "noise_rms_m_s2"
+    source = key if stated else "estimated"
+    floor = Floor(*[0.1] * 6, source, np.full(2, rms), key, "m/s²", 0.0, basis=basis)
     rung = SimpleNamespace(fit=fitted, validation=None)
     step = SimpleNamespace(rung=rung, comparison=SimpleNamespace(floor=floor))
     assert [(f.kind, f.about) for f in _floor(step)] == [("floor", "noise_rms_m_s2")] * said

@@ -69,10 +69,10 @@ def test_another_form_has_some_of_the_numbers_and_some_of_its_own(stopped, effec
         assert any(name.startswith(f"{other.id}.") for name in same)
 
 
-@pytest.mark.parametrize(("is_noise", "asked"), [(False, ["dry-friction"]), (True, [])])
-def test_effects_are_asked_for_another_form_once_others_are_there(monkeypatch, is_noise, asked):
-    """All but the last one, which has just been, and where something is left: of those that have
-    another form."""
+@pytest.mark.parametrize(("left", "asked"), [(0.01, ["dry-friction"]), (0.0, [])])
+def test_effects_are_asked_for_another_form_once_others_are_there(monkeypatch, left, asked):
+    """All but the last one, which has just been, and where more is left than a right model may
+    leave: of those that have another form."""
     effects = [LIBRARY[name] for name in ("dry-friction", "driver-seat", "bump-stop")]
     rung, better = (SimpleNamespace(model=SimpleNamespace(effects=effects)) for _ in range(2))
     tried = []
@@ -82,7 +82,8 @@ def test_effects_are_asked_for_another_form_once_others_are_there(monkeypatch, i
         return better
 
     forms = {"dry-friction": {"creeping": None}, "driver-seat": {}, "bump-stop": {"both": None}}
-    monkeypatch.setattr(together, "at_noise", lambda rung, noise: is_noise)
+    step = SimpleNamespace(unexplained=left)
+    monkeypatch.setattr(together, "step_of", lambda workshop, rung: step)
     monkeypatch.setattr(together, "other_forms", lambda workshop, effect: forms[effect.id])
     monkeypatch.setattr(together, "in_other_forms", in_other_forms)
     workshop = SimpleNamespace(noise=1.0)

@@ -34,7 +34,7 @@ def test_sensors_a_fifth_noisier_than_stated(coloured):
     if coloured:
         signals = [signal.lfilter([1.0], [1.0, -0.3], one, axis=0) for one in signals]
     left = rung(signals, own=0)
-    assert by_chance(left, 1.0, 0.0) < 1e-9
+    assert by_chance(left, 1.0) < 1e-9
     assert noisier_sensors(left, 1.0) > 0.05
 
 

@@ -58,7 +58,13 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(
+    "fault",
+    [
+        pytest.param(fault, marks=() if fault == "pots exchanged" else pytest.mark.slow)
+        for fault in FAULTS
+    ],
+)
 def test_a_sensor_at_fault_is_named(fault, tmp_path):
     effect, form, changed, exchanged = FAULTS[fault]
     folder = made(tmp_path, truth.SENSORS, {})

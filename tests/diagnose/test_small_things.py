@@ -16,6 +16,7 @@ from wheelhop.gate import gate
 from wheelhop.vehicle import read_vehicle
 
 
+@pytest.mark.slow  # the rule itself is asked below
 def test_what_lowers_the_error_by_less_than_a_tenth_of_the_first_is_not_named(tmp_path):
     """Beside friction a channel's scale is off by so little that the error falls by a tenth.
     (`test_together` has effects that both count.)"""

@@ -15,12 +15,12 @@ ROOT = HERE.parents[1]
 # In fault_driver.py, too: convert-parquet, which writes in many small pieces and takes a minute;
 # health and frame, which compute for long and write as rates does.
 SCENARIOS = (
-    *("campaign-new", "campaign-add", "convert-csv", "import", "compare", "add", "recover"),
+    *("campaign-new", "campaign-add", "convert-csv", "import", "add", "recover"),
     *("decode", "new", "road-csv"),
 )
 ALIKE = (
     *("convert-uff", "convert-force", "calibrate", "rates", "road-crg", "simulate-campaign"),
-    "thesis",
+    *("thesis", "compare"),
 )
 """They write by the same means as some of those above."""
 

@@ -162,6 +162,21 @@ def test_an_answer_that_is_none_is_a_line(answer, tmp_path):
         imported(file, out=tmp_path, answer=[answer])
 
 
+def test_a_file_that_names_its_channels_is_shown_and_asked_about_as_a_text_is(tmp_path, capsys):
+    pytest.importorskip("scipy")
+    from scipy import io
+
+    file = tmp_path / "run.mat"
+    io.savemat(file, {"acc": np.arange(50.0) % 3, "Fs": 100.0})
+    assert imported(file, out=tmp_path / "runs") == 0
+    shown = capsys.readouterr().out
+    assert "run.mat: as it says itself" in shown and "a channel   its unit is not said" in shown
+    io.savemat(file, {"acc": np.arange(50.0) % 3, "Fs": 1.0})
+    with pytest.raises(ExchangeError, match=r"is not known, rate_hz: .* say --answer rate_hz=…"):
+        imported(file, out=tmp_path / "runs", force=True)
+    assert imported(file, out=tmp_path / "runs", force=True, answer=["rate_hz=1"]) == 0
+
+
 def test_scripts_get_no_guesses(tmp_path):
     """With --yes nothing is asked, a guess is refused, and a name does not place a sensor."""
     file, out = tmp_path / "run.csv", tmp_path / "runs"

@@ -25,10 +25,20 @@ TIMES = (
     *(("time_ms", "", 1000), ("millis", "", 1000), ("Time since start in ms", "", 1000)),
     *(("time", "", -1), ("time", "", -(10**3)), ("unix", "us", -(10**6)), ("time", "", -(10**9))),
     *(("Zeit", "", "clock"), ("Datum", "", "date"), ("Time", "", "mm:ss")),
-    *(("Time", "", 1000), ("x", "", 1), ("Sample", "", "count"), ("", "", 1)),
+    *(("Time", "", 1000), ("x", "", 1), ("", "", 1)),
+    *(("Sample", "", "count"), ("Nr.", "", "count"), ("frame", "", "odd count")),
 )
 """Names of time, units that the file says, and the stamps: how many a second, or of which kind; a
 negative number counts since 1970."""
+
+
+STATED = (
+    *("Sample rate: {hz:g} Hz", "# data_rate = {hz:g} Hz, filter = 488 Hz", "fs = {hz:g}Hz"),
+    *("Sampling frequency (kHz): {khz:g}", "Sampling interval [ms]: {ms:g}", "dt = {s:g} s"),
+    *("GPS sample rate: 10 Hz", "Max sample rate: 2000 Hz", "Sample rate divider: 10"),
+    *("Data rate: 9600", "Sampling time: 30 s", "Sample rate (channel 2): {hz:g} Hz"),
+)
+"""Lines that state the table's rate, and, below, others that do not."""
 
 
 class Lot:
@@ -50,7 +60,8 @@ class Lot:
         self.values = self._values()
         self.lost = self._lost()
         self.time, self.time_unit, self.stamps = pick.choice(TIMES)
-        self.stated = pick.random() < 0.5
+        self.stated = pick.choice(["", *STATED, *STATED[:6]])
+        self.own_clocks = self.time_unit == "s" and self.channels == 2 and pick.random() < 0.5
         self.text = self._text()
 
     def _values(self):
@@ -78,8 +89,8 @@ class Lot:
 
     def _stamp(self, row):
         since, kind = row / self.rate_hz, self.stamps
-        if kind == "count":
-            return str(row)
+        if "count" in str(kind):
+            return str(row if kind == "count" else 2 * row)
         if kind in ("clock", "date", "mm:ss"):
             minutes, seconds = divmod(3595.0 + since, 60.0)
             hour, minute = divmod(int(minutes), 60)
@@ -107,12 +118,13 @@ class Lot:
         pick, style = self.pick, self.pick.choice(["behind", "behind", "row", "brackets"])
         names = [*([self.time] if self.time else []), *self.names]
         units = [*([self.time_unit] if self.time else []), *self.units]
+        if self.own_clocks:
+            names.insert(2, f"{self.time} 2")
+            units.insert(2, "s")
         lines = []
-        if self.stamps == "count" and self.stated:
-            lines.append(
-                pick.choice(["Sample rate: {} Hz", "# data_rate = {} Hz, filter = 488 Hz"])
-            )
-            lines[-1] = lines[-1].format(f"{self.rate_hz:g}")
+        if "count" in str(self.stamps) and self.stated:
+            rates = {"hz": self.rate_hz, "khz": self.rate_hz / 1e3, "ms": 1e3 / self.rate_hz}
+            lines.append(self.stated.format(**rates, s=1 / self.rate_hz))
         elif pick.random() < 0.4:
             lines.append(pick.choice(["Driver: A", "# made by a logger", '"Venue"', "Lap 3"]))
         if style == "row":
@@ -127,6 +139,8 @@ class Lot:
                 continue
             stamp = [self._stamp(row)] if self.time else []
             lines.append([*stamp, *(self._number(value) for value in self.values[row])])
+            if self.own_clocks:
+                lines[-1].insert(2, self._number(row / self.rate_hz + 0.37, 6))
         if pick.random() < 0.2:
             lines += pick.choice([["", "End of file"], ["*** 3 laps ***"]])
         quote = '"' if self.quoted or pick.random() < 0.1 else ""
@@ -140,6 +154,8 @@ class Lot:
 
     def wrong(self, found):
         """What is wrong with a recording, "" if nothing is."""
+        if self.own_clocks or self.stamps == "odd count":
+            return "of what must be asked about"
         due = np.array(self.values)
         if self.time:
             due[list(self.lost)] = np.nan

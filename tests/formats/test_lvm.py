@@ -254,4 +254,7 @@ def test_x_that_is_no_time_is_no_recording(old, new, word, tmp_path):
 
 def test_the_unit_of_x_counts(tmp_path):
     text = lvm(part()).replace("X_Dimension", "X_Unit_Label\tms\tms\t\nX_Dimension")
-    assert read(save(tmp_path, "run.lvm", text)).rate_hz == 128_000.0
+    path = save(tmp_path, "run.lvm", text)
+    with pytest.raises(ExchangeError, match="the file says 128000 Hz, at which"):
+        read(path)
+    assert read(path, Map(rate_hz=128_000.0)).rate_hz == 128_000.0

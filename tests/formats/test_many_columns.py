@@ -99,7 +99,7 @@ def test_twice_the_columns_of_labview_take_twice_the_instructions(tmp_path):
 
     def file(columns):
         head = "".join(f"c{k}\t" for k in range(columns))
-        rows = "".join(f"{k},0" + "\t0,5" * columns + "\n" for k in range(3))
+        rows = "".join(f"0,0{k}" + "\t0,5" * columns + "\n" for k in range(3))
         path = tmp_path / f"{columns}.lvm"
         segment = f"***End_of_Header***\nX_Value\t{head}Comment\n"
         path.write_text(LVM.format(x_columns="One") + segment + rows)

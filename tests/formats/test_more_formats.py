@@ -53,7 +53,7 @@ def test_a_name_of_a_variable_is_no_unit(tmp_path):
 def test_a_struct_with_its_rate_and_unit(tmp_path):
     path = matlab(tmp_path, run={"acc": WAVE, "Fs": 200.0, "units": "g"})
     found = read(path)
-    assert found.rate_hz == 200.0 and "200 Hz, as Fs says" in found.history
+    assert found.rate_hz == 200.0 and "200 Hz: Fs says 200 Hz" in found.history
     assert found.values[:, 0] == pytest.approx(WAVE * G)
     assert read(matlab(tmp_path, acc=WAVE, dt=0.005)).rate_hz == 200.0
 
@@ -110,6 +110,49 @@ def test_hdf5_with_units_and_rates_in_attributes(tmp_path):
 
     found = read(hdf5(tmp_path, fill))
     assert found.rate_hz == 200.0 and found.values[:, 0] == pytest.approx(WAVE * G)
+
+
+def test_hdf5_that_would_have_to_be_scaled_is_raw_in_no_unit(tmp_path):
+    """As netCDF packs numbers; what is 1, or 0 to be added, changes nothing."""
+    for attributes, unit in (
+        ({"scale_factor": 0.001}, ""),
+        ({"add_offset": 3.0}, ""),
+        ({"gain": 1.0, "offset": 0.0}, "m/s²"),
+    ):
+
+        def fill(file, attributes=attributes):
+            file["A1"] = np.where(np.arange(ROWS) == 7, 9, np.arange(ROWS) % 5)
+            file["A1"].attrs.update({"unit": "g", "Fs": 200.0, "_FillValue": 9, **attributes})
+
+        found = read(hdf5(tmp_path, fill))
+        assert units_of(found) == {"A1": unit}
+        assert np.flatnonzero(np.isnan(found.values[:, 0])).tolist() == [7]
+        told = any("not applied: the values are raw, in an unknown" in s for s in found.history)
+        assert told == (unit == "")
+
+
+def test_two_rates_of_hdf5_are_asked_about(tmp_path):
+    def fill(file):
+        for name, rate in (("A1", 200.0), ("B1", 100.0)):
+            file[name] = WAVE
+            file[name].attrs["fs"] = rate
+
+    asked = understand(hdf5(tmp_path, fill)).questions
+    assert [q.words for q in asked] == [
+        "no column is time; A1.fs says 200 Hz and B1.fs says 100 Hz"
+    ]
+
+
+def test_a_counter_beside_a_rate_keeps_its_gaps(tmp_path):
+    sample = np.concatenate([np.arange(100), np.arange(130, ROWS + 30)])
+    found = read(matlab(tmp_path, sample=1.0 * sample, acc=WAVE, fs=200.0))
+    assert (found.rate_hz, len(found.values), int(found.missing.sum())) == (200.0, ROWS + 30, 30)
+
+
+def test_a_rate_of_no_suspension_beside_the_numbers_is_asked_about(tmp_path):
+    """A dt of 10 is one in ms."""
+    asked = understand(matlab(tmp_path, acc=WAVE, dt=10.0)).questions
+    assert [q.words for q in asked] == ["no column is time; dt says 0.1 Hz"]
 
 
 def test_hdf5_of_records_by_their_fields(tmp_path):

@@ -6,7 +6,7 @@ import pytest
 from pyarrow import parquet
 
 from tests.formats.foreign import G
-from wheelhop.formats import ExchangeError, Map, draft_mapping, read
+from wheelhop.formats import ExchangeError, Map, Pick, draft_mapping, read
 
 ROWS = 300
 HUNDREDTHS = np.arange(ROWS)
@@ -67,10 +67,12 @@ def test_without_a_mapping_a_column_is_time_if_the_file_says_so(name, stamps, tm
 
 def test_seconds_that_are_not_said_are_taken_for_granted_and_not_by_a_script(tmp_path):
     path = saved(tmp_path, time=HUNDREDTHS / 100)
-    assert "taken for granted: time is in s" in read(path).history
-    with pytest.raises(ExchangeError, match="would have to be guessed: time is in s"):
+    guess = "time is in s; acc_g is in g, by the end of its name"
+    assert f"taken for granted: {guess}" in read(path).history
+    with pytest.raises(ExchangeError, match=f"would have to be guessed: {guess}"):
         read(path, guess=False)
-    assert_right(read(path, Map(time="time", time_unit="s"), guess=False))
+    said = Map(time="time", time_unit="s", picks=(Pick("acc_g", "acc", "g"),))
+    assert_right(read(path, said, guess=False))
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ def test_what_does_not_say_is_not_guessed(name):
         ("FL FR RL RR", "B1 B2 B3 B4"),
         ("FL FR RL RR axle_FL axle_FR axle_RL axle_RR", "B1 B2 B3 B4 A1 A2 A3 A4"),
         ("RR body_FL body_FR body_RL body_RR FL FR RL", "A4 B1 B2 B3 B4 A1 A2 A3"),
-        ("hub_FL_x hub_FL_z gyro FR", "- - - B2"),
+        ("hub_FL_x hub_FL_z gyro FR", "- A1 - B2"),
         ("FL_gyro_axle_body A1 B1", "- A1 B1"),
     ],
 )
@@ -58,3 +58,13 @@ def test_import_takes_places_from_names_of_accelerometers_and_says_so():
     assert [c.point for c in recording.channels] == ["B1", "B2", "", "A1", "B4"]
     assert "FR: taken for B2, by its name" in recording.history
     assert not any("speed" in step and "taken" in step for step in recording.history)
+
+
+@pytest.mark.parametrize("name", ["Hub FL x", "acc_hub_FL_Y", "Body FR lateral", "hub RL -Z"])
+def test_what_is_not_measured_upwards_is_at_no_place(name):
+    assert likely_points([name, "hub RR z"]) == ["", "A4"]
+
+
+def test_of_three_directions_the_upward_one_sits_there():
+    assert likely_points(["hub FL x", "hub FL y", "hub FL z"]) == ["", "", "A1"]
+    assert likely_points(["FL_X", "FL_Y", "FL_Z"]) == ["", "", "B1"]

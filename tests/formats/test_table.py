@@ -1,5 +1,6 @@
 """What was found in a file becomes a recording: picked, placed, in SI, and told."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,12 +50,13 @@ def test_what_a_mapping_does_to_numbers_is_told(pick, told, second):
 
 
 def test_a_mapping_says_who_measured_and_what_it_does_not_say_stays():
-    old = Channel("x", "m", "A1", "ADXL-1", "bench-1")
-    said = Pick("x", "y", "mm", "A2", "ADXL-2", "bench-2")
+    old = Channel("x", "g", "A1", "ADXL-1", "bench-1")
+    said = Pick("x", "y", "mg", "A2", "ADXL-2", "bench-2")
     assert to_recording(table(old), Map(picks=(said,))).channels == (
-        Channel("y", "m", "A2", "ADXL-2", "bench-2"),
+        Channel("y", "m/s²", "A2", "ADXL-2", "bench-2"),
     )
-    assert to_recording(table(old), Map(picks=(Pick("x"),))).channels == (old,)
+    kept = replace(old, unit="m/s²")
+    assert to_recording(table(old), Map(picks=(Pick("x"),))).channels == (kept,)
 
 
 def test_no_two_channels_are_guessed_to_sit_in_one_place():
@@ -80,3 +82,16 @@ def test_a_group_is_chosen_by_its_name():
         choose([car, engine], "seat", file)
     with pytest.raises(ExchangeError, match=r"drive\.mf4: holds no channels of numbers"):
         choose([], "car", file)
+
+
+@pytest.mark.parametrize(
+    ("unit", "word"),
+    [("mm", "travel:1"), ("kN", "force:1"), ("km/h", "speed"), ("rad/s", "rate:pitch or")],
+)
+def test_what_is_no_acceleration_sits_at_no_place_and_says_what_it_is_good_for(unit, word):
+    """Nor where its name is a place: an axle's pot may be called A1."""
+    named = Channel("pot FL", unit)
+    with pytest.raises(ExchangeError, match=f"cannot sit at A1: .* good as {word}"):
+        to_recording(table(named), Map(picks=(Pick("pot FL", point="A1"),)))
+    assert to_recording(table(Channel("A1", unit, "A1")), None).channels[0].point == ""
+    assert to_recording(table(Channel("A1", "V", "A1")), None).channels[0].point == "A1"

@@ -5,7 +5,7 @@ import pytest
 
 from tests.formats.foreign import G, save
 from tests.formats.logged import ROWS, WAVE, drafted, table, units_of
-from wheelhop.formats import ExchangeError, Map, Pick, draft_mapping, read
+from wheelhop.formats import ExchangeError, Map, Pick, draft_mapping, read, understand
 
 TIMED = "Time (s),GPS Speed (km/h),Acc (g),Acc2 (g)"
 
@@ -198,7 +198,7 @@ def test_units_as_loggers_spell_them(unit, kept, factor, tmp_path):
         assert found.values[7, 0] == pytest.approx(factor * float(f"{WAVE[7]:.4f}"))
 
 
-@pytest.mark.parametrize("unit", ["gs", "turns", "MV", "counts", "KN", "gal", "mPa"])
+@pytest.mark.parametrize("unit", ["gs", "turns", "MV", "counts", "KN", "gal", "mPa", "nm"])
 def test_a_unit_that_is_not_known_stays_unknown_and_has_no_place(unit, tmp_path):
     found = drafted(tmp_path, table(lambda k: f"{k / 100:.2f}", f"Time [s],A1 [{unit}]"))
     assert units_of(found) == {"A1": unit} and found.channels[0].point == ""
@@ -219,3 +219,55 @@ def test_names_that_differ_by_their_units_alone_stay_apart(tmp_path):
         "Force (V)": "V", "Force (N)": "N", "Displacement (V)": "V", "Displacement (mm)": "m",
     }  # fmt: skip
     assert found.rate_hz == pytest.approx(300.0) and len(found.values) == 300
+
+
+@pytest.mark.parametrize("line", ["Max,1.2", "Scale,0.001", "Range,100"])
+def test_numbers_between_the_names_and_the_rows_are_no_names_and_a_guess(line, tmp_path):
+    body = "".join(f"{k / 100:.2f},{k % 7}.5\n" for k in range(300))
+    found = drafted(tmp_path, f"Time,az\ns,g\n{line}\n{body}")
+    assert units_of(found) == {"az": "m/s²"} and len(found.values) == 300
+    said = understand(tmp_path / "run.csv").guesses
+    assert said == (f"line 3 is not applied to the rows: {line}",)
+
+
+@pytest.mark.parametrize(("head", "rows"), [("0,1,2", 300), ("1,2,3", 300), ("0,1,3", 301)])
+def test_numbers_that_count_the_columns_are_no_samples(head, rows, tmp_path):
+    """As pandas writes a table without names."""
+    body = "".join(f"{k % 5}.5,{k % 3}.5,{k % 7}.5\n" for k in range(300))
+    found = drafted(tmp_path, f"Sample rate: 100 Hz\n{head}\n{body}")
+    assert len(found.values) == rows
+    guessed = understand(tmp_path / "run.csv").guesses
+    assert guessed == (("line 2 names the columns, by numbers",) if rows == 300 else ())
+
+
+def test_the_minus_of_typesetters_is_one(tmp_path):
+    body = "".join(f"{k / 100:.2f},−{k % 7}.5\n" for k in range(300))
+    assert drafted(tmp_path, f"Time [s],az [m/s2]\n{body}").values[1, 0] == -1.5
+
+
+@pytest.mark.parametrize("cell", ["(0.5)", "0.5-", "OFF"])
+def test_a_column_of_numbers_and_others_is_left_out_with_a_word(cell, tmp_path):
+    rows = (f"{k / 100:.2f},1.5,{cell if k % 4 > 1 else '0.5'}\n" for k in range(300))
+    found = drafted(tmp_path, f"Time [s],ay [g],az [g]\n{''.join(rows)}")
+    assert list(units_of(found)) == ["ay"]
+    said = understand(tmp_path / "run.csv").guesses
+    assert said == (f"az [g] is left out: '{cell}' is no number",)
+
+
+def test_blanks_do_not_separate_what_semicolons_do(tmp_path):
+    body = "".join(f"Jun 05, 2025 10:20:{k / 100:05.2f} AM;0.5\n" for k in range(300))
+    assert "no columns of numbers are found" in drafted(tmp_path, f"Time;az [g]\n{body}")
+
+
+@pytest.mark.parametrize(
+    ("head", "units", "guess"),
+    [
+        ("Time [s],az [mg]", "s,g", "az [mg] is in g, as line 2 says"),
+        ("Time [ms],az [g]", "s,g", "Time [ms] is in s, as line 2 says"),
+        ("Time [sec],az [G]", "s,g", None),
+    ],
+)
+def test_a_line_of_units_that_belies_the_names_is_a_guess(head, units, guess, tmp_path):
+    found = drafted(tmp_path, text(head, units, *rows(columns=1)))
+    assert found.rate_hz == 100.0 and found.values[1, 0] == pytest.approx(0.1987 * G)
+    assert understand(tmp_path / "run.csv").guesses == ((guess,) if guess else ())

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.formats.foreign import G
-from wheelhop.formats import ExchangeError, Map, read
+from wheelhop.formats import ExchangeError, Map, read, understand
 
 nptdms = pytest.importorskip("nptdms")
 START = datetime(2026, 5, 1, 12, tzinfo=UTC)
@@ -49,12 +49,12 @@ def test_waveforms_go_on_from_segment_to_segment(tmp_path):
 
 def test_groups_and_timings_are_told_apart(tmp_path):
     car = [wave("A1", [1.0, 2.0]), wave("B1", [3, 4])]
-    engine = wave("rpm", [700.0], step=1.0, group="engine")
+    engine = wave("rpm", [700.0], step=0.1, group="engine")
     path = saved(tmp_path, [*car, engine])
     with pytest.raises(ExchangeError, match=r'"car" \(2 channels\), "engine" \(1 channels\)'):
         read(path)
     assert read(path, Map(group="car")).values.shape == (2, 2)
-    assert read(path, Map(group="engine")).rate_hz == 1.0
+    assert read(path, Map(group="engine")).rate_hz == 10.0
     path = saved(tmp_path, [*car, wave("speed", [1.0, 2.0], step=0.1)])
     with pytest.raises(ExchangeError, match=r'"car 1" \(2 channels\), "car 2" \(1 channels\)'):
         read(path)
@@ -219,3 +219,27 @@ def test_a_mapping_that_names_a_time_that_is_not_there_is_refused(tmp_path):
     path = saved(tmp_path, [wave("A1", [1.0, 2.0])])
     with pytest.raises(ExchangeError, match="there is no channel 'nope'; it has A1"):
         read(path, Map(time="nope"))
+
+
+def test_an_axis_that_is_called_something_else_than_time_is_none(tmp_path):
+    """Also where nobody says its unit."""
+    for axis in ("Frequency", "Distance"):
+        path = saved(tmp_path, [wave("A1", [1.0, 2.0], wf_xname=axis)])
+        with pytest.raises(ExchangeError, match=f"A1: its x axis is {axis}, not time"):
+            read(path)
+    assert read(saved(tmp_path, [wave("A1", [1.0, 2.0], wf_xname="Time")])).rate_hz == 200.0
+
+
+@pytest.mark.parametrize(("step", "odd"), [(1.0, True), (1e-6, True), (0.2, False), (1e-5, False)])
+def test_a_rate_at_which_no_suspension_is_recorded_is_asked_about(step, odd, tmp_path):
+    """A step of 1 is what LabVIEW writes where nobody has set one."""
+    path = saved(tmp_path, [wave("A1", [1.0, 2.0, 3.0], step)])
+    asked = [question.key for question in understand(path).questions]
+    assert asked == (["rate_hz"] if odd else [])
+    if odd:
+        with pytest.raises(ExchangeError, match="Hz, at which no suspension is recorded"):
+            read(path)
+        said = understand(path, {"rate_hz": "200"}).mapping()
+        assert read(path, said).rate_hz == 200.0
+    else:
+        assert read(path).rate_hz == pytest.approx(1 / step)

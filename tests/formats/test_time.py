@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.formats.foreign import G
-from tests.formats.logged import ROWS, WAVE, drafted, table
+from tests.formats.logged import ROWS, WAVE, drafted, table, units_of
 from wheelhop.formats import Map, draft_mapping, read, understand
 
 START = 1762640265216  # 2025-11-08T22:17:45.216Z, ms
@@ -234,7 +234,7 @@ def test_channels_with_times_of_their_own_are_refused(tmp_path):
     head = "Time [s],A1 [g],Time [s],B1 [g]"
     for rate, since in ((50, 0.0), (100, 0.003)):
         text = table(lambda k, r=rate, s=since: f"{k / 100:.2f},1,{s + k / r:.3f}", head)
-        assert "columns 1 and 3 are both called Time [s] and differ" in drafted(tmp_path, text)
+        assert "Time [s] (column 1) and Time [s] (column 3) differ" in drafted(tmp_path, text)
     same = table(lambda k: f"{k / 100:.2f},1,{k / 100:.2f}", head)
     assert [channel.name for channel in drafted(tmp_path, same).channels] == ["A1", "B1"]
 
@@ -318,3 +318,69 @@ def test_a_unit_of_one_letter_behind_a_name_is_a_guess(name, guessed, tmp_path):
     drafted(tmp_path, table(lambda k: f"{k / 100:.2f}", f"Time [s],{name}"))
     said = understand(tmp_path / "run.csv").guesses
     assert said == ((f"{name} is in g, by the end of its name",) if guessed else ())
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        *("Shaft speed in/sec", "Revs per sec", "Travel per seconds", "Temperature T"),
+        *("Elapsed distance", "Clock angle", "Time x10ms", "Time_0.1s", "Time (ticks)"),
+    ],
+)
+def test_what_is_no_time_or_in_another_unit_is_not_taken_for_seconds(head, tmp_path):
+    text = table(lambda k: f"{k / 100:.2f}", f"{head},az [g]")
+    assert "still to be answered: time_unit" in drafted(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("head", "apart"),
+    [
+        *(("Time A1 [s],A1 [g],Time B1 [s],B1 [g]", s) for s in (0.0, 0.004, 0.5)),
+        *(("time,A1 [g],time.1,B1 [g]", s) for s in (0.0, 0.5)),
+    ],
+)
+def test_channels_with_clocks_of_other_names_are_not_put_in_step(head, apart, tmp_path):
+    text = table(lambda k: f"{k / 100:.2f},{WAVE[k]:.4f},{k / 100 + apart:.3f}", head)
+    found = drafted(tmp_path, text)
+    if apart:
+        assert "differ, each before its own channels" in found
+    else:
+        assert [channel.name for channel in found.channels] == ["A1", "B1"]
+
+
+@pytest.mark.parametrize("step", [2, 10])
+def test_a_counter_that_rises_by_other_steps_than_one_is_asked_about(step, tmp_path):
+    """At 100 counts a second, every second one there, rows come at 50 Hz."""
+    text = table(lambda k: step * k, "count,az [g]", above="Sample rate: 100 Hz\n")
+    assert "still to be answered: time_unit" in drafted(tmp_path, text)
+    answers = {"time_unit": "sample", "rate_hz": "100"}
+    found = read(tmp_path / "run.csv", understand(tmp_path / "run.csv", answers).mapping())
+    assert found.rate_hz == 100.0 and np.flatnonzero(~found.missing).tolist()[:2] == [0, step]
+
+
+def test_a_counter_stays_one_above_a_row_of_sums(tmp_path):
+    text = table(lambda k: k, "count,az [g]", above=COUNTED) + ",12.3\n"
+    assert "count: has no time" in drafted(tmp_path, text)
+
+
+def test_a_day_that_may_be_a_month_is_no_start(tmp_path):
+    for day, start in (("05/06/2025", None), ("14/06/2025", 1749895261.0)):
+        text = table(lambda k, d=day: f"{d} 10:01:{1 + k / 100:05.2f}Z")
+        assert drafted(tmp_path, text).start_unix_s == start
+
+
+@pytest.mark.parametrize(("head", "unit"), [("T [°C]", "°C"), ("T", ""), ("t1 [mm]", "m")])
+def test_what_rises_beside_a_clock_is_a_channel(head, unit, tmp_path):
+    """A temperature that is called as time is."""
+    text = table(lambda k: f"{k / 100:.2f},{20 + (k // 7) * 0.1 + (k % 7) ** 2 * 1e-3:.3f}",
+                 f"Time [s],{head},az [g]")  # fmt: skip
+    assert units_of(drafted(tmp_path, text)) == {head.partition(" ")[0]: unit, "az": "m/s²"}
+
+
+def test_seconds_of_gps_are_not_since_1970(tmp_path):
+    """GPS counts since 1980: read as Unix time, the start would be ten years early."""
+    text = table(lambda k: f"{1446675483 + k / 100:.2f}", "GPS Time,az [g]")
+    found = drafted(tmp_path, text)
+    assert_right(found)
+    assert found.start_unix_s is None
+    assert "GPS Time may count since 1980, as GPS does: its start is not known" in found.history

@@ -55,11 +55,11 @@ def test_functions_of_others(tmp_path):
 
 
 def test_pieces_that_touch_are_one_channel_and_pieces_that_overlap_are_not(tmp_path):
-    late = function(start=40.0, step=0.5)
-    found = read(saved(tmp_path, late, function([4, 5], start=41.5, step=0.5)))
+    late = function(start=40.0, step=0.05)
+    found = read(saved(tmp_path, late, function([4, 5], start=40.15, step=0.05)))
     assert found.values[:, 0] == pytest.approx(np.arange(1, 6) * G)
-    assert (found.rate_hz, found.start_s) == (2.0, 40.0)
-    path = saved(tmp_path, late, function([4, 5], start=41.0, step=0.5))
+    assert (found.rate_hz, found.start_s) == (20.0, 40.0)
+    path = saved(tmp_path, late, function([4, 5], start=40.1, step=0.05))
     with pytest.raises(ExchangeError, match=r'"1" \(1 channels\), "2" \(1 channels\)'):
         read(path)
 
@@ -253,9 +253,9 @@ def test_what_is_lost_is_counted_in_rows():
     ("unit", "seconds"), [("ms", 1e-3), ("s", 1.0), ("SEC", 1.0), ("NONE", 1.0)]
 )
 def test_the_abscissa_s_unit_counts(unit, seconds, tmp_path):
-    item = function(start=0.0, step=8.0, abscissa_axis_units_lab=unit)
+    item = function(start=0.0, step=0.008 / seconds, abscissa_axis_units_lab=unit)
     found = read(saved(tmp_path, item))
-    assert found.rate_hz == pytest.approx(1 / (8.0 * seconds))
+    assert found.rate_hz == pytest.approx(125.0)
     with pytest.raises(ExchangeError, match="dataset 1: its abscissa is rev, not time"):
         read(saved(tmp_path, function(abscissa_axis_units_lab="rev")))
 
@@ -297,3 +297,27 @@ def test_repeated_runs_are_no_channels_of_one(tmp_path):
     for sets in (runs, later, [*later[:1], later[1] | {"rsp_node": 6}]):
         with pytest.raises(ExchangeError, match=r'"1" \(1 channels\), "2" \(1 channels\)'):
             read(saved(tmp_path, *sets))
+
+
+def test_an_abscissa_without_a_unit_must_be_called_time(tmp_path):
+    nameless = {"abscissa_spec_data_type": 0, "abscissa_axis_units_lab": "NONE"}
+    for label in ("Time", "NONE"):
+        assert read(saved(tmp_path, function(abscissa_axis_lab=label, **nameless))).rate_hz == 256.0
+    with pytest.raises(ExchangeError, match="dataset 1: its abscissa is Distance, not time"):
+        read(saved(tmp_path, function(abscissa_axis_lab="Distance", **nameless)))
+
+
+def test_what_is_per_force_is_no_acceleration(tmp_path):
+    per = {"orddenom_axis_units_lab": "N"}
+    assert read(saved(tmp_path, function(**per))).channels[0].unit == "g/N"
+
+
+def test_what_points_elsewhere_than_up_is_called_so_and_sits_nowhere(tmp_path):
+    named = {"rsp_node": 0, "id1": "Hub FL", "rsp_ent_name": "A1"}
+    for direction, name, point in (
+        (3, "Hub FL", "A1"),
+        (-3, "Hub FL -Z", ""),
+        (1, "Hub FL +X", ""),
+    ):
+        found = read(saved(tmp_path, function(rsp_dir=direction, **named)))
+        assert [(c.name, c.point) for c in found.channels] == [(name, point)]

@@ -201,7 +201,7 @@ def test_one_percent_of_asymmetry_comes_out_as_asymmetry_and_not_as_a_stop(tmp_p
     assert "one comes nearest, cubic spring" in said and "slow strokes" in said
 
 
-@pytest.mark.parametrize("seed", [3, 5])
+@pytest.mark.parametrize("seed", [3, pytest.param(5, marks=pytest.mark.slow)])
 def test_under_an_imposed_force_one_percent_of_asymmetry_has_its_sign_and_size(seed, tmp_path):
     """As in the Silverbox: a light mass on a spring whose cube is twice its line, shaken; the law
     without it is off by as much as the motion."""

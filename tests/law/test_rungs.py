@@ -4,14 +4,18 @@ last rungs: one answer, in one result and one report."""
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import wheelhop
 from tests.component import rig
 from tests.component.cases import DAMPER
 from tests.component.rig import Component
+from wheelhop.campaign import read_campaign
 from wheelhop.cli.diagnose import print_diagnosis
 from wheelhop.cli.output import open_console
+from wheelhop.compare import NEIGHBOURS
 from wheelhop.effects import load_effects
 from wheelhop.law.rungs import Nearest
 from wheelhop.report.law import beyond_names
@@ -57,7 +61,7 @@ def test_one_answer_holds_names_and_law(result, tmp_path):
     assert found["nearest"] is None and found["words"][-1].startswith("No name of the library")
     result.write_report(tmp_path / "r.html")
     page = (tmp_path / "r.html").read_text()
-    assert "What no name explains" in page and "The formula" in page
+    assert "Beyond names" in page and "The formula" in page
     json.dumps(found)
 
 
@@ -77,6 +81,62 @@ def test_the_terminal_shows_them_as_rungs(result, capsys):
     print_diagnosis(result.diagnosis, open_console(), result.law)
     shown = capsys.readouterr().out
     assert "+ formula" in shown and "+ free law" in shown and "In place of names" in shown
+
+
+def slow_noise(campaign):
+    """The campaign with noise of a tenth of the force, of which a thirtieth as much is seen where
+    it is quietest, and none of it stated."""
+    rng, runs = np.random.default_rng(4), []
+    for run in campaign.runs:
+        slow = lfilter([1.0], [1.0, -0.94], rng.normal(size=len(run.force)))
+        force = run.force + 0.1 * np.std(run.force) / np.std(slow) * slow
+        runs.append(replace(run, force=force, record=force[:, None]))
+    return replace(campaign, runs=tuple(runs), noise_rms=None)
+
+
+def test_noise_that_no_law_explains_is_no_unknown(tmp_path, capsys):
+    """No motion repeats, and the quietest parts are far below the noise, which is slow. A law that
+    is in the library leaves as much as a free law does: that is the floor. One that is not leaves
+    more, and is still unknown."""
+    friction = {"coulomb_N": 150.0, "joint_N_m": 4e5}
+    component = replace(DAMPER, hidden="dry-friction", numbers=friction)
+    known = rig.make_campaign(
+        tmp_path / "c", "displacement", component, seed=1, noise=0.001, only="random"
+    )
+    effects = {**FEW, "dry-friction": load_effects()["dry-friction"]}
+    found = wheelhop.diagnose(slow_noise(read_campaign(known)), effects=effects, jobs=1)
+    assert found.verdict == ("dry-friction",)
+    floor = found.comparison.floor
+    assert (floor.basis, floor.uncertainty) == (NEIGHBOURS, 0.05)
+    least = min(step.rung.error for step in (found.steps[-1], *found.law.steps))
+    assert found.steps[-1].expected == pytest.approx(least, rel=1e-6)
+    assert floor.pooled_rms == pytest.approx(0.1 * rms_of(known), rel=0.2)
+    assert "Impose one motion twice" in beyond_names(found.law)[-1]
+    print_diagnosis(found.diagnosis, open_console(), found.law)
+    assert f"noise floor is estimated from {NEIGHBOURS}" in " ".join(
+        capsys.readouterr().out.split()
+    )
+
+    hidden = Component(hidden="bypass-damper", numbers={"share": 1.0, "travel_m": 0.02})
+    strange = rig.make_campaign(
+        tmp_path / "d", "displacement", hidden, seed=2, noise=0.001, only="random"
+    )
+    found = wheelhop.diagnose(slow_noise(read_campaign(strange)), effects=FEW, jobs=1)
+    assert found.verdict == ("unknown",) and found.confidence > 0.5
+
+
+def rms_of(folder):
+    """The force of a campaign's runs, r.m.s."""
+    return np.sqrt(np.mean([np.var(run.force) for run in read_campaign(folder).runs]))
+
+
+def test_what_repeats_show_stays_the_floor_whatever_laws_leave(result):
+    """The campaign states its noise: laws change what a wrong name could leave, no more."""
+    floor = result.comparison.floor
+    least = min(step.rung.error for step in result.law.steps)
+    assert floor.is_stated
+    assert floor.of_laws == pytest.approx(least / result.steps[-1].expected, rel=0.1)
+    assert not any("looks for the missing force" in line for line in result.explanation)
 
 
 def test_there_are_none_where_names_do_or_nobody_asks(folder, tmp_path):

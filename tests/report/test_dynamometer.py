@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.report.test_loops import fitted  # noqa: F401
-from wheelhop.report.dynamometer import Card, _speed, cards_of, dynamometer
+from wheelhop.report.dynamometer import Card, cards_of, dynamometer
+from wheelhop.report.loops import speed_of
 
 RATE_HZ = 1000.0
 TIME = np.arange(8000) / RATE_HZ
@@ -19,7 +20,7 @@ def card(frequency_hz=1.0, amplitude_m=0.02, lag_s=0.0, friction_N=0.0, gas_N=0.
     v = amplitude_m * turn * np.cos(turn * TIME)
     late = amplitude_m * turn * np.cos(turn * (TIME - lag_s))
     force = c * late * np.where(late > 0.0, 2.0, 1.0) + friction_N * np.sign(v) + gas_N
-    return Card("sine", x, _speed(x, RATE_HZ), force)
+    return Card("sine", x, speed_of(x, RATE_HZ), force)
 
 
 @given(st.floats(0.25, 4.0), st.floats(0.005, 0.05))

@@ -8,7 +8,7 @@ from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import fit_baseline
 from wheelhop.diagnose.search.look import step_of
 from wheelhop.report.cases import records_of
-from wheelhop.report.loops import loop_of, loops_figure, shown_runs
+from wheelhop.report.loops import _moved, loop_of, loops_figure, shown_runs
 from wheelhop.report.sections import loops
 from wheelhop.report.stretch import seconds_of
 from wheelhop.vehicle import read_nominal
@@ -48,3 +48,16 @@ def test_they_stand_in_the_report_of_a_rig_alone(fitted):
 def test_a_stretch_is_as_long_as_its_waves(frequency_hz):
     signal = 3.0 + np.sin(2 * np.pi * frequency_hz * np.arange(2000) / 400.0)
     assert seconds_of(signal, 400.0, 25) == pytest.approx(25 / frequency_hz)
+
+
+def test_a_record_that_ends_elsewhere_does_not_ring():
+    """A carriage that travels 250 mm and moves on: its speed and acceleration, ends included."""
+    time_s = np.arange(5000) / 250.0
+    turn = 2.0 * np.pi * 0.33
+    x = 0.012 * time_s + 0.02 * np.sin(turn * time_s)
+    _, v, a = _moved(x, 250.0, 30.0)
+    finer = np.arange(len(v)) / 1000.0
+    assert np.abs(v - 0.012 - 0.02 * turn * np.cos(turn * finer)).max() < 0.1 * v.max()
+    inside = slice(200, -200)  # less a fifth of a second
+    expected = -0.02 * turn**2 * np.sin(turn * finer)
+    assert np.abs(a - expected)[inside].max() < 0.1 * expected.max()

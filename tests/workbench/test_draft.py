@@ -309,6 +309,9 @@ def test_a_column_in_no_unit_of_acceleration_is_never_taken_for_one(tmp_path, un
     """A damper's potentiometer called A1 has no place; nor has a unit that is not known."""
     draft = with_unit(tmp_path, unit)
     assert draft.columns[0].unit == unit
+    proposed = {"mm": NOT_USED, "deg/s": NOT_USED, "km/h": "speed"}
+    assert draft.columns[0].place == proposed.get(unit, "A1")
+    draft.columns[0].place = "A1"
     with pytest.raises(CampaignError, match=r"drive 1\.csv: column A1.* unit") as caught:
         draft.read()
     assert (unit or "does not say") in str(caught.value)
@@ -338,6 +341,16 @@ def test_a_length_whose_name_tells_a_corner_is_a_damper_s_travel(tmp_path):
     draft = with_unit(tmp_path, "mm", "damper axle FL")
     assert draft.columns[0].place == "travel:1"
     draft.read()
+
+
+def test_a_speed_that_was_measured_is_not_asked(tmp_path):
+    draft = with_unit(tmp_path, "km/h", "GPS speed")
+    assert draft.columns[0].place == "speed"
+    draft.read()
+    assert not any("speed" in gap for gap in draft.gaps())
+    draft.columns[0].place = NOT_USED
+    draft.read()
+    assert any("speed" in gap for gap in draft.gaps())
 
 
 def test_every_recording_keeps_the_unit_it_says(tmp_path):

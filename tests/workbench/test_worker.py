@@ -6,11 +6,21 @@ import signal
 import pytest
 
 from tests.compare.test_settings import driven
+from tests.component import rig
 from wheelhop.compare.settings import compare_settings
 from wheelhop.workbench import show
 from wheelhop.workbench.order import Enough, GiveWay, Order, how_it_ended
 from wheelhop.workbench.session import Choice
-from wheelhop.workbench.shown import CanShow, Climbed, Concluded, Converging, Done, Refused, Said
+from wheelhop.workbench.shown import (
+    CanShow,
+    Climbed,
+    Concluded,
+    Converging,
+    Done,
+    Law,
+    Refused,
+    Said,
+)
 from wheelhop.workbench.worker import Worker
 
 
@@ -71,6 +81,19 @@ def test_where_enough_is_known_a_diagnosis_ends_with_the_verdict_so_far(friction
     assert heard[-1] == Done("")
     worker.obey(Order(friction, Choice(added=("driver-seat",))))
     assert heard[-1] == Done("")
+
+
+def test_a_rig_whose_names_end_above_the_floor_shows_the_law_beyond_them(tmp_path):
+    """As the command does, in the same diagnosis."""
+    strange = rig.Component(hidden="bypass-damper", numbers={"share": 1.0, "travel_m": 0.02})
+    folder = rig.make_campaign(
+        tmp_path / "c", "displacement", strange, seed=2, noise=0.01, only="random"
+    )
+    heard = []
+    Worker(heard.append).obey(Order(folder, Choice(), wish="diagnose"))
+    (law,) = [m for m in heard if isinstance(m, Law)]
+    assert law.lines[0].startswith("In place of names") and law.figure
+    assert isinstance(heard[-1], Done)
 
 
 BROKEN = """

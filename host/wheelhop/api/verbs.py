@@ -10,13 +10,13 @@ from wheelhop.api.given import ONE_EACH, Folder, campaign_of
 from wheelhop.api.results import ComparisonResult, DiagnosisResult
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Baseline, Step, axle_driven, fit_baseline
-from wheelhop.diagnose.search.ladder import diagnose_gated, fit_with, steps_with
+from wheelhop.diagnose.search.ladder import diagnose_gated, fit_with, own_floor, steps_with
 from wheelhop.diagnose.search.look import steps_of
 from wheelhop.effects import Effect, Given, More, beliefs, load_effects, pick
 from wheelhop.files import Progress, Watching
 from wheelhop.files.progress import shown
 from wheelhop.gate import gate
-from wheelhop.law import last_rungs
+from wheelhop.law import BeyondNames
 from wheelhop.predict.known_car import MODEL_FILE
 from wheelhop.vehicle import Vehicle, read_nominal
 
@@ -133,7 +133,8 @@ def diagnose(
     vehicle = vehicle or read_nominal(campaign)
     with threadpool_limits(ONE_EACH), shown(progress) as tell:
         gated = gate(campaign, vehicle)
-        gated, found, base = diagnose_gated(
+        beyond = BeyondNames(list(library.values()), tell, budget_s)
+        gated, found, _ = diagnose_gated(
             gated,
             vehicle,
             library,
@@ -142,9 +143,9 @@ def diagnose(
             budget_s=budget_s,
             jobs=jobs,
             progress=tell,
+            beyond=beyond if law else own_floor,
         )
-        effects_of = list(library.values())
-        rungs = last_rungs(base, found, effects_of, tell, budget_s) if law else None
+        rungs = beyond.last_rungs(found)
     # Its figures are of the channels and runs that were fitted: some may have been left out.
     return DiagnosisResult(
         gated.campaign, vehicle, found.ladder, found.findings, found, library, rungs

@@ -39,6 +39,8 @@ TOP_KEYS = ("format", "kind", "title", "sample_rate_hz", "band_hz", "drive", "co
 NONE, UNKNOWN, MASSLESS = "none", "unknown", "massless"
 """What a key says of a part that the component does not have, and of one of which nothing is known,
 as 0 does too; "massless" is another word for a mass that is "none"."""
+PRELOAD = "preload"
+"""What a spring carries beside the force recorded: a weight that hangs, or a load cell's zero."""
 COLUMNS = ("time_s", "displacement_m", "force_N")
 VELOCITY, INPUT = "velocity_m_s", "input_"
 RECORDED = (
@@ -61,6 +63,10 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
     rate = top.number("sample_rate_hz", above=0.0)
     part = top.table("component")
     about = _component(part)
+    if drive == "displacement" and about["preloaded"]:
+        raise part.error(
+            "preload: of an imposed displacement a constant force lies in no band; leave it out"
+        )
     if drive == "force" and "mass_kg" in about["without"]:
         raise part.error(
             'mass_kg: an imposed force moves a mass; state it, or "unknown" to have it estimated'
@@ -97,7 +103,7 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
 def _component(table: Table) -> dict[str, Any]:
     """Nominal values and uncertainties by their keys; which of the three parts do not exist."""
     stated = [f"{key}_uncertainty" for key in COMPONENT_KEYS]
-    table.only((*COMPONENT_KEYS, *stated, "relative_uncertainty", "mount"))
+    table.only((*COMPONENT_KEYS, *stated, "relative_uncertainty", "mount", PRELOAD))
     relative = table.number("relative_uncertainty", above=0.0)
     nominal, uncertainty, without = {}, {}, set()
     for key in COMPONENT_KEYS:
@@ -113,7 +119,13 @@ def _component(table: Table) -> dict[str, Any]:
             without.add(key)
     if len(without) == len(COMPONENT_KEYS):
         raise table.error('mass, spring and damper are all "none": nothing is left to compare')
-    return {"nominal": nominal, "uncertainty": uncertainty, "without": frozenset(without)}
+    preloaded = PRELOAD in table and table.text(PRELOAD, choices=(NONE, UNKNOWN)) == UNKNOWN
+    return {
+        "nominal": nominal,
+        "uncertainty": uncertainty,
+        "without": frozenset(without),
+        "preloaded": preloaded,
+    }
 
 
 def _word(table: Table, key: str) -> str | None:

@@ -383,11 +383,12 @@ class ComponentCampaign(Campaign):
     """One component on a rig: there is one channel, what the rig does not impose; `nominal` holds
     the numbers of [component] and `uncertainty` one standard deviation of each (0 for a nominal
     0: nothing is believed of it). `without` names those that are 0 because the component has no
-    such part: "stiffness_N_m" without a spring. `mount_file` is the specimen the component may
-    stand on."""
+    such part: "stiffness_N_m" without a spring; `preloaded` says that a spring carries a force that
+    nothing shows. `mount_file` is the specimen the component may stand on."""
 
     drive: RigDrive
     nominal: Mapping[str, float]
     uncertainty: Mapping[str, float]
     mount_file: Path | None = None
     without: frozenset[str] = frozenset()
+    preloaded: bool = False

@@ -4,13 +4,13 @@ import filecmp
 import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from wheelhop.campaign.channels import Place, place_of, units_of, with_noise
+from wheelhop.campaign.channels import QUANTITIES, Place, place_of, units_of, with_noise
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
@@ -27,22 +27,24 @@ from wheelhop.files import (
     write_text,
 )
 from wheelhop.files.keys import LONGEST_TEXT
-from wheelhop.formats.places import likely_points
+from wheelhop.formats.places import good_for, likely_points
 from wheelhop.formats.table import uncertain_between
 from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
 DEFAULT_BAND_HZ = (0.5, 30.0)
+SPEED_UNIT = QUANTITIES["speed"].unit
 TOP_OF_BAND = 0.4  # of the sample rate, where 30 Hz is too much
 FILE_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
 @dataclass(frozen=True)
 class NewRun:
-    """How a run was driven, as campaign.toml says it; `track` holds `kind` and its other keys."""
+    """How a run was driven, as campaign.toml says it; `track` holds `kind` and its other keys, and
+    a speed of None is the mean of what the campaign's speed channel shows."""
 
     id: str
     role: str
-    speed_kmph: float
+    speed_kmph: float | None
     track: Mapping[str, str | float]
     source: str = ""
     course: Course | None = None
@@ -114,6 +116,7 @@ def new_campaign(
     elif not target.exists():
         given[target] = VEHICLE.format(title=quoted(title))
     given[file] = "\n".join(lines) + "\n"
+    _check_units(like, title, units_of(parse_toml(given[file], file, CampaignError)), CODE)
     made = make_folder(folder, CampaignError)
     try:
         with locked(folder, CampaignError):
@@ -177,6 +180,7 @@ def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> li
     units = listed(folder)
     for recording, run in runs:
         _check_samples(recording, run.source or run.id, units)
+    runs = [(recording, _driven(recording, run, units)) for recording, run in runs]
     with locked(folder, CampaignError):
         text = before = _text(toml)
         made: list[Path] = []
@@ -203,6 +207,17 @@ def add_runs(folder: str | Path, runs: Sequence[tuple[Recording, NewRun]]) -> li
                 remove(made)
             raise
     return files
+
+
+def _driven(recording: Recording, run: NewRun, units: Mapping[str, str]) -> NewRun:
+    """A run with its speed, the mean of a channel of speed where none was said."""
+    if run.speed_kmph is not None:
+        return run
+    told = [i for i, c in enumerate(recording.channels) if units.get(c.name) == SPEED_UNIT]
+    mean = float(recording.values[:, told[0]].mean()) if told else 0.0
+    if mean <= 0.0:
+        raise CampaignError(f"run {run.id}: no channel tells its speed: say it (--speed-kmph)")
+    return replace(run, speed_kmph=float(f"{3.6 * mean:.3g}"))
 
 
 def listed(folder: str | Path) -> dict[str, str]:
@@ -274,17 +289,24 @@ def cut(recording: Recording, from_s: float | None, to_s: float | None) -> Recor
     )
 
 
-def _check_samples(recording: Recording, name: str, units: Mapping[str, str]) -> None:
+def _check_units(recording: Recording, name: str, units: Mapping[str, str], but: str = "") -> None:
+    """Raise CampaignError for a channel in another unit than the campaign takes, or than `but`."""
     for channel in recording.channels:
         wanted = units.get(channel.name, ACCELERATION)
-        if channel.unit != wanted:
+        if channel.unit not in (wanted, but or wanted):
             remedy = "say its unit in a mapping (wheelhop import --draft), or leave it out"
             if channel.unit == CODE:
                 remedy = "give its constants with --calibration, or --nominal to do without"
+            elif word := good_for(channel.name, channel.unit):
+                remedy = f"it is good as {word}: campaign new --place says so; or leave it out"
             unit = f"is in {channel.unit}" if channel.unit else "does not say its unit"
             raise CampaignError(
                 f"{name}: channel {channel.name} {unit}, a campaign takes {wanted}: {remedy}"
             )
+
+
+def _check_samples(recording: Recording, name: str, units: Mapping[str, str]) -> None:
+    _check_units(recording, name, units)
     missing = np.flatnonzero(recording.missing)
     if len(missing):
         raise CampaignError(

@@ -70,7 +70,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console, law: LastRungs | Non
             console.print(line, markup=False, highlight=False)
     print_findings([f for f in diagnosis.findings if f.when == "after"], console)
     print_ranking(diagnosis.ranking, console)
-    print_ladder([*diagnosis.ladder, *([] if law is None else law.steps)], console)
+    print_ladder([*diagnosis.ladder, *([] if law is None else law.shown)], console)
     print_parameters(diagnosis.ladder[-1], console)
     if diagnosis.verdict == ("none",):
         print_limits(diagnosis.limits, console)

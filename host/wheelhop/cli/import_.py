@@ -21,12 +21,13 @@ from wheelhop.formats import (
     Understood,
     is_foreign,
     losses,
-    read,
     read_mapping,
     understand,
     write,
 )
 from wheelhop.formats.mapping import ASKED
+from wheelhop.formats.registry import load, recording_of
+from wheelhop.formats.understood_tables import of_tables
 from wheelhop.logger.recording import Recording
 
 
@@ -73,12 +74,25 @@ def _read(file: Path, mapping: Map | None, answers: dict[str, str], yes: bool) -
     """A recording, as the mapping says, or else as it is understood. What has to be known and is
     not said is asked; with `yes` nothing is asked, and nothing guessed."""
     granted: tuple[str, ...] = ()
-    if mapping is None and (answers or is_foreign(file)):
+    tables = None
+    if mapping is None and not answers and not is_foreign(file):
+        with stages() as stage:
+            stage(f"reading {file}")
+            tables = load(file)
+        if len(tables) == 1 and not tables[0].own and tables[0].header is None:
+            found = of_tables(file, tables, {})
+            if found.questions:
+                tables = None
+            else:
+                _show(found)
+    if mapping is None and tables is None:
         found = _understood(file, answers, yes)
         mapping, granted = found.mapping(places=not yes), found.granted(places=not yes)
     with stages() as stage:
         stage(f"reading {file}")
-        recording = read(file, mapping, guess=not yes)
+        if tables is None:
+            tables = load(file, mapping)
+        recording = recording_of(file, tables, mapping, guess=not yes)
     return replace(recording, history=(*recording.history, *granted))
 
 
@@ -120,7 +134,8 @@ def _show(found: Understood) -> None:
         cells = (column.label, column.unit, f"{column.taken_for}{place}", column.why)
         table.add_row(*map(escape, cells))  # brackets are units here
     console = open_console()
-    console.print(escape(f"{found.path.name}: {found.words()}"), soft_wrap=True)
+    words = found.words() or "as it says itself"
+    console.print(escape(f"{found.path.name}: {words}"), soft_wrap=True)
     console.print(table)
 
 

@@ -313,7 +313,12 @@ def _make_campaign(command: argparse.ArgumentParser) -> None:
         help="A1…A4, B1…B4, body, x,y in m; travel:CORNER:RATIO, force:CORNER, rate:pitch, speed",
     )
     add.add_argument("--id", required=True, help="name of the run, such as washboard-slow")
-    add.add_argument("--speed-kmph", metavar="V", type=float, required=True, help="nominal speed")
+    add.add_argument(
+        "--speed-kmph",
+        metavar="V",
+        type=float,
+        help="nominal speed (default: the mean of the channel that measures it)",
+    )
     add.add_argument(
         "--track",
         metavar=("KIND", "KEY=VALUE"),

@@ -39,6 +39,8 @@ def print_ladder(steps: Sequence[Step], console: Console) -> None:
         times = f"{significant(last.expected / last.floor)} × floor"
         table.add_row("a right model may leave", "│", percent(last.expected), times)
     console.print(table)
+    if not last.comparison.floor.is_stated:
+        console.print(f"The noise floor is {last.comparison.floor.origin}.", highlight=False)
 
 
 def _rung(before: tuple[str, ...] | None, step: Step) -> str:

@@ -12,7 +12,7 @@ from wheelhop.compare.comparison import (
 )
 from wheelhop.compare.describe import describe, explains_nothing
 from wheelhop.compare.floor import (
-    QUIETEST,
+    NEIGHBOURS,
     Floor,
     estimate_noise,
     estimate_noise_between_samples,
@@ -27,7 +27,7 @@ from wheelhop.compare.terminal import print_comparison
 from wheelhop.compare.weights import weighed, with_noise
 
 __all__ = [
-    "QUIETEST",
+    "NEIGHBOURS",
     "Breakdown",
     "ChannelFigures",
     "Comparison",

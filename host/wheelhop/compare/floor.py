@@ -8,7 +8,7 @@ measured axles drive it: see `Floor.expected`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import comb, nan
 
@@ -34,6 +34,7 @@ ALIKE = 2.0  # lines of a Blackman-Harris window tell as much as one that is ind
 
 
 AXLES = "the axles that drive it"
+ROLES = ("_fit", "_validate")
 
 STATED, QUIET, SURE = 0.05, 0.15, 0.05
 """Relative standard uncertainty of a noise that is stated, and of one estimated from the quietest
@@ -42,6 +43,7 @@ parts of records, which nothing shows to hold noise alone; and the least of any 
 QUIETEST = "the quietest parts of records and residuals"
 REPEATED = "the scatter between repeats of the same motion"
 STEPS = "the steps in which the recorded values come"
+NEIGHBOURS = "what no force of extension, rate and history explains"
 """What an estimate of the noise is taken from."""
 
 
@@ -60,7 +62,8 @@ class Floor:
     ``noise_scale`` (`weights`), in ``unit``, that of the leading quantity, NaN where none
     could be estimated because the model predicts nothing; ``noise_key`` is its name in files.
     ``basis`` says in words what an estimate is taken from, and ``uncertainty`` is the relative
-    standard uncertainty of the noise.
+    standard uncertainty of the noise. ``of_laws`` is how many times what is expected of the runs
+    that judge no law leaves less than, named, in free form or a formula; 0 where none was sought.
     ``scales`` is what of `expected` the scales of the channels alone leave. ``driver`` is what was
     measured and drives the model, if anything does, in words.
     """
@@ -80,6 +83,7 @@ class Floor:
     driver: str = AXLES
     basis: str = QUIETEST
     uncertainty: float = QUIET
+    of_laws: float = 0.0
 
     @property
     def of_channels(self) -> Array:
@@ -113,6 +117,26 @@ class Floor:
     def origin(self) -> str:
         """Where the noise comes from, in words."""
         return "stated in campaign.toml" if self.is_stated else f"estimated from {self.basis}"
+
+    @property
+    def in_words(self) -> str:
+        """What is at the floor, in words."""
+        return self.basis if self.basis == NEIGHBOURS else "the sensors’ noise"
+
+    @property
+    def is_guess(self) -> bool:
+        """Whether nothing shows that what it is taken from is noise."""
+        return not self.is_stated and self.basis == QUIETEST and self.pooled_rms > 0.0
+
+    def beside_laws(self, times: float) -> Floor:
+        """The floor once no law was found to leave less than so many `times` it. If it was a guess,
+        all of that may be noise: what records differ by where the states of the component are
+        alike."""
+        if not self.is_guess or times < 1.0:
+            return replace(self, of_laws=times)
+        of = [f"{error}{role}" for error in ("error", "expected") for role in ("", *ROLES)]
+        grown = {name: times * getattr(self, name) for name in (*of, "noise_rms")}
+        return replace(self, **grown, basis=NEIGHBOURS, uncertainty=SURE, of_laws=1.0)
 
 
 def noise_floor(campaign: Campaign, records: Sequence[Record]) -> Floor:

@@ -139,8 +139,8 @@ class Step:
         """What explains all that a step leaves which lacks nothing, in words."""
         floor = self.comparison.floor
         if floor.beside_noise and self.over_floor > 1.0 + 2.0 * floor.tolerance:
-            return f"the sensors’ noise and {floor.beside_noise}"
-        return "the sensors’ noise"
+            return f"{floor.in_words} and {floor.beside_noise}"
+        return floor.in_words
 
     @property
     def allowed(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import exp, inf, log, tanh
+from math import erfc, exp, hypot, inf, log, sqrt, tanh
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,8 +71,8 @@ def grounds(
     at_floor, final = "unknown" not in verdict, steps[-1].rung
     floor = steps[-1].comparison.floor
     # The noise that a campaign states is taken at its word, unless what is more looks like noise.
-    tolerance = 0.0 if floor.is_stated else floor.tolerance
-    chance = by_chance(final, noise, tolerance, steps[-1].allowed)
+    stated = floor.is_stated
+    chance = by_chance(final, noise, steps[-1].allowed) if stated else _by_chance(steps[-1])
     more_noise = noisier(steps[-1], noise)
     found = Grounds(
         log_odds=inf,
@@ -97,6 +97,16 @@ def grounds(
         stability=_stability(best, accepted),
         p_value=p_value(log_odds(base, accepted, noise), tried),
     )
+
+
+def _by_chance(step: Step) -> float:
+    """Chance that noise, believed to be log-normal about an estimate, leaves at least as much of
+    the runs that judge, what model and scales may be wrong by allowed for."""
+    left = step.rung.error_judging**2 - step.allowed
+    if left <= 0.0 or not step.expected > 0.0:
+        return 1.0
+    spread = hypot(step.comparison.floor.uncertainty, sqrt(0.5 / step.rung.judging.size))
+    return 0.5 * erfc(log(sqrt(left) / step.expected) / spread / sqrt(2.0))
 
 
 def noisier_sensors(rung: Rung, noise: float) -> float:
@@ -134,8 +144,11 @@ def _unequal(samples: Sequence[Array]) -> tuple[float, int]:
     return float(unequal / (1.0 + ((1.0 / count).sum() - 1.0 / n) / (3.0 * (k - 1)))), k - 1
 
 
-def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
-    """That the verdict's first entry is right.
+def confidence(
+    verdict: Sequence[str], grounds: Grounds, missing: float = 0.0, of_laws: float = 0.0
+) -> float:
+    """That the verdict's first entry is right; `missing` is the chance that something is left where
+    the verdict does not say so, `of_laws` as for `Floor`.
 
     Of an effect: how clearly it leads its best rival, times the chance that it does not hold at
     all; where something is left, times the chance that it is no stand-in (a wrong effect may
@@ -145,10 +158,12 @@ def confidence(verdict: Sequence[str], grounds: Grounds) -> float:
     and what these runs could have shown. Of "unknown": how far the residual is above the floor's
     own uncertainty. All of it less where the search was ended before it was done.
     """
-    return (1.0 - grounds.untried) * _of_what_was_tried(verdict, grounds)
+    return (1.0 - grounds.untried) * _of_what_was_tried(verdict, grounds, missing, of_laws)
 
 
-def _of_what_was_tried(verdict: Sequence[str], grounds: Grounds) -> float:
+def _of_what_was_tried(
+    verdict: Sequence[str], grounds: Grounds, missing: float, of_laws: float
+) -> float:
     if verdict[0] == "unknown":
         return CEILING * (1.0 - exp(-(grounds.over_expected - 1.0) / UNKNOWN_SCALE))
     if verdict[0] == "none":
@@ -157,23 +172,25 @@ def _of_what_was_tried(verdict: Sequence[str], grounds: Grounds) -> float:
         return CEILING * nothing_holds * only_noise * (1.0 - grounds.unseen)
     leads = 0.5 + 0.5 * tanh(0.5 * grounds.lead / LEAD_SCALE)
     sure = CEILING * leads * (1.0 - grounds.p_value)
-    if "unknown" not in verdict:
-        return sure
     steady = min(max(grounds.stability / STEADY, 0.0), 1.0)
-    return sure * steady * _no_stand_in(grounds) * (AS_LIKELY if grounds.cramped else 1.0)
+    beside = (
+        sure * steady * _no_stand_in(grounds, of_laws) * (AS_LIKELY if grounds.cramped else 1.0)
+    )
+    return beside if "unknown" in verdict else sure - missing * (sure - beside)
 
 
-def _no_stand_in(grounds: Grounds) -> float:
+def _no_stand_in(grounds: Grounds, of_laws: float) -> float:
     """Chance that what leaves a part unexplained is no stand-in for something unknown.
 
-    A stand-in leaves any share s of the power above the floor alike, density 1. What is right may
-    leave something small beside it, no size likelier than another down to ε², the power that such
-    models are exact to, density 1 / (s ln(1/ε²)): a law of the struts leaves a tenth of the
-    amplitude, under its right name, as machines part from textbooks. Beforehand the odds for what
-    is right are `ODDS_RIGHT`.
+    A stand-in leaves any share s of the power above the floor, and above what no law was found to
+    leave less than, alike, density 1. What is right may leave something small beside it, no size
+    likelier than another down to ε², the power that such models are exact to, density 1 / (s
+    ln(1/ε²)): a law of the struts leaves a tenth of the amplitude, under its right name, as
+    machines part from textbooks. Beforehand the odds for what is right are `ODDS_RIGHT`.
     """
-    excess = grounds.baseline_over_expected**2 - 1.0
-    left = max(grounds.over_expected**2 - 1.0, 0.0)
+    least = max(of_laws, 1.0) ** 2
+    excess = grounds.baseline_over_expected**2 - least
+    left = max(grounds.over_expected**2 - least, 0.0)
     if left >= excess:
         return 0.0
     exact = LAW if grounds.is_law else EXACT

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import erfc, hypot, inf, isfinite, sqrt
+from math import erfc, inf, isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -219,17 +219,15 @@ def noticeable(rung: Rung, noise: float) -> bool:
     return excess(rung, noise) > material(rung) + by_chance
 
 
-def by_chance(rung: Rung, noise: float, tolerance: float, allowed: float = 0.0) -> float:
-    """Chance that noise leaves at least as much as a rung does, what is immaterial allowed for, and
-    `allowed` as a share of the signal's power; `tolerance` is the relative standard uncertainty of
-    `noise`."""
+def by_chance(rung: Rung, noise: float, allowed: float = 0.0) -> float:
+    """Chance that noise, known as it is stated, leaves at least as much as a rung does, what is
+    immaterial allowed for, and `allowed` as a share of the signal's power."""
     if noise == 0.0:
         return 1.0
     judging = rung.judging
     energy = sum(run.bench.energy for run in judging.runs) if allowed else 0.0
     more = excess(rung, noise) - material(rung) - allowed * energy / (judging.size * noise**2)
-    spread = hypot(sqrt(2.0 / judging.size), 2.0 * tolerance)
-    return 0.5 * erfc(more / spread / sqrt(2.0))
+    return 0.5 * erfc(more / sqrt(2.0 / judging.size) / sqrt(2.0))
 
 
 def unforeseen(rung: Rung, noise: float) -> bool:

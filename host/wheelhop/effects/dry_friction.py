@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import sqrt, tanh
+from math import exp, sqrt, tanh
 
 import numpy as np
 
@@ -13,7 +13,13 @@ from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
 from wheelhop.effects.hysteresis import bouc_wen, bristles
 from wheelhop.vehicle import COMPONENT, Assembly, Law, Usual, ends, is_component, struts
 
-LONGEST_STEP_S = {"elastic": 0.00125, "creeping": 0.000625, "sticking": 0.00125, "smooth": 0.00125}
+LONGEST_STEP_S = {
+    "elastic": 0.00125,
+    "creeping": 0.000625,
+    "sticking": 0.00125,
+    "smooth": 0.00125,
+    "falling": 0.000625,
+}
 """What a joint does before it slips, and the step that takes: its stiffness against the unsprung
 mass makes 50 Hz and more, its slope of tens of kN s/m decays in less than a millisecond."""
 
@@ -21,7 +27,7 @@ GENTLE = 1.0
 """A joint is gentle where what it does before it slips lasts longer than twice its step: with that
 step, derivatives are then wrong by less than 10 %. Beyond, they soon are those of the scheme."""
 
-RIG_FORMS = ("sticking", "smooth")
+RIG_FORMS = ("sticking", "smooth", "falling")
 """Forms that only one component on a rig tells from the others."""
 
 
@@ -43,7 +49,15 @@ def creeping_slip(
     return p[0] * tanh(v / p[1]), z
 
 
-LEAST = 1e-3
+@law
+def falling_slip(
+    x: float, v: float, dx: float, dt: float, z: float, p: Array
+) -> tuple[float, float]:
+    """The same falling from Stribeck's peak: p[0] tanh(v / p[1]) (1 + (p[2] − 1) e^−(v/p[3])²)."""
+    return p[0] * tanh(v / p[1]) * (1.0 + (p[2] - 1.0) * exp(-((v / p[3]) ** 2))), z
+
+
+LEAST = 1e-4
 """Of the usual speed, a third of the fastest, or of the longest way: joints that creep more slowly
 or yield on less slip at once, as far as the record of a rig shows."""
 
@@ -52,6 +66,7 @@ KERNELS: dict[str, tuple[Law, *tuple[str, ...]]] = {
     "creeping": (creeping_slip, "creep_m_s"),
     "sticking": (bristles, "presliding_N_m", "sticking", "stribeck_m_s"),
     "smooth": (bouc_wen, "yield_m", "roundness"),
+    "falling": (falling_slip, "creep_m_s", "sticking", "stribeck_m_s"),
 }
 """The law of each form, and its parameters after the slip force."""
 
@@ -66,28 +81,33 @@ CREEP = Parameter(
 )
 """What is believed of a vehicle's joints."""
 
-ON_RIG = {
-    "creeping": (replace(CREEP, scale=0.08, lower=LEAST, upper=0.3, starts=(0.03, 0.1)),),
-    "sticking": (
-        Parameter(
-            "sticking",
-            "1",
-            "force that holds at rest over the force that slides",
-            0.3,
-            lower=1.0,
-            upper=3.0,
-            starts=(1.4,),
-        ),
-        Parameter(
-            "stribeck_m_s",
-            "m/s",
-            "speed over which the force falls from the one to the other",
-            0.15,
-            lower=LEAST,
-            upper=3.0,
-            starts=(0.04, 0.3),
-        ),
+SLOW = replace(CREEP, scale=0.08, lower=LEAST, upper=0.3, starts=(0.03, 0.1))
+
+PEAK = (
+    Parameter(
+        "sticking",
+        "1",
+        "force that holds at rest over the force that slides",
+        0.3,
+        lower=1.0,
+        upper=3.0,
+        starts=(1.4,),
     ),
+    Parameter(
+        "stribeck_m_s",
+        "m/s",
+        "speed over which the force falls from the one to the other",
+        0.15,
+        lower=LEAST,
+        upper=3.0,
+        starts=(0.04, 0.3),
+    ),
+)
+
+ON_RIG = {
+    "creeping": (SLOW,),
+    "sticking": PEAK,
+    "falling": (SLOW, *PEAK),
     "smooth": (
         Parameter(
             "yield_m",
@@ -129,7 +149,8 @@ class DryFriction(Effect):
     """Beside the spring and damper of every strut: a Coulomb slider behind a spring, so that the
     joint gives way elastically before it slips, or one that creeps before it slides, as where a
     seal drags its film of oil along. On a rig also one that holds more at rest than it slides with
-    (LuGre, with Stribeck's peak), and one that yields smoothly, little by little (Bouc and Wen)."""
+    (LuGre, with Stribeck's peak; or falling from that peak while it creeps), and one that yields
+    smoothly, little by little (Bouc and Wen)."""
 
     id = "dry-friction"
     place = "suspension"
@@ -149,7 +170,8 @@ class DryFriction(Effect):
         r"\quad \text{sticking: } \dot f = k_p \dot x\,(1 - f\,\mathrm{sgn}\dot x / g),"
         r"\ g = F_c\,(1 + (s - 1)\,e^{-(\dot x / v_s)^2});"
         r"\quad \text{smooth: } f = F_c z,"
-        r"\ d\,\dot z = \dot x\,(1 - |z|\,(\beta\,\mathrm{sgn}(\dot x z) + 1 - \beta))"
+        r"\ d\,\dot z = \dot x\,(1 - |z|\,(\beta\,\mathrm{sgn}(\dot x z) + 1 - \beta));"
+        r"\quad \text{falling: } f = g \tanh(\dot x / w)"
     )
     source = (
         "Jenkins element: W. D. Iwan, A distributed-element model for hysteresis and its"
@@ -213,7 +235,9 @@ class DryFriction(Effect):
         if on_car and self.form == "creeping":
             return (CREEP,)
         more = tuple(_on(usual, share) for share in ON_RIG.get(self.form, ()))
-        return more if self.form in ("creeping", "smooth") else (self._spring(usual, on_car), *more)
+        return (
+            (self._spring(usual, on_car), *more) if self.form in ("elastic", "sticking") else more
+        )
 
     def _spring(self, usual: Usual, on_car: bool) -> Parameter:
         spring = usual.stiffness_N_m

@@ -156,7 +156,7 @@ SPELT = {
 SECONDS = {name: unit.in_si for unit in TABLE if unit.dimension == "time" for name in unit.spelt}
 """By a recorder's spelling of a unit of time, how long it is."""
 
-CAPITALS_MATTER = frozenset(("mV", "mA", "mbar", "MPa", "hPa", "Gal"))
+CAPITALS_MATTER = frozenset(("mV", "mA", "mbar", "MPa", "hPa", "Gal", "Nm"))
 """Spellings that are another unit, or none, in other capitals."""
 
 

@@ -186,7 +186,7 @@ def _rig_start(run: RigRun, model: Model, is_held: bool) -> Iterator[Free]:
     The constant force, a weight or preload that no load cell shows or the error of a cell's zero,
     is believed to be about as large as the force recorded, or in a free decay as the campaign's. A
     spring answers it by another rest, about which it is then counted: of a held component it is
-    not free.
+    not free, unless the campaign says that it is preloaded, which matters beside a law that bends.
     """
     if run.drive == "force":
         x = run.displacement

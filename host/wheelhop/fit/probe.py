@@ -101,14 +101,16 @@ class FitProbe:
         return bench.band.signal(shown / bench.noise_scale)
 
     def _finite(self, bench: Bench, shown: Array) -> Array:
-        """What a model says of a run, if all of it is a number.
+        """What a model says of a run, if all of it is a number, and its square.
 
         Raises
         ------
         NotFinite
             It is not.
         """
-        if not np.isfinite(shown).all():
+        with np.errstate(over="ignore"):
+            square = float(np.sum(shown**2))
+        if not np.isfinite(square):
             effects = tuple(effect.id for effect in self._model.effects)
             self._workshop.run_away.add((bench.run.id, effects))
             what = " and ".join(("these numbers", *effects))

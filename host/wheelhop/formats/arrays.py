@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.formats.columns import Column, Stated, Timing
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.groups import only_recordings
 from wheelhop.formats.labels import name_and_unit
 from wheelhop.formats.mapping import Map
-from wheelhop.formats.stamps import Stamps
 from wheelhop.formats.table import Table, plain_channel
-from wheelhop.formats.timing import AGREE, Column, find_timing, stamps_of
+from wheelhop.formats.timing import find_timing, stamps_of
 
 RATES = frozenset(
     ("fs", "fsamp", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency")
@@ -30,12 +30,13 @@ FEWEST_ROWS = 3
 @dataclass
 class Folder:
     """A workspace, a struct or a group: its arrays by name with their units, its single numbers,
-    and the folders inside it."""
+    the folders inside it, and what is worth a line in the history."""
 
     name: str = ""
     arrays: dict[str, tuple[NDArray[np.float64], str]] = field(default_factory=dict)
     numbers: dict[str, float] = field(default_factory=dict)
     inside: list[Folder] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
     def add(self, name: str, values: NDArray[np.generic], unit: str = "") -> None:
         """Keep an array of numbers: one of a single number as that, others by their columns, which
@@ -84,7 +85,8 @@ def _tables(
     for length, columns in by_length.items():
         group = folder.name or (f"{length} rows" if len(by_length) > 1 else "")
         try:
-            table = _table(columns, numbers, Table(path, kind, (), EMPTY, group=group), mapping)
+            bare = Table(path, kind, (), EMPTY, group=group, remarks=tuple(folder.remarks))
+            table = _table(columns, numbers, bare, mapping)
         except ExchangeError as error:
             refused.append(str(error).removeprefix(f"{path}: "))
             continue
@@ -103,25 +105,23 @@ def _table(
     """Columns of one length over the one of them that is time, or at the rate that a number says;
     None if there is nothing but time."""
     chosen = str(mapping.time) if mapping is not None else ""
+    known = mapping.rate_hz if mapping is not None else None
     if chosen:
         index = next((k for k, column in enumerate(columns) if column.label == chosen), None)
-        unit, why, asked, granted, aside = mapping.time_unit if mapping else "", "", "", "", set()
+        timing = Timing(index, mapping.time_unit if mapping else "")
     else:
-        timing = find_timing(columns, {})
-        index, unit, why = timing.index, timing.unit, timing.why
-        asked = timing.questions[0].words if timing.questions else ""
-        granted, aside = timing.guess, set(timing.aside)
-    rates = _rates(numbers)
-    known = mapping.rate_hz if mapping is not None else None
+        timing = find_timing(columns, _rates(numbers))
+    index, aside = timing.index, set(timing.aside)
+    asked = timing.questions[0].words if timing.questions else ""
+    known = known or timing.rate_hz
     stamps, said = None, []
     if index is not None and not asked:
-        stamps = stamps_of(columns[index], unit, known, bare.file)
+        stamps = stamps_of(columns[index], timing.unit, known, bare.file)
         aside |= {index}
-        said = [f"time is {columns[index].label}{f', {why}' if why else ''}", *stamps.remarks]
-        asked = _belied(stamps, rates)
-    elif len(set(rates.values())) == 1:
-        name, rate = next(iter(rates.items()))
-        known, asked, said = known or rate, "", [f"{rate:g} Hz, as {name} says"]
+        why = f", {timing.why}" if timing.why else ""
+        said = [f"time is {columns[index].label}{why}", *stamps.remarks]
+    elif timing.rate_hz is not None:
+        said = [f"{timing.rate_hz:g} Hz: {timing.why}"]
     measured = [k for k in range(len(columns)) if k not in aside]
     if not measured:
         return None
@@ -129,35 +129,24 @@ def _table(
         bare,
         channels=tuple(plain_channel(columns[k].label, columns[k].unit) for k in measured),
         values=np.column_stack([v for k in measured if (v := columns[k].values) is not None]),
-        time_s=None if stamps is None or asked else stamps.time_s,
+        time_s=None if stamps is None else stamps.time_s,
         start_unix_s=None if stamps is None else stamps.start_unix_s,
         rate_hz=None if stamps is not None else known,
         numbers=tuple(k + 1 for k in measured),
-        remarks=tuple(said),
+        remarks=(*bare.remarks, *said),
         asked=asked,
-        granted=granted,
+        granted=timing.guess,
         same_clock=stamps is not None and stamps.start_unix_s is None,
     )
 
 
-def _rates(numbers: Mapping[str, float]) -> dict[str, float]:
-    """Rates, Hz, that single numbers state, by their names."""
-    found = {}
+def _rates(numbers: Mapping[str, float]) -> dict[float, Stated]:
+    """Rates, Hz, that single numbers state, by where they stand."""
+    found: dict[float, Stated] = {}
     for name, value in numbers.items():
-        plain = name.lower().replace("_", "").replace(" ", "")
+        plain = name.rpartition(".")[2].lower().replace("_", "").replace(" ", "")
         if plain in RATES and value > 0.0:
-            found[name] = value
+            found.setdefault(value, Stated(name))
         elif plain in STEPS and value > 0.0:
-            found[name] = 1.0 / value
+            found.setdefault(float(f"{1.0 / value:.9g}"), Stated(name))
     return found
-
-
-def _belied(stamps: Stamps, rates: Mapping[str, float]) -> str:
-    """What numbers say that the stamps do not, "" if they agree."""
-    if not rates or len(stamps.time_s) < 2:
-        return ""
-    rate = 1.0 / float(np.median(np.diff(stamps.time_s)))
-    if any(abs(said / rate - 1) <= AGREE for said in rates.values()):
-        return ""
-    name, said = next(iter(rates.items()))
-    return f"{name} says {said:g} Hz, the stamps go at {rate:.6g} Hz: which is right?"

@@ -10,11 +10,12 @@ import numpy as np
 
 from wheelhop.files import quoted
 from wheelhop.files.units import SECONDS
+from wheelhop.formats.columns import Column, Question, Timing
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import UnevenError, fit_grid
 from wheelhop.formats.stamps import SAMPLE
 from wheelhop.formats.table import Table
-from wheelhop.formats.timing import Column, Question, Timing, stamps_of
+from wheelhop.formats.timing import stamps_of
 
 FASTEST_ANSWER_HZ = 1e12
 EMPTY = np.empty((0, 0))

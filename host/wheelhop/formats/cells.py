@@ -63,6 +63,7 @@ def read_lines(file: Path, encoding: str = "") -> Text:
                     f"{file}: byte {error.start} (0x{data[error.start]:02x}) is not {name}: "
                     "give another encoding in the mapping"
                 ) from None
+    text = text.replace("\u2212", "-")  # the minus of typesetters
     left_out = f"zero bytes behind the text, of room that was reserved: {zeros}; left out"
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     while len(lines) > 1 and not lines[-1].strip():
@@ -116,7 +117,7 @@ def _lines(data: bytes) -> list[str]:
             break
         except UnicodeDecodeError:
             pass
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return text.replace("\u2212", "-").replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 def split(lines: Sequence[str], separator: str | None) -> list[list[str]]:

@@ -14,18 +14,20 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.files import quoted
+from wheelhop.files.units import seconds_in, to_si
 from wheelhop.formats import cells
 from wheelhop.formats.asked import answered, resample_keys, timing_keys, uneven_stamps
-from wheelhop.formats.digits import Digits
+from wheelhop.formats.columns import Column, Question, Timing
+from wheelhop.formats.digits import Digits, is_numeric
 from wheelhop.formats.error import ExchangeError, guarded
-from wheelhop.formats.labels import apart, name_and_unit
+from wheelhop.formats.labels import apart, is_doubtful, name_and_unit
 from wheelhop.formats.layout import Layout, find_layout
 from wheelhop.formats.long_form import is_key
 from wheelhop.formats.mapping import ASKED, SEPARATORS
 from wheelhop.formats.registry import is_text, load
 from wheelhop.formats.stamps import Stamps, of_texts
 from wheelhop.formats.stated import stated_rates
-from wheelhop.formats.timing import Column, Question, Timing, find_timing
+from wheelhop.formats.timing import find_timing
 from wheelhop.formats.understood import (
     CHANNEL,
     LEFT_OUT,
@@ -83,7 +85,9 @@ def _of_text(
         columns = _columns(_rows_of_one(layout, key), digits)
     above = [k for k in range(1, layout.first_row) if k not in layout.header_rows]
     head = range(1, layout.first_row)
-    stated = stated_rates([text.lines[k - 1] if k in above else "" for k in head])
+    shown = any(digits.decimal in cell for k in layout.numeric for cell in layout.column(k))
+    decimal = digits.decimal if shown else ""
+    stated = stated_rates([text.lines[k - 1] if k in above else "" for k in head], decimal)
     blank = bool(questions)  # the numbers cannot be read yet, nor the time
     try:
         timing = Timing() if blank else answered(find_timing(columns, stated), answers)
@@ -132,7 +136,7 @@ def _of_text(
         said,
         tuple(_found(layout, columns, timing, names)),
         tuple(questions),
-        (*granted, *_by_endings(layout, columns, timing)),
+        (*granted, *_guesses(layout, columns, timing)),
     )
 
 
@@ -158,14 +162,38 @@ def _in_long_form(
     return of_tables(path, tables, answers, without)
 
 
-def _by_endings(layout: Layout, columns: Sequence[Column], timing: Timing) -> Iterator[str]:
-    """Units that only the one letter behind a name's last _ says: the g of z_g may be the
-    ground."""
+def _guesses(layout: Layout, columns: Sequence[Column], timing: Timing) -> Iterator[str]:
+    """What is taken for granted of the table: the names in its first line, what stands above its
+    rows is not applied to them, columns that are left out though some cells are numbers, and units
+    that only the end of a name says."""
+    if layout.counted_names:
+        yield f"line {layout.header_rows[0]} names the columns, by numbers"
+    for number, line in layout.aside:
+        yield f"line {number} is not applied to the rows: {short(line.strip())[:40]}"
+    for k, column in enumerate(columns):
+        if column.values is None and column.stamps is None and (word := _no_number(layout, k)):
+            yield f"{short(column.label)} is left out: {word}"
     for k, column in enumerate(columns):
         said = layout.units[k] if layout.units else ""
-        by_name = column.unit and not said and not name_and_unit(column.label, endings=False)[1]
-        if by_name and k != timing.index and re.search(r"_[A-Za-z]$", column.label):
+        inside = name_and_unit(column.label, endings=False)[1]
+        if said and inside and _means(said) != _means(inside):
+            yield f"{column.label} is in {said}, as line {layout.units_row} says"
+        by_name = column.unit and not said and not inside
+        if by_name and k != timing.index and is_doubtful(column.label):
             yield f"{column.label} is in {column.unit}, by the end of its name"
+
+
+def _means(unit: str) -> tuple[str, float]:
+    """A unit whatever it is spelt like."""
+    seconds = seconds_in(unit)
+    return to_si(unit) if seconds is None else ("s", seconds)
+
+
+def _no_number(layout: Layout, k: int) -> str:
+    """What keeps a column in which there are numbers from being one of numbers; "" for words."""
+    there = [cell for cell in layout.column(k) if cell.strip().lower() not in cells.EMPTY]
+    wrong = next((cell for cell in there if not is_numeric(cell)), "")
+    return f"'{short(wrong.strip())[:20]}' is no number" if any(map(is_numeric, there)) else ""
 
 
 def _first_rows(column: Column, rows: int) -> Column:
@@ -230,10 +258,11 @@ def _found(
             yield Found(keys[k], column.label, column.name, unit, TIME, timing.why)
         elif k in names:
             point = points[taken.index(k)]
-            name, why = names[k], why_of(column.unit)
+            name, why = names[k], why_of(names[k], column.unit)
             yield Found(keys[k], column.label, name, column.unit, CHANNEL, why, point)
         else:
-            why = timing.aside.get(k, "a clock, too" if column.stamps else "no numbers")
+            plain = "a clock, too" if column.stamps else _no_number(layout, k) or "no numbers"
+            why = timing.aside.get(k, plain)
             yield Found(keys[k], column.label, column.name, column.unit, LEFT_OUT, why)
 
 

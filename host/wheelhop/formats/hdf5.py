@@ -14,6 +14,14 @@ from wheelhop.formats.mapping import Map
 from wheelhop.formats.table import Table
 
 UNITS = ("unit", "units", "Unit", "Units", "UNITS")
+SCALINGS = {
+    **dict.fromkeys(("scale", "scale_factor", "gain", "factor", "slope", "multiplier"), 1.0),
+    **dict.fromkeys(("offset", "add_offset"), 0.0),
+}
+"""Attributes that say how values would have to be converted, each with the number that says
+nothing."""
+MISSING = frozenset(("_FillValue", "missing_value"))
+"""Attributes that hold the number that stands where there is no sample."""
 MATLAB_TEXT = b"char"
 REFERENCES = "#refs#"  # where MATLAB keeps what cells point at
 
@@ -46,16 +54,26 @@ def _fill(folder: Folder, group: Any, h5py: Any) -> None:
 
 def _add(folder: Folder, name: str, item: Any) -> None:
     """A dataset of numbers; one of records by its fields, in a folder of its own."""
-    for key, number in item.attrs.items():
-        if np.ndim(number) == 0 and isinstance(number, int | float | np.number):
-            folder.numbers[key] = float(number)
+    numbers = {
+        key: float(np.reshape(number, -1)[0])
+        for key, number in item.attrs.items()
+        if np.size(number) == 1 and np.asarray(number).dtype.kind in "iuf"
+    }
+    folder.numbers |= {f"{name}.{key}": number for key, number in numbers.items()}
+    raw = [f"{k} = {v:g}" for k, v in numbers.items() if SCALINGS.get(k.lower(), v) != v]
+    if raw:
+        said = f"{name}: {', '.join(raw)} is not applied: the values are raw, in an unknown unit"
+        folder.remarks.append(said)
     if item.dtype.names:
         inside = Folder(f"{folder.name}/{name}" if folder.name else name)
         folder.inside.append(inside)
         for part in item.dtype.names:
             inside.add(part, item[part])
     elif item.dtype.kind in "iufb" and item.shape is not None:
-        folder.add(name, item[()], _unit(item))
+        values = item[()]
+        for key in MISSING & numbers.keys():
+            values = np.where(values == numbers[key], np.nan, values)
+        folder.add(name, values, "" if raw else _unit(item))
 
 
 def _unit(item: Any) -> str:

@@ -51,6 +51,9 @@ UNDERSCORED = {
     "_N": "N",
 }
 """Endings of names, those first that end in another one."""
+DOUBTFUL = re.compile(r".*_(?:[A-Za-z]|bar|rad|cm|us)")
+"""Endings that may be something else: z_g at the ground, a roll_bar, the centre of mass, the German
+wheel, what is unsprung."""
 
 
 def name_and_unit(label: str, endings: bool = True) -> tuple[str, str]:
@@ -64,7 +67,7 @@ def name_and_unit(label: str, endings: bool = True) -> tuple[str, str]:
         return match["name"].strip('" '), match["unit"].strip()
     match = BEHIND.match(label)
     if match and (match["b"] is not None or is_unit(match["p"])):
-        return match["name"], (match["b"] or match["p"] or "").strip()
+        return match["name"], bare_unit(match["b"] or match["p"] or "")
     match = BEHIND_WORD.match(label)
     if match and is_unit(match["unit"]):
         return match["name"], match["unit"]
@@ -72,6 +75,11 @@ def name_and_unit(label: str, endings: bool = True) -> tuple[str, str]:
         if label.endswith(tail) and len(label) > len(tail):
             return label.removesuffix(tail), known
     return label, ""
+
+
+def is_doubtful(label: str) -> bool:
+    """Whether the unit at the end of a name may be no unit."""
+    return DOUBTFUL.fullmatch(label) is not None
 
 
 NO_UNITS = frozenset(("", "-", "--", "1", "none", "n/a", "*"))

@@ -29,7 +29,9 @@ class Layout:
     """How a text file is laid out; lines count from 1, 0: there is none.
 
     `rows` are the cells of the first `SAMPLE_ROWS` rows. `numeric` are the columns of numbers,
-    `stamps` those of dates or times of day. `below` is what stands under the table, "" for nothing.
+    `stamps` those of dates or times of day. `below` is what stands under the table, "" for nothing;
+    `aside` are lines of numbers between the names and the rows, such as ranges and factors, with
+    their own numbers. Names may be `counted_names`: 0, 1, 2, …
     """
 
     separator: str | None
@@ -44,6 +46,8 @@ class Layout:
     numeric: tuple[int, ...]
     stamps: tuple[int, ...]
     below: str = ""
+    aside: tuple[tuple[int, str], ...] = ()
+    counted_names: bool = False
 
     def column(self, k: int) -> list[str]:
         """The cells of one column."""
@@ -131,7 +135,9 @@ def _all_values(line: str, separator: str | None) -> bool:
 def _styles(lines: Sequence[str], narrowest: int) -> list[_Style]:
     found: list[_Style] = []
     for separator in SEPARATORS:
-        if separator is None and found:
+        if separator is None and (
+            found or _stands_in_most(lines, ";") or _stands_in_most(lines, "|")
+        ):
             break  # nearly every line has blanks in it
         style = _style(lines, separator, narrowest)
         if style is not None:
@@ -171,6 +177,10 @@ def _style(lines: Sequence[str], separator: str | None, narrowest: int) -> _Styl
         return None
     share = values / sum(len(row) for row in same)
     return _Style(separator, width, tuple(numeric), tuple(stamps), values * share)
+
+
+def _stands_in_most(lines: Sequence[str], mark: str) -> bool:
+    return sum(mark in line for line in lines) > len(lines) / 2
 
 
 def _ends_open(lines: Sequence[str], separator: str | None, width: int) -> bool:
@@ -224,8 +234,11 @@ def _described(text: cells.Text, style: _Style, first: int, where: str) -> Layou
             f"{where}: its last {len(lines) - bottom} lines are no rows of the table that begins in"
             f" line {first + 1}: cut the file"
         )
+    header, units_row, labels, units, aside = _heads(lines, style, first)
+    if counted := not header and _counts_columns(lines, style, first):
+        header, labels, first = (first + 1,), tuple(style.cells(lines[first]) or ()), first + 1
+        labels = tuple(label.strip() or f"column {k}" for k, label in enumerate(labels, start=1))
     rows = _rows(lines[first : last + 1], style)
-    header, units_row, labels, units = _heads(lines, style, first)
     columns = [[row[k] for row in rows] for k in style.numeric]
     below = [line for line in lines[last + 1 :] if line.strip()]
     other = [k for k in range(last + 1, len(lines)) if _all_values(lines[k], style.separator)]
@@ -247,7 +260,18 @@ def _described(text: cells.Text, style: _Style, first: int, where: str) -> Layou
         numeric=style.numeric,
         stamps=style.stamps,
         below=below[0].strip()[:40] if below else "",
+        aside=aside,
+        counted_names=counted,
     )
+
+
+def _counts_columns(lines: Sequence[str], style: _Style, row: int) -> bool:
+    """Whether a row counts the columns, 0, 1, 2, …, and the next one does not go on counting."""
+    here, after = (style.cells(line) or [] for line in (*lines[row : row + 2], "")[:2])
+    numbers = [cell.strip() for cell in here]
+    numbers = numbers[1:] if numbers[:1] == [""] else numbers
+    counted = any(numbers == [str(k + n) for k in range(len(numbers))] for n in (0, 1))
+    return counted and len(numbers) > 2 and not all(cell.strip().isdigit() for cell in after)
 
 
 def _rows(lines: Sequence[str], style: _Style) -> tuple[tuple[str, ...], ...]:
@@ -270,8 +294,9 @@ def _some(column: Sequence[str]) -> Sequence[str]:
 
 def _heads(
     lines: Sequence[str], style: _Style, first: int
-) -> tuple[tuple[int, ...], int, tuple[str, ...], tuple[str, ...]]:
-    """Lines of names, the line of units, names and units: above the rows, of as many cells."""
+) -> tuple[tuple[int, ...], int, tuple[str, ...], tuple[str, ...], tuple[tuple[int, str], ...]]:
+    """Lines of names, the line of units, names and units, and lines of numbers below the names:
+    above the rows, of as many cells."""
     above: list[tuple[int, list[str]]] = []
     for k in range(first - 1, -1, -1):
         if not lines[k].strip():
@@ -283,6 +308,10 @@ def _heads(
             above.append((k + 1, [cell.strip() for cell in found]))
     units_row = 0
     units: tuple[str, ...] = ()
+    words = [k for k, (_, found) in enumerate(above) if not any(map(is_numeric, found))]
+    last = next((k for k in words if len(set(above[k][1])) == style.width), 0)
+    aside = tuple((n, lines[n - 1]) for k, (n, _) in enumerate(above[:last]) if k not in words)
+    above = [head for k, head in enumerate(above) if k >= last or k in words]
     if above:
         heads = [found for _, found in above]
         at = next((i for i in range(len(heads)) if _is_units(heads[i], heads[i + 1 :])), None)
@@ -290,7 +319,7 @@ def _heads(
             units_row, units = above[at][0], tuple(bare_unit(cell) for cell in above[at][1])
             above = above[:at] + above[at + 1 :]
     if not above:
-        return (), units_row, tuple(f"column {k + 1}" for k in range(style.width)), units
+        return (), units_row, tuple(f"column {k + 1}" for k in range(style.width)), units, aside
     used = above[:1]
     for more in range(2, len(above) + 1):
         if _distinct(_joined(used)):
@@ -299,7 +328,7 @@ def _heads(
             used = above[:more]
     labels = _joined(used)
     named = tuple(label or f"column {k}" for k, label in enumerate(labels, start=1))
-    return tuple(sorted(k for k, _ in used)), units_row, named, units
+    return tuple(sorted(k for k, _ in used)), units_row, named, units, aside
 
 
 def _joined(heads: Sequence[tuple[int, list[str]]]) -> list[str]:
@@ -313,8 +342,9 @@ def _distinct(labels: Sequence[str]) -> bool:
 
 def _is_units(found: Sequence[str], above: Sequence[Sequence[str]]) -> bool:
     """Whether a line holds units: most of its cells are known ones or in brackets, or half of them
-    with the first; or it has blanks where a line `above` has a name in every column. A line with
-    none above holds units only if all its cells do."""
+    with the first; or the first is, and cells repeat, or there are blanks, where a line `above` has
+    a name of its own in every column. A line with none above holds units only if all its cells
+    do."""
     there = [cell for cell in found if cell.lower() not in NO_UNITS]
     known = [is_unit(bare_unit(cell)) or bare_unit(cell) != cell for cell in there]
     if not there or not above:
@@ -322,7 +352,8 @@ def _is_units(found: Sequence[str], above: Sequence[Sequence[str]]) -> bool:
     blanks = len(there) < len(found)
     named = any(all(other) and _distinct(other) for other in above)
     half = 2 * sum(known) - len(there)
-    return (blanks and named) or half > 0 or (known[0] and half == 0)
+    again = named and not _distinct(there)
+    return (blanks and named) or half > 0 or (known[0] and (half == 0 or again))
 
 
 def _splits_numbers(lines: Sequence[str], layout: Layout) -> bool:

@@ -10,14 +10,15 @@ TIMES = frozenset(
         *("tempo", "elapsed", "clock", "utc", "epoch", "uptime", "datetime", "date", "datum"),
         *("uhrzeit", "seconds", "secs", "sec", "millis", "micros", "nanos", "milliseconds"),
         *("microseconds", "nanoseconds", "msec", "usec", "hhmmss", "t"),
+        *("sekunden", "millisekunden", "mikrosekunden", "nanosekunden"),
     )
 )
 UNITS = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
-    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), "ms"),
-    **dict.fromkeys(("us", "usec", "micros", "microsecond", "microseconds"), "us"),
-    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
-    **dict.fromkeys(("min", "minutes"), "min"),
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "sekunden"), "s"),
+    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds", "millisekunden"), "ms"),
+    **dict.fromkeys(("us", "usec", "micros", "microsecond", "microseconds", "mikrosekunden"), "us"),
+    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds", "nanosekunden"), "ns"),
+    **dict.fromkeys(("min", "minutes", "minuten"), "min"),
 }
 """Units of time as names have them."""
 COUNTERS = frozenset(
@@ -27,6 +28,13 @@ COUNTERS = frozenset(
         *("scan", "unnamed", "messwert", "lfd", "point"),
     )
 )
+OTHERS = frozenset(
+    (
+        *("distance", "dist", "angle", "temperature", "temp", "speed", "velocity", "position"),
+        *("pressure", "force", "travel", "displacement", "acceleration", "constant", "weg"),
+    )
+)
+"""Quantities whose names may hold a word of time: "distance since date"."""
 FREQUENCIES = frozenset(("frequency", "freq", "frequenz", "fréquence", "f"))
 
 
@@ -36,6 +44,15 @@ def words_in(label: str) -> set[str]:
     return set(re.findall(r"[^\W\d_]+|#", apart.lower()))
 
 
+def time_words(label: str) -> set[str]:
+    """The words of a name, but for a unit of time that something is counted per: "Revs per sec"."""
+    head, *behind = re.split(r"/|\bper\b", label, maxsplit=1)
+    words = words_in(label)
+    return words - UNITS.keys() if behind and not words_in(head) & TIMES else words
+
+
 def is_time_name(label: str) -> bool:
-    """Whether a column is called time, in one language or another."""
-    return bool(words_in(label) & TIMES) or label.strip().lower() == "x_value"  # LabVIEW's
+    """Whether a column is called time, in one language or another, and not another quantity."""
+    words = time_words(label)
+    x_value = label.strip().lower() == "x_value"  # LabVIEW's
+    return x_value or bool(words & TIMES and not words & OTHERS)

@@ -47,7 +47,9 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
             )
     values = np.delete(numbers, clock, axis=1)
     where = range(2, 2 + len(values))
-    own = Table(path, "CSV", channels, values, numbers[:, clock], header=header, lines=where)
+    own = Table(
+        path, "CSV", channels, values, numbers[:, clock], header=header, lines=where, own=True
+    )
     return [replace(own, remarks=read.remarks)]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,13 +13,14 @@ from pyarrow import parquet
 
 from wheelhop.files import NUMBERS, InputError, check_plain, check_room
 from wheelhop.files.units import SECONDS
+from wheelhop.formats.columns import Column, Timing
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.header import from_text, to_text
-from wheelhop.formats.labels import name_and_unit
+from wheelhop.formats.labels import is_doubtful, name_and_unit
 from wheelhop.formats.mapping import Map
 from wheelhop.formats.stamps import Stamps
 from wheelhop.formats.table import Table, campaign_channel, plain_channel
-from wheelhop.formats.timing import Column, Timing, find_timing, stamps_of
+from wheelhop.formats.timing import find_timing, stamps_of
 from wheelhop.logger.recording import Recording
 
 KEY = b"wheelhop"
@@ -71,6 +73,8 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
         header=header,
         numbers=tuple(k + 1 for k in wanted),
         asked=timing.why,
+        own=ours,
+        granted="" if ours or header is not None else _doubtful(table, columns, mapping),
     )
     if timing.index is None:
         return [found]
@@ -79,7 +83,22 @@ def load(path: Path, mapping: Map | None) -> list[Table]:
     said = f"time is {time.label}{f', {timing.why}' if timing.why else ''}"
     remarks = (*(() if ours or (mapping and mapping.time) else (said,)), *stamps.remarks)
     timed = replace(found, time_s=stamps.time_s, start_unix_s=stamps.start_unix_s)
-    return [replace(timed, remarks=remarks, granted=timing.guess)]
+    granted = "; ".join(filter(None, [timing.guess, found.granted]))
+    return [replace(timed, remarks=remarks, granted=granted)]
+
+
+def _doubtful(table: Any, columns: Sequence[Column], mapping: Map | None) -> str:
+    """Units that only the ends of names say, and no mapping."""
+    said = {pick.column for pick in mapping.picks if pick.unit} if mapping else set()
+    return "; ".join(
+        f"{column.label} is in {column.unit}, by the end of its name"
+        for k, (column, field) in enumerate(zip(columns, table.schema, strict=True), start=1)
+        if column.values is not None
+        and column.unit
+        and not (field.metadata or {}).get(UNIT)
+        and is_doubtful(column.label)
+        and not said & {k, column.label}
+    )
 
 
 def _column(table: Any, k: int) -> Column:

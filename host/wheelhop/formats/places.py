@@ -18,6 +18,11 @@ AXLE = ("axle", "wheel", "hub", "upright", "unsprung", "knuckle", "rad", "achse"
 BODY = ("body", "chassis", "frame", "sprung", "strut", "tower", "aufbau", "rahmen", "top", "bdy")
 
 
+OTHER_WAYS = frozenset(("x", "y", "ax", "ay", "lat", "lateral", "long", "longitudinal"))
+DOWN = re.compile(r"-\s*[zZ]\b|(?i:\bdown)")
+"""What sits at a place is measured upwards: along x and y, or downwards, it is something else."""
+
+
 def likely_points(names: Sequence[str]) -> list[str]:
     """The points that the names of a recording's accelerometers seem to mean, each "" if unknown.
 
@@ -29,15 +34,19 @@ def likely_points(names: Sequence[str]) -> list[str]:
     for i, name in enumerate(names):
         words = _words(name)
         corner = _corner(words)
-        if not found[i] and corner is not None and not {*words} & {*AXLE, *BODY}:
+        elsewhere = OTHER_WAYS.intersection(words) or DOWN.search(name)
+        if not (found[i] or elsewhere or corner is None or {*words} & {*AXLE, *BODY}):
             found[i] = f"{bare}{corner + 1}"
     count = Counter(found)
     return [point if count[point] == 1 else "" for point in found]
 
 
 def likely_point(name: str) -> str:
-    """The point, A1 … A4 or B1 … B4, that a name seems to mean; "" if it does not say."""
+    """The point, A1 … A4 or B1 … B4, that a name seems to mean; "" if it does not say, or says
+    another direction than up."""
     words = _words(name)
+    if OTHER_WAYS.intersection(words) or DOWN.search(name):
+        return ""
     for word, digit in pairwise(words):
         if word in ("a", "b") and digit in ("1", "2", "3", "4"):
             return f"{word.upper()}{digit}"
@@ -60,6 +69,20 @@ def likely_quantity(name: str, si_unit: str) -> str:
         engine = {"rpm", "engine", "motor"} & {*words}
         return f"rate:{axes[0]}" if len(axes) == 1 else "speed:engine" if engine else ""
     return "speed" if si_unit == "m/s" else ""
+
+
+GOOD_FOR = {
+    "m": "travel:CORNER",
+    "N": "force:CORNER",
+    "rad/s": "rate:pitch or rate:roll",
+    "m/s": "speed",
+}
+
+
+def good_for(name: str, si_unit: str) -> str:
+    """What a channel that is no acceleration may be in a campaign, as `likely_quantity` says it, or
+    as its unit alone allows; "" for nothing."""
+    return likely_quantity(name, si_unit) or GOOD_FOR.get(si_unit, "")
 
 
 def _words(name: str) -> list[str]:

@@ -131,7 +131,13 @@ def read(path: Path, mapping: Map | None = None, guess: bool = True) -> Recordin
     says what a file does not tell itself; free-form text needs one. Without it accelerometers sit
     where their names mean; without `guess` nothing is guessed, and refused what would have to be.
     """
-    tables = load(path, mapping)
+    return recording_of(path, load(path, mapping), mapping, guess)
+
+
+def recording_of(
+    path: Path, tables: list[Table], mapping: Map | None = None, guess: bool = True
+) -> Recording:
+    """The recording in the tables of a file, as `read` makes it. Raises `ExchangeError`."""
     group = mapping.group if mapping else ""
     if mapping is not None and mapping.resample_hz is not None:
         wanted = [choose(tables, group, path)] if group or not tables else tables

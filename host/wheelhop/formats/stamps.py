@@ -122,7 +122,7 @@ def of_texts(cells: Sequence[str], unit: str, where: Callable[[int], str]) -> St
     if dated:
         first, since_s = _dates(days, seconds, where)
         seconds = seconds + since_s
-        zero = first.timestamp() + float(seconds[0]) if zones[0] else None
+        zero = first.timestamp() + float(seconds[0]) if zones[0] and first else None
         return Stamps(seconds - seconds[0], zero)
     what = "the clock passes midnight" if span == DAY_S else "the clock passes a full hour"
     onwards, remarks = _onwards(seconds, span, what, where)
@@ -131,9 +131,9 @@ def of_texts(cells: Sequence[str], unit: str, where: Callable[[int], str]) -> St
 
 def _dates(
     days: list[str], seconds: NDArray[np.float64], where: Callable[[int], str]
-) -> tuple[datetime, NDArray[np.float64]]:
-    """The first day, and since then the days (n,) in seconds; the order of day and month is the
-    one in which time rises."""
+) -> tuple[datetime | None, NDArray[np.float64]]:
+    """The first day, None if it may be one of several, and since then the days (n,) in seconds; the
+    order of day and month is the one in which time rises."""
     found = []
     for order in ORDERS:
         try:
@@ -152,6 +152,8 @@ def _dates(
             f"{where(0)}: '{days[0]}' may be day and month, or month and day: write 2026-05-01"
         )
     first = found[0][0]
+    if any(other != first for other, _ in found):
+        return None, found[0][1]
     return datetime(first.year, first.month, first.day, tzinfo=UTC), found[0][1]
 
 

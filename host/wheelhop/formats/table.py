@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from wheelhop.files.units import is_measured, to_si
 from wheelhop.formats.cells import is_number
+from wheelhop.formats.columns import plausible
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.grid import RESAMPLE, Grid, fit_grid
 from wheelhop.formats.header import Header
 from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.mapping import Map, Pick
-from wheelhop.formats.places import likely_points
+from wheelhop.formats.places import good_for, likely_points
 from wheelhop.logger.recording import ACCELERATION, CODE, Channel, Recording
 
 POINTS = (*(f"A{k}" for k in range(1, 5)), *(f"B{k}" for k in range(1, 5)), "body")
@@ -48,7 +49,7 @@ class Table:
     say, `asked` is why there is no time, and `granted` what of it is taken for granted. Tables of
     a file are on the `same_clock` if their `time_s` count from one instant. `between` is of
     channels that were resampled. What is `spare` nobody else holds: its values may be converted
-    where they are.
+    where they are. In wheelhop's `own` layout any rate is believed.
     """
 
     file: Path
@@ -70,6 +71,7 @@ class Table:
     same_clock: bool = False
     between: tuple[Between, ...] = ()
     spare: bool = False
+    own: bool = False
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -124,6 +126,11 @@ def to_recording(table: Table, mapping: Map | None, guess: bool = True) -> Recor
         )
     picks = mapping.picks if mapping is not None else ()
     grid = _grid(table, mapping)
+    said = mapping is not None and (mapping.rate_hz or mapping.resample_hz or mapping.time_unit)
+    if not said and (asked := odd_rate(table, grid.rate_hz)):
+        raise ExchangeError(
+            f"{table.file}: {asked}: if it is right, wheelhop import --answer rate_hz=… says so"
+        )
     picks = picks or tuple(Pick(number) for number in table.columns)
     channels, values, steps = _converted(table, picks)
     uncertain = _uncertain(table, picks, channels)
@@ -245,7 +252,17 @@ def _name(old: Channel) -> str:
 
 def _point(table: Table, pick: Pick, old: Channel, unit: str) -> str:
     """Where a channel sits; one in a unit that is not known sits nowhere."""
-    if is_measured(unit) or unit == CODE or table.header is not None:
+    if table.header is not None:
+        return pick.point or old.point
+    if word := good_for(pick.name or old.name, unit):
+        if pick.point:
+            raise ExchangeError(
+                f"{table.file}: {pick.name or old.name} is in {unit}, no acceleration, and so"
+                f" cannot sit at {pick.point}: leave point out; it is good as {word}, which"
+                " campaign new --place says"
+            )
+        return ""
+    if is_measured(unit) or unit == CODE:
         return pick.point or old.point
     if pick.point:
         said = f"is in {unit}, which is not known" if unit else "does not say its unit"
@@ -340,6 +357,13 @@ def _check_dead(file: Path, channels: Sequence[Channel], values: NDArray[np.floa
             raise ExchangeError(
                 f"{file}: {channel.name} has no samples: leave it out with a mapping"
             )
+
+
+def odd_rate(table: Table, rate_hz: float) -> str:
+    """What is asked of a rate at which suspensions are not recorded, "" of any other."""
+    if table.own or table.header is not None or plausible(rate_hz):
+        return ""
+    return f"the file says {rate_hz:.6g} Hz, at which no suspension is recorded"
 
 
 def _grid(table: Table, mapping: Map | None) -> Grid:

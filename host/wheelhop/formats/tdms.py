@@ -13,13 +13,16 @@ from numpy.typing import NDArray
 
 from wheelhop.files import NUMBERS, check_room
 from wheelhop.files.units import seconds_in
+from wheelhop.formats.columns import Column
 from wheelhop.formats.error import LONGEST_REASON, ExchangeError, need
 from wheelhop.formats.groups import no_time, on_one_clock, only_recordings
 from wheelhop.formats.mapping import Map
+from wheelhop.formats.names import is_time_name
 from wheelhop.formats.stamps import Stamps
 from wheelhop.formats.table import Table, plain_channel
-from wheelhop.formats.timing import Column, find_timing, stamps_of
+from wheelhop.formats.timing import find_timing, stamps_of
 
+X_KEYS = ("wf_xunit_string", "wf_xname")
 UNIT_KEYS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 SCALINGS = (
     *("Linear", "Polynomial", "RTD", "Strain", "Table", "Thermistor", "Thermocouple"),
@@ -142,8 +145,12 @@ def _gathered(
         if clock and channel.name == clock:
             time = channel
             continue
-        unit = str(channel.properties.get("wf_xunit_string", "")).strip() or "s"
-        if seconds_in(unit) is None:
+        unit, axis = (str(channel.properties.get(key, "")).strip() for key in X_KEYS)
+        if not unit and axis and not is_time_name(axis):
+            kind = no_time("Hz" if "freq" in axis.lower() else "")
+            refused.append(f"{channel.name}: its x axis is {axis}, not time: {kind}")
+            continue
+        if unit and seconds_in(unit) is None:
             refused.append(f"{channel.name}: its x axis is in {unit}, not in time: {no_time(unit)}")
             continue
         timing = (*_timing(channel, path), _start(channel))

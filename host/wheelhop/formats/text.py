@@ -17,6 +17,7 @@ from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.labels import bare_unit, joined_heads, name_and_unit
 from wheelhop.formats.long_form import split
 from wheelhop.formats.mapping import Map
+from wheelhop.formats.names import words_in
 from wheelhop.formats.stamps import CLOCK, MINUTES, UNITS, Stamps, of_numbers, of_texts
 from wheelhop.formats.table import Table, plain_channel
 from wheelhop.formats.timing import unit_of_numbers
@@ -188,6 +189,9 @@ def _timed(table: Table, name: str, unit: str, values: NDArray[np.float64], mapp
         said = said or "s"
     stamps = of_numbers(values, said, table.where, rate_hz)
     told, remarks = seconds_in(unit), stamps.remarks
+    if stamps.start_unix_s is not None and "gps" in words_in(name):
+        stamps = replace(stamps, start_unix_s=None)
+        remarks = (f"{name} may count since 1980, as GPS does: its start is not known", *remarks)
     if told is not None and said in SECONDS and told != SECONDS[said]:
         remarks = (f"{name}: the file says {unit}, the mapping {said}", *remarks)
     return _with(table, replace(stamps, remarks=remarks))

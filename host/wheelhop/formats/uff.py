@@ -19,17 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.files import TABLE, check_room
-from wheelhop.files.units import seconds_in
+from wheelhop.files.units import seconds_in, to_si
 from wheelhop.formats.error import ExchangeError, need
 from wheelhop.formats.grid import fit_grid, too_few
 from wheelhop.formats.groups import no_time, only_recordings
 from wheelhop.formats.header import Header, read_sidecar, sidecar
 from wheelhop.formats.mapping import Map
+from wheelhop.formats.names import is_time_name
 from wheelhop.formats.table import POINTS, Table
 from wheelhop.logger.recording import ACCELERATION, Channel, Recording
 
 TIME_RESPONSE, EVEN, SI_UNITS = 1, 1, 1
+TIME = 17  # specific data type of an abscissa
 PLUS_Z = 3
+UPWARDS = (0, PLUS_Z)  # 0: it does not say
 DIRECTIONS = {
     **{k: f"+{'XYZ'[k - 1]}" for k in (1, 2, 3)},
     **{-k: f"-{'XYZ'[k - 1]}" for k in (1, 2, 3)},
@@ -110,8 +113,12 @@ def _no_recording(item: Mapping[str, Any]) -> str:
     unit = _said(item.get("abscissa_axis_units_lab", ""))
     if axis is None and unit and seconds_in(unit) is None:
         axis = unit
-    if axis is None and "freq" in _said(item.get("abscissa_axis_lab", "")).lower():
+    label = _said(item.get("abscissa_axis_lab", ""))
+    if axis is None and "freq" in label.lower():
         axis = "frequency"
+    sure = unit or item.get("abscissa_spec_data_type", 0) == TIME
+    if axis is None and label and not sure and not is_time_name(label):
+        axis = label
     if axis is None:
         return ""
     return f"its abscissa is {axis}, not time: {no_time('Hz' if axis == 'frequency' else unit)}"
@@ -142,7 +149,10 @@ def _apart(pieces: list[_Piece]) -> list[_Piece]:
         replace(
             piece,
             key=(piece.label, *piece.key[1:]),
-            channel=replace(piece.channel, name=piece.label or piece.channel.name),
+            channel=replace(
+                piece.channel,
+                name=_called(piece.label, piece.channel.unit, piece.key[2]) or piece.channel.name,
+            ),
         )
         if piece.key in shared
         else piece
@@ -199,8 +209,18 @@ def _channel(item: dict[str, Any], metric: bool, named: bool) -> Channel:
     if unit in ("", "NONE"):
         known = {code: unit for unit, code in KINDS.items()}
         unit = known.get(item["ordinate_spec_data_type"], "") if metric else ""
-    point = entity if entity in POINTS else ""
+    if per := _said(item.get("orddenom_axis_units_lab", "")):
+        unit = f"{unit}/{per}"
+    name = name if name == node else _called(name, unit, item["rsp_dir"])
+    point = entity if entity in POINTS and item["rsp_dir"] in UPWARDS else ""
     return Channel(name, unit, point)
+
+
+def _called(label: str, unit: str, direction: object) -> str:
+    """A function by its first line, and an acceleration by its direction, too, unless it is up."""
+    way = DIRECTIONS.get(direction, "") if isinstance(direction, int) else ""
+    felt = to_si(unit)[0] == ACCELERATION and direction not in UPWARDS
+    return f"{label} {way}".strip() if label and felt else label
 
 
 def _sort_in(groups: list[dict[Key, list[_Piece]]], piece: _Piece) -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from wheelhop.files import did_you_mean, quoted
 from wheelhop.files.units import SPELT, is_measured, to_si
+from wheelhop.formats.columns import Question
 from wheelhop.formats.error import ExchangeError
 from wheelhop.formats.labels import is_unit
 from wheelhop.formats.mapping import Map, parse_mapping
-from wheelhop.formats.places import likely_points
+from wheelhop.formats.places import good_for, likely_points, likely_quantity
 from wheelhop.formats.table import POINTS
-from wheelhop.formats.timing import Question
 from wheelhop.logger.recording import ACCELERATION
 
 CHANNEL, TIME, LEFT_OUT = "a channel", "time", "left out"
@@ -64,6 +64,7 @@ class Understood:
         channels = [column for column in self.columns if column.taken_for == CHANNEL]
         left_out = (c for c in self.columns if c.taken_for == LEFT_OUT)
         notes = [f"# left out: {short(column.label)}, {column.why}" for column in left_out]
+        notes += [f"# taken for granted: {short(guess)}" for guess in self.guesses]
         entries = (line for column in channels for line in _entry(column))
         return "\n".join([*head, *lines, *notes, *entries]) + "\n"
 
@@ -103,8 +104,14 @@ def short(text: str) -> str:
     return "".join(char if char.isprintable() else " " for char in text)
 
 
-def why_of(unit: str) -> str:
-    """What becomes of values in this unit."""
+def why_of(name: str, unit: str) -> str:
+    """What becomes of values in this unit, and what a channel so called is good for in a campaign
+    if it is no acceleration."""
+    word = likely_quantity(name, to_si(unit)[0])
+    return "; ".join(filter(None, [_becomes(unit), word and f"{word} of a campaign"]))
+
+
+def _becomes(unit: str) -> str:
     if not unit:
         return "its unit is not said"
     if is_unit(unit) and not is_measured(unit):
@@ -119,7 +126,10 @@ def places_of(columns: Sequence[tuple[str, str]]) -> list[str]:
     """The places that names mean, of channels that are accelerations or may be."""
     felt = [k for k, (_, unit) in enumerate(columns) if to_si(unit)[0] in ("", ACCELERATION)]
     guessed = dict(zip(felt, likely_points([columns[k][0] for k in felt]), strict=True))
-    return [name if name in POINTS else guessed.get(k, "") for k, (name, _) in enumerate(columns)]
+    return [
+        "" if good_for(name, to_si(unit)[0]) else name if name in POINTS else guessed.get(k, "")
+        for k, (name, unit) in enumerate(columns)
+    ]
 
 
 def _entry(column: Found) -> Iterator[str]:

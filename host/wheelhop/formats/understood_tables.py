@@ -6,14 +6,16 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from wheelhop.files import quoted
 from wheelhop.formats.asked import answered, resample_keys, timing_keys, uneven
+from wheelhop.formats.columns import Question, Timing
 from wheelhop.formats.error import ExchangeError
-from wheelhop.formats.grid import RESAMPLE
+from wheelhop.formats.grid import RESAMPLE, typical_step
 from wheelhop.formats.labels import apart, name_and_unit
 from wheelhop.formats.resample import side_by_side
-from wheelhop.formats.table import Table, clocks_are_known
-from wheelhop.formats.timing import Question, Timing
+from wheelhop.formats.table import Table, clocks_are_known, odd_rate
 from wheelhop.formats.understood import CHANNEL, Found, Understood, places_of, why_of
 
 Keys = Sequence[tuple[str, str, str]]
@@ -43,6 +45,9 @@ def of_tables(
         words = table.asked or "the file has no time"
         timing = answered(Timing(questions=(Question("rate_hz", words),)), answers)
         keys += timing_keys(timing, ())
+    elif (words := _odd(table)) and "resample_hz" not in answers:
+        timing = answered(Timing(questions=(Question("rate_hz", words),)), answers)
+        keys += timing_keys(timing, ())
     resampling, asked = resample_keys(clocks or uneven(table), answers)
     keys += resampling
     count = Counter(channel.name for channel in table.channels)
@@ -57,8 +62,19 @@ def of_tables(
     columns = []
     for k, (number, channel) in enumerate(zip(table.columns, table.channels, strict=True)):
         key = quoted(channel.name) if count[channel.name] == 1 else str(number)
-        why = why_of(channel.unit)
+        why = why_of(named[k], channel.unit)
         found = Found(key, channel.name, named[k], channel.unit, CHANNEL, why, points[k])
         columns.append(found)
     questions = (*timing.questions, *asked)
     return Understood(path, tuple(keys), tuple(columns), questions, (), (*several, *table.remarks))
+
+
+def _odd(table: Table) -> str:
+    """What is asked of the rate of a table that says one, "" if nothing is."""
+    if table.rate_hz is not None:
+        return odd_rate(table, table.rate_hz)
+    if table.time_s is None or len(table.time_s) < 2:
+        return ""
+    forward = np.diff(table.time_s)
+    forward = forward[forward > 0]
+    return odd_rate(table, 1.0 / typical_step(forward)) if len(forward) else ""

@@ -6,10 +6,11 @@ from wheelhop.law.look import look
 from wheelhop.law.moved import Moved
 from wheelhop.law.places import Where, places
 from wheelhop.law.rival import Rival
-from wheelhop.law.rungs import LastRungs, last_rungs
+from wheelhop.law.rungs import BeyondNames, LastRungs
 from wheelhop.law.search import Found, find_law
 
 __all__ = [
+    "BeyondNames",
     "Form",
     "Formula",
     "Found",
@@ -19,7 +20,6 @@ __all__ = [
     "Rival",
     "Where",
     "find_law",
-    "last_rungs",
     "look",
     "places",
     "source_of",

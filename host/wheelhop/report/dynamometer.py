@@ -24,10 +24,6 @@ from wheelhop.report.svg import STYLE, Drawing, inline, literal
 
 Array = NDArray[np.float64]
 
-PART = 1.0 / 20.0
-"""Of a wave, over which a speed is taken: that of a sine comes out 0.4 % small, and steps of the
-displacement and its noise are averaged."""
-
 FASTEST = 0.95
 """Peak force is the mean where a run is at least this share as fast as it gets: 36° of a sine."""
 
@@ -106,19 +102,8 @@ def cards_of(campaign: ComponentCampaign, step: Step | None, rung: Step) -> list
         if isinstance(run, RigRun):
             record = records_of((step or rung).rung)[run.id]
             answer = record.measured if step is None else record.model
-            x, _, force = loop_of(campaign, run, record, answer, 0.0)
-            found.append(Card(run.id, x, _speed(x, campaign.sample_rate_hz), force))
+            found.append(Card(run.id, *loop_of(campaign, run, record, answer, 0.0)))
     return sorted(found, key=lambda card: card.fastest_m_s)
-
-
-def _speed(x: Array, rate_hz: float) -> Array:
-    """Speed (n,), m/s, by differences over a part of a wave."""
-    half = max(round(0.5 * seconds_of(x, rate_hz, PART) * rate_hz), 1)
-    half = min(half, (len(x) - 1) // 2)
-    speed = np.empty_like(x)
-    speed[half:-half] = (x[2 * half :] - x[: -2 * half]) * rate_hz / (2 * half)
-    speed[:half], speed[-half:] = speed[half], speed[-half - 1]
-    return speed
 
 
 def dynamometer(campaign: Campaign, steps: Sequence[Step]) -> str:
@@ -201,6 +186,9 @@ def dynamometer_figure(
             part = slice(begin, begin + length)
             over.plot(1e3 * measured.x[part], measured.force[part], color=MEASURED, linewidth=2.4)
             over.plot(1e3 * modelled.x[part], modelled.force[part], color=colour, linewidth=1.1)
+            top = begin + int(np.argmax(measured.force[part]))
+            at = 1e3 * measured.x[top], measured.force[top]
+            over.annotate(f"{significant(measured.fastest_m_s)} m/s", at, va="bottom", size="small")
         over.set_title("force over displacement, by speed")
         over.set_xlabel("displacement, mm")
         over.set_ylabel("force, N")

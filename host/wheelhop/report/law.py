@@ -14,12 +14,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from wheelhop.compare import NEIGHBOURS
 from wheelhop.diagnose.score import at_noise
 from wheelhop.files import write_picture
 from wheelhop.files.words import percent
 from wheelhop.law import Formula, Found, LastRungs, Rival, look
 from wheelhop.law.formula import Part
-from wheelhop.law.regression import AS_WELL
 from wheelhop.law.shape import forces, spread
 from wheelhop.report.figures import AFTER, INK, SOFT, WIDTH
 from wheelhop.report.law_surface import draw_surface
@@ -164,8 +164,10 @@ def beyond_names(rungs: LastRungs) -> list[str]:
     best = min(laws[0].rung.error, nearest.error)
     share = (found.base.error**2 - nearest.error**2) / max(found.base.error**2 - best**2, 1e-12)
     said = f"{nearest.name} comes nearest of all names: it leaves {percent(nearest.error)},"
-    if nearest.error <= AS_WELL * laws[0].rung.error:
+    if rungs.names_do:
         lines.append(f"{said} as little. What is left is no force of extension, rate or history.")
+        if rungs.steps[-1].comparison.floor.basis == NEIGHBOURS:
+            lines.append("Impose one motion twice: what of it does not repeat is noise.")
     else:
         told = percent(min(max(share, 0.0), 1.0), 2)
         lines.append(f"{said} {told} of what that law explains, and the rest has no name here.")

@@ -58,9 +58,12 @@ def write_law_report(path: Path, campaign: Campaign, found: Found) -> None:
 
 
 def law_section(rungs: LastRungs) -> str:
-    """The last rungs of a diagnosis: what no name explains, its picture and its formula."""
+    """The last rungs of a diagnosis: what laws without names leave, and where that is less than
+    names do their picture and the formula."""
     found = rungs.found
-    parts = [section("What no name explains", *map(paragraph, beyond_names(rungs)))]
+    parts = [section("Beyond names", *map(paragraph, beyond_names(rungs)))]
+    if rungs.names_do:
+        return "".join(parts)
     return "".join((*parts, _picture(found), _laws(found), _formula(found)))
 
 

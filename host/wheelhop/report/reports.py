@@ -41,7 +41,7 @@ def write_diagnosis_report(
         sections.findings(diagnosis.findings),
         sections.loops(campaign, steps),
         dynamometer(campaign, steps),
-        sections.ladder(steps if law is None else (*steps, *law.steps)),
+        sections.ladder(steps if law is None else (*steps, *law.shown)),
         "" if law is None else law_section(law),
         sections.traces(campaign, steps),
         sections.where(steps),

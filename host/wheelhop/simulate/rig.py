@@ -33,7 +33,8 @@ least. A hard spring at resonance comes out within 2e-4 so."""
 
 INITIAL = ("initial_m", "initial_m_s", "offset_N")
 """What a run with imposed force leaves free: displacement and velocity at the first sample, and,
-where no spring holds the component, a constant force beside the recorded one."""
+where no spring holds the component or it may be preloaded, a constant force beside that recorded.
+"""
 
 
 class RigSimulator:
@@ -46,7 +47,7 @@ class RigSimulator:
     def __init__(self, campaign: ComponentCampaign, run: RigRun) -> None:
         self.campaign, self.run, self.steps = campaign, run, 0
         begin, end = float(run.time_s[0]), float(run.time_s[-1])
-        held = campaign.nominal["stiffness_N_m"] > 0.0
+        held = campaign.nominal["stiffness_N_m"] > 0.0 and not campaign.preloaded
         self.setting = RunSetting(run.id, 0.0, begin, begin, end, False, on_rig=True, is_held=held)
         self._motions: dict[int, Array] = {}
         self._forces: dict[int, Array] = {}

@@ -22,8 +22,8 @@ from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
 from wheelhop.files import InputError, remove
 from wheelhop.files.units import to_si
 from wheelhop.formats import Map, Pick, read, understand
+from wheelhop.formats.columns import Question
 from wheelhop.formats.places import likely_quantity
-from wheelhop.formats.timing import Question
 from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
@@ -289,7 +289,7 @@ class Draft:
         """What has to be filled in before there is a campaign, run by run, then of the vehicle."""
         found = []
         for piece in self.pieces:
-            words = [] if piece.speed_kmph is not None else ["speed"]
+            words = [] if piece.speed_kmph is not None or self.tells_speed(piece) else ["speed"]
             words += [
                 _short(FIELD_WORDS[key]) for key, value in piece.track.items() if value is None
             ]
@@ -299,6 +299,11 @@ class Draft:
             missing = [q for q in QUESTIONS if q.needed and self.answers.get(q.name) is None]
             found += [_short(q.words) for q in missing]
         return found
+
+    def tells_speed(self, piece: Piece) -> bool:
+        """Whether a channel of its recording measures the vehicle's speed."""
+        recording = self.recordings.get(piece.file)
+        return recording is not None and any(c.point == "speed" for c in recording.channels)
 
     def _taken(self, folder: Path) -> list[Piece]:
         if self.trouble:
@@ -313,7 +318,6 @@ class Draft:
         return taken
 
     def _run(self, piece: Piece) -> tuple[Recording, NewRun]:
-        assert piece.speed_kmph is not None  # there is no gap
         recording = cut(self.recordings[piece.file], piece.from_s, piece.to_s)
         numbers = {key: value for key, value in piece.track.items() if value is not None}
         track: dict[str, str | float] = {"kind": piece.kind, **numbers}

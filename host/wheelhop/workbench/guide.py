@@ -278,6 +278,8 @@ class Guide:
                     button = ui.button(words, on_click=partial(_take, piece, ends))
                     button.props("flat dense no-caps")
             speed = ui.number("speed, km/h", min=0.1).bind_value(piece, "speed_kmph")
+            if self._draft.tells_speed(piece):
+                speed.props('placeholder="as measured" stack-label')
             speed.props(FIELD).classes("short")
             roles = {"fit": "fitted", "validate": "held out"}
             ui.select(roles, label="role").bind_value(piece, "role").props(FIELD).classes("short")

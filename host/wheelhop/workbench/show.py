@@ -287,9 +287,9 @@ def settings(found: SettingsComparison) -> shown.Settings:
     return shown.Settings(head + "".join(settings_sections(found)))
 
 
-def law(found: Found) -> shown.Law:
-    """A law in words and as a picture."""
+def law(found: Found, words: Sequence[str] | None = None) -> shown.Law:
+    """A law in words, its own unless others are given, and as a picture."""
     figure = ""
     if found.free is not None and found.moved is not None:
         figure = inline(law_figure(found), "law", "the force that is missing")
-    return shown.Law(tuple(law_lines(found)), figure)
+    return shown.Law(tuple(law_lines(found) if words is None else words), figure)

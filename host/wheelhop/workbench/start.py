@@ -14,8 +14,8 @@ from wheelhop.workbench.view import Words, html
 
 LOOK_S = 0.5
 WORDS = (
-    "A <em>campaign</em> is one vehicle, driven a few times over known ground, with accelerometers"
-    " on its axles and its body. Drop the files, say what was driven, and give four numbers of the"
+    "A <em>campaign</em> is one vehicle, driven a few times, with sensors on its body and on its"
+    " axles or dampers. Drop the files, say what was driven, and give four numbers of the"
     " vehicle: the workbench fits a model and finds out which physics it is missing."
 )
 

@@ -22,8 +22,9 @@ from wheelhop.effects import Effect, beliefs, load_effects
 from wheelhop.files import InputError
 from wheelhop.gate import Gated, gate
 from wheelhop.identify import Linearity, linearity
-from wheelhop.law import find_law
+from wheelhop.law import BeyondNames, LastRungs, find_law
 from wheelhop.predict.detectable import detectable
+from wheelhop.report.law import beyond_names
 from wheelhop.report.reports import write_diagnosis_report
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
@@ -55,6 +56,7 @@ class Work:
     base: Baseline
     steps: dict[tuple[str, ...], Step] = field(default_factory=dict)
     diagnosis: Diagnosis | None = None
+    law: LastRungs | None = None
     linearity: Linearity | None = None
     foretold: str = ""
 
@@ -162,6 +164,7 @@ class Worker:
 
     def _diagnose(self, work: Work) -> None:
         base, traced = work.base, show.Traced()
+        beyond = BeyondNames(list(work.library.values()), self._progress)
         self._searching = True
         work.diagnosis = diagnose_from(
             work.gated,
@@ -170,8 +173,10 @@ class Worker:
             work.library,
             progress=self._progress,
             watch=lambda scored: self._say(show.ranking(base.workshop, scored, traced)),
+            beyond=beyond,
         )
         self._searching = False
+        work.law = beyond.last_rungs(work.diagnosis)
         work.linearity = work.diagnosis.axle_to_body or work.linearity
         for step in work.diagnosis.ladder:
             work.steps[step.added] = step
@@ -179,6 +184,8 @@ class Worker:
         found = show.findings(work.diagnosis.findings)
         case = show.case(work.gated.campaign, work.diagnosis.ladder)
         self._say(Concluded(show.verdict(work.diagnosis), found, case))
+        if work.law is not None:
+            self._say(show.law(work.law.found, beyond_names(work.law)))
 
     def _find_law(self, work: Work, added: Sequence[str]) -> None:
         accepted, effects = [work.library[name] for name in added], list(work.library.values())
@@ -224,7 +231,7 @@ class Worker:
         """That of the diagnosis, if the model is the one it came to."""
         found = work.diagnosis
         if found and found.ladder[-1].added == tuple(order.choice.added):
-            write_diagnosis_report(target, result.campaign, found, work.library)
+            write_diagnosis_report(target, result.campaign, found, work.library, work.law)
         else:
             result.write_report(target)
 

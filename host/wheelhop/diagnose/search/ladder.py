@@ -11,6 +11,7 @@ from math import inf
 from types import MappingProxyType
 
 from wheelhop.campaign import Campaign, CampaignError
+from wheelhop.compare import Floor
 from wheelhop.diagnose.baseline import Baseline, axle_driven, fit_baseline
 from wheelhop.diagnose.confirm.in_full import confirm, refit
 from wheelhop.diagnose.confirm.validate import Incumbent
@@ -34,6 +35,7 @@ from wheelhop.diagnose.search.look import (
 )
 from wheelhop.diagnose.search.scored import (
     BASELINE,
+    Beyond,
     Scored,
     Search,
     Watch,
@@ -63,6 +65,11 @@ what the first one did. A real car is a little wrong in ten ways: to name them a
 
 BETWEEN: tuple[Place, ...] = ("suspension", "body")
 """Places between the measured axles and the sensors on the body."""
+
+
+def own_floor(workshop: Workshop, steps: Sequence[Step]) -> Floor:
+    """The floor that a ladder was compared with: nothing is asked beyond its names."""
+    return steps[-1].comparison.floor
 
 
 def diagnose(
@@ -111,6 +118,7 @@ def diagnose_gated(
     budget_s: float | None = None,
     jobs: int | None = None,
     progress: Progress = lambda text: None,
+    beyond: Beyond = own_floor,
 ) -> tuple[Gated, Diagnosis, Baseline]:
     """Diagnose a gated campaign. Runs whose motion depends on how they began are left out as soon
     as a model shows it, and the diagnosis starts again.
@@ -127,6 +135,7 @@ def diagnose_gated(
         to_the_end=to_the_end,
         budget_s=budget_s,
         progress=progress,
+        beyond=beyond,
     )
     bounced = [f for f in found.findings if f.kind == FORGETS and f not in gated.findings]
     if found.unfinished is not None or not bounced or not remaining(gated.campaign, bounced):
@@ -141,6 +150,7 @@ def diagnose_gated(
         budget_s=budget_s and budget_s - base.workshop.work.seconds,
         jobs=jobs,
         progress=progress,
+        beyond=beyond,
     )
 
 
@@ -155,12 +165,14 @@ def diagnose_from(
     budget_s: float | None = None,
     progress: Progress = lambda text: None,
     watch: Watch = lambda scored: None,
+    beyond: Beyond = own_floor,
 ) -> Diagnosis:
     """Diagnose a gated campaign from its fitted baseline.
 
     ``watch`` is called with the state of the search after screening and after each effect that was
-    simulated in full. The search ends with the verdict so far where it has used `budget_s` of work
-    or is interrupted; `progress` and `watch` may raise OutOfBudget to end it, too.
+    simulated in full, ``beyond`` asked for the noise floor where the search came to its end. It
+    ends with the verdict so far where it has used `budget_s` of work or is interrupted; `progress`
+    and `watch` may raise OutOfBudget to end it, too.
     """
     effects = {**effects, **beliefs(gated.campaign, vehicle)}
     diagnosis = climb(
@@ -171,6 +183,7 @@ def diagnose_from(
         budget_s=budget_s,
         progress=progress,
         watch=watch,
+        beyond=beyond,
     )
     bounced = never_forgotten(base.workshop, diagnosis.ladder[-1].rung)
     said = upheld(gated.findings, diagnosis, base.workshop.noise)
@@ -199,6 +212,7 @@ def climb(
     budget_s: float | None = None,
     progress: Progress,
     watch: Watch = lambda scored: None,
+    beyond: Beyond = own_floor,
 ) -> Diagnosis:
     """The diagnosis, from a fitted baseline on."""
     workshop = base.workshop
@@ -227,7 +241,10 @@ def climb(
         # What was found, though nobody has asked yet whether all of it is needed.
         better = better or _best_so_far(search, steps)
         steps = steps if better is None else with_step(below, step_of(workshop, better, steps[0]))
-    return conclude(search, on_one_floor(workshop, steps), ended_by)
+    steps = on_one_floor(workshop, steps)
+    if ended_by is None and (floor := beyond(workshop, steps)) is not steps[-1].comparison.floor:
+        steps = on_one_floor(workshop, steps, floor)
+    return conclude(search, steps, ended_by)
 
 
 def _looked_on(search: Search, steps: Sequence[Step]) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import hypot, inf
 
+from wheelhop.compare import Floor
 from wheelhop.diagnose.baseline import comparison_of
 from wheelhop.diagnose.confirm.in_full import (
     best_form,
@@ -64,13 +65,16 @@ def steps_of(workshop: Workshop, rungs: Sequence[Rung]) -> list[Step]:
     return on_one_floor(workshop, [step_of(workshop, rung) for rung in rungs])
 
 
-def on_one_floor(workshop: Workshop, steps: Sequence[Step]) -> list[Step]:
-    """The steps of a ladder compared with one noise floor. An estimated floor is an upper bound,
-    from the quietest parts of a residual, so the least of all steps is used."""
-    least = min((step.comparison.floor for step in steps), key=lambda floor: floor.error)
+def on_one_floor(
+    workshop: Workshop, steps: Sequence[Step], floor: Floor | None = None
+) -> list[Step]:
+    """The steps of a ladder compared with one noise floor. Of those estimated from the quietest
+    parts of a residual the least of all steps is used, unless something tells a better one."""
+    least = min((step.comparison.floor for step in steps), key=lambda one: one.error)
+    told, floor = floor is not None, floor or least
     comparisons = [step.comparison for step in steps]
-    if not least.is_stated:
-        comparisons = [comparison_of(workshop, step.rung, floor=least) for step in steps]
+    if told or not floor.is_stated:
+        comparisons = [comparison_of(workshop, step.rung, floor=floor) for step in steps]
     baseline, *others = map(lambda s, c: replace(s, comparison=c), steps, comparisons)
     lacked = max(baseline.unexplained, 0.0)
     return [baseline, *(replace(step, lacked=lacked) for step in others)]

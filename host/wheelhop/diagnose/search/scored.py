@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from wheelhop.compare import Floor
 from wheelhop.diagnose.confirm.in_full import refit
 from wheelhop.diagnose.confirm.validate import Incumbent
+from wheelhop.diagnose.diagnosis import Step
 from wheelhop.diagnose.score import Rung, enough_held_out, lead, p_value
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.effects import Effect, form_of
@@ -120,6 +122,9 @@ class Stand:
 
 
 Watch = Callable[[Scored], None]
+Beyond = Callable[[Workshop, Sequence[Step]], Floor]
+"""What is asked of a ladder that came to its end: the noise floor by what laws without names leave.
+"""
 Table = dict[frozenset[str], Scored]
 BASELINE = frozenset[str]()
 

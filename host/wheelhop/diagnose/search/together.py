@@ -46,7 +46,7 @@ from wheelhop.diagnose.score import (
     worth_seeking,
 )
 from wheelhop.diagnose.screen.first_order import Screened, screen_best
-from wheelhop.diagnose.search.look import contradicted, judged
+from wheelhop.diagnose.search.look import contradicted, judged, step_of
 from wheelhop.diagnose.search.scored import (
     BASELINE,
     Candidate,
@@ -229,10 +229,12 @@ def without_idle(search: Search, rung: Rung) -> Rung:
 
 
 def in_best_forms(search: Search, rung: Rung) -> Rung:
-    """A rung that leaves something, each of its effects but the last in the form that explains most
-    beside the others: what one of them shows is told better once the others are there."""
+    """A rung that leaves more than a right model may, each of its effects but the last in the form
+    that explains most beside the others: what one of them shows is told better once the others are
+    there."""
     for effect in rung.model.effects[:-1]:
-        if not at_noise(rung, search.workshop.noise) and other_forms(search.workshop, effect):
+        more = step_of(search.workshop, rung).unexplained > 0.0
+        if more and other_forms(search.workshop, effect):
             search.progress(f"has {effect.id} another form?")
             rung = search.best(in_other_forms(search.workshop, rung, effect))
     return rung

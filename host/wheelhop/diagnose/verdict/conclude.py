@@ -51,9 +51,12 @@ def conclude(search: Search, steps: Sequence[Step], ended_by: EndedBy | None = N
         is_law=bool(accepted) and search.effects[accepted[0]].on_rig,
         untried=_untried(steps[-1], verdict[0], last, stand) if ended else 0.0,
     )
+    # Noise that is stated is taken at its word.
+    floor = steps[-1].comparison.floor
+    missing = 0.0 if floor.is_stated else 1.0 - stands_on.by_chance
     return Diagnosis(
         verdict=verdict,
-        confidence=confidence(verdict, stands_on),
+        confidence=confidence(verdict, stands_on, missing, floor.of_laws),
         grounds=stands_on,
         ranking=ranking(first, angles, effects, steps[0]),
         ladder=tuple(steps),

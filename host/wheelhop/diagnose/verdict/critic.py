@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.channels import noise_key
-from wheelhop.compare import QUIETEST, Slice, estimate_noise_between_samples
+from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.diagnose.score import at_noise, nearly_all
 from wheelhop.diagnose.verdict.numbers import Number, measured_of, numbers_of
@@ -55,14 +55,11 @@ def criticism(diagnosis: Diagnosis) -> list[Finding]:
     """What is to be said of the last rung of a finished diagnosis."""
     step = diagnosis.ladder[-1]
     numbers, covariance = numbers_of(step)
-    effects = step.rung.model.effects
+    effects, floor = step.rung.model.effects, step.comparison.floor
+    surely = 1.0 if floor.is_stated else 1.0 - 2.0 * floor.uncertainty
+    least = surely * floor.expected_fit, surely * floor.expected_validate
     return [
-        *_rivals(
-            diagnosis.ranking,
-            [e.id for e in effects],
-            step.comparison.floor.expected_fit,
-            step.comparison.floor.expected_validate,
-        ),
+        *_rivals(diagnosis.ranking, [e.id for e in effects], *least),
         *_laws(numbers, effects),
         *_bounds(numbers, effects),
         *_moved([*numbers, *measured_of(step)], effects),
@@ -344,10 +341,10 @@ def _explained(bands: Sequence[Slice]) -> Sequence[Slice]:
 
 def _floor(step: Step) -> Iterator[Finding]:
     floor = step.comparison.floor
+    if not floor.is_guess:
+        return
     rung = step.rung
     runs = rung.fit.runs + (() if rung.validation is None else rung.validation.runs)
-    if floor.is_stated or floor.basis != QUIETEST or not floor.pooled_rms > 0.0:
-        return
     records = [
         (run.bench.run.record / run.bench.noise_scale)[:, run.bench.predicted] for run in runs
     ]

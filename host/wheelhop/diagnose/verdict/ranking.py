@@ -264,10 +264,11 @@ def explanation(
         lines.extend(describe(steps[-1].comparison.breakdown))
         lines.extend(_nearest(first, last))
         lines.extend(_held_out_only(steps[-1]))
-        lines.append(
-            f"{_law_command(steps[-1])} looks for the missing force: where it acts, how it looks,"
-            " which name comes nearest and what to record next."
-        )
+        if not steps[-1].comparison.floor.of_laws:
+            lines.append(
+                f"{_law_command(steps[-1])} looks for the missing force: where it acts, how it"
+                " looks, which name comes nearest and what to record next."
+            )
     elif grounds.louder:
         lines.append(
             f"{steps[-1].over_floor:.3f} times the floor is left, as much in every run, whatever"
