@@ -22,6 +22,6 @@ wheel=$(echo "$place"/*.whl)
   "$wheel[workbench,logger]" pytest hypothesis jsonschema
 tr '\n' ' ' <"$place/oldest.txt"; echo
 "$place/env/bin/python" -c "import wheelhop.workbench.app"
-"$place/env/bin/pytest" -p no:cacheprovider --durations=5 \
+"$place/env/bin/pytest" -p no:cacheprovider --disable-warnings \
   tests/api/test_{public,results,saving,frames}.py tests/files/test_{toml,schemas,write}.py \
   tests/formats/test_{parquet,text}.py tests/report/test_{model_file,thesis_page}.py
