@@ -13,7 +13,7 @@ head=$(sed -n 's/^## \([0-9.]*\), .*/\1/p;T;q' CHANGELOG.md)
 day=$(sed -n 's/^date-released: //p' CITATION.cff)
 complain() { echo "release: $*" >&2; exit 2; }
 [ -z "$(git status --porcelain)" ] || complain "what is not committed would come along: git status"
-if [ "$(git describe --exact-match --match 'v*' 2>/dev/null)" = "v$version" ]; then
+if [ "$(git describe --tags --exact-match --match 'v*' 2>/dev/null)" = "v$version" ]; then
   grep -q "^## $version, $day\$" CHANGELOG.md || complain "CHANGELOG.md does not begin with $version, $day, the day in CITATION.cff"
   grep -q "^fallback-version = \"$version\"" pyproject.toml || complain "fallback-version in pyproject.toml is not $version"
 else
