@@ -93,6 +93,19 @@ def test_import_without_a_mapping_shows_what_it_understood(tmp_path, capsys):
     assert "Achse vl: taken for A1, by its name" in found.history
 
 
+def test_files_that_are_understood_alike_are_shown_once(tmp_path, capsys):
+    """Of the second one it is said which it is like; a third in other units is shown."""
+    other = GERMAN.replace("s;g;", "s;mg;")
+    files = [tmp_path / f"{i}.csv" for i in (1, 2, 3)]
+    for file, text in zip(files, (GERMAN, GERMAN, other), strict=True):
+        file.write_bytes(text.encode("cp1252"))
+    assert imported(*files, out=tmp_path / "runs") == 0
+    printed = capsys.readouterr().out
+    assert printed.count("taken for  ") == 2
+    assert "2.csv: as 1.csv\n" in printed and "3.csv: as" not in printed
+    assert printed.count("  as 1.csv\n") == 1
+
+
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
     [

@@ -59,20 +59,26 @@ def _import(arguments: Namespace, mapping: Map | None, answers: dict[str, str]) 
     for target in targets:
         if targets.count(target) > 1:
             raise ExchangeError(f"{target}: two files would become this one: import them apart")
+    shown, told = dict[object, str](), dict[object, str]()
     for file, target in zip(arguments.files, targets, strict=True):
         check_target(target, arguments.force, *arguments.files)
-        recording = _read(file, mapping, answers, arguments.yes)
+        recording = _read(file, mapping, answers, arguments.yes, shown)
         with stages() as stage:
             stage(f"writing {target}")
             write(recording, target)
         print(f"{target}: {in_words(recording)}", flush=True)
-        for step in (*recording.history, *(f"lost: {x}" for x in losses(recording, target.suffix))):
+        lost = (f"lost: {x}" for x in losses(recording, target.suffix))
+        steps = (*recording.history, *lost)
+        like = told.setdefault(tuple(step.replace(file.name, "") for step in steps), file.name)
+        for step in steps if like == file.name else (f"as {like}",):
             print(f"  {step}")
 
 
-def _read(file: Path, mapping: Map | None, answers: dict[str, str], yes: bool) -> Recording:
-    """A recording, as the mapping says, or else as it is understood. What has to be known and is
-    not said is asked; with `yes` nothing is asked, and nothing guessed."""
+def _read(
+    file: Path, mapping: Map | None, answers: dict[str, str], yes: bool, shown: dict[object, str]
+) -> Recording:
+    """A recording, as the mapping says, or else as it is understood, which is `shown`. What has to
+    be known and is not said is asked; with `yes` nothing is asked, and nothing guessed."""
     granted: tuple[str, ...] = ()
     tables = None
     if mapping is None and not answers and not is_foreign(file):
@@ -84,9 +90,9 @@ def _read(file: Path, mapping: Map | None, answers: dict[str, str], yes: bool) -
             if found.questions:
                 tables = None
             else:
-                _show(found)
+                _show(found, shown)
     if mapping is None and tables is None:
-        found = _understood(file, answers, yes)
+        found = _understood(file, answers, yes, shown)
         mapping, granted = found.mapping(places=not yes), found.granted(places=not yes)
     with stages() as stage:
         stage(f"reading {file}")
@@ -96,11 +102,13 @@ def _read(file: Path, mapping: Map | None, answers: dict[str, str], yes: bool) -
     return replace(recording, history=(*recording.history, *granted))
 
 
-def _understood(file: Path, answers: dict[str, str], yes: bool) -> Understood:
+def _understood(
+    file: Path, answers: dict[str, str], yes: bool, shown: dict[object, str]
+) -> Understood:
     answers = dict(answers)
     found = understand(file, answers)
     while found.questions and sys.stdin.isatty() and not yes:
-        _show(found)
+        _show(found, shown)
         for question in found.questions:
             print(f"{file.name}: {question.words}")
             answer = input(f"{question.key}, {ASKED[question.key]}: ").strip()
@@ -120,12 +128,19 @@ def _understood(file: Path, answers: dict[str, str], yes: bool) -> Understood:
             f"{file}: would have to be guessed: {'; '.join(found.guesses)}: say so in a mapping"
             " (--draft begins one)"
         )
-    _show(found)
+    _show(found, shown)
     return found
 
 
-def _show(found: Understood) -> None:
-    """What was understood of a file, column by column."""
+def _show(found: Understood, shown: dict[object, str]) -> None:
+    """What was understood of a file, column by column; or which of those `shown`, by what was
+    understood of them, is like it."""
+    console, name = open_console(), found.path.name
+    words = found.words() or "as it says itself"
+    like = shown.setdefault((words, found.columns), name)
+    if like != name:
+        console.print(escape(f"{name}: as {like}"), soft_wrap=True)
+        return
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("column", "unit", "taken for", "why"):
         table.add_column(heading)
@@ -133,9 +148,7 @@ def _show(found: Understood) -> None:
         place = f", at {column.point}" if column.placed else ""
         cells = (column.label, column.unit, f"{column.taken_for}{place}", column.why)
         table.add_row(*map(escape, cells))  # brackets are units here
-    console = open_console()
-    words = found.words() or "as it says itself"
-    console.print(escape(f"{found.path.name}: {words}"), soft_wrap=True)
+    console.print(escape(f"{name}: {words}"), soft_wrap=True)
     console.print(table)
 
 
