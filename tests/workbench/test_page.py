@@ -189,8 +189,8 @@ def test_what_no_effect_explains_is_unknown(tmp_path, open_page, pictures):
         assert page.locator(".verdict h3").inner_text().endswith("unknown")
         page.screenshot(path=pictures / "unknown.png", full_page=True)
         page.get_by_role("button", name="Find the missing force").click()
-        page.get_by_role("heading", name="The force that is missing").wait_for(timeout=FINDING_MS)
-        assert "It is one of compression." in page.locator("[data-view=missing] pre").inner_text()
+        found = page.locator("[data-view=missing] pre", has_text="It is one of compression.")
+        found.wait_for(timeout=FINDING_MS)
         page.screenshot(path=pictures / "law.png", full_page=True)
 
 
