@@ -58,6 +58,7 @@ def test_a_figure_of_a_diagnosis_is_of_the_channel_it_names(folder):
     assert "B1" not in found.comparison.channels
 
 
+@pytest.mark.slow
 def test_what_is_stored_is_what_was_compared_without_the_dead_sensor(folder, capsys):
     kill_b1(folder)
     compared = wh.compare(folder, "sensor-gain")

@@ -32,6 +32,7 @@ def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
     assert rung.model.values["driver-rocking.freq_hz"] == pytest.approx(2.4, rel=0.05)
 
 
+@pytest.mark.slow  # test_starts asks when the vehicle as believed is a start
 def test_an_effect_whose_lack_has_led_the_vehicle_astray_is_found(tmp_path):
     """For want of long contact patches the baseline makes wheels of two fifths of their radius or
     less and unsprung masses of a tenth of theirs. From there even a fit with all derivatives ended

@@ -20,7 +20,13 @@ from wheelhop.diagnose.verdict.critic import cramped
 from wheelhop.vehicle import read_nominal
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize(
+    "name",
+    [  # other sensors, rigs and drivers ask for friction, too
+        pytest.param(name, marks=pytest.mark.slow if name == "dry-friction" else ())
+        for name in MACHINES
+    ],
+)
 def test_a_machine_is_called_by_its_name(name, tmp_path):
     hidden = make_effect(name, MACHINES[name])
     write_campaign(

@@ -34,7 +34,7 @@ def campaign(folder, seed, hidden):
         # Too small to be seen, and 385 numbers that the runs hardly settle: as if each cost what
         # a settled one does (log n), they would be charged twice as much.
         (51, {"longitudinal-pitch": {"peak_m_s2": 0.05}}, 0.02),
-        (53, {"left-right-drift": {"rate": 2e-5}}, 0.2),
+        pytest.param(53, {"left-right-drift": {"rate": 2e-5}}, 0.2, marks=pytest.mark.slow),
         # Large enough to change the noise that the fit finds.
         pytest.param(51, {"left-right-drift": {"rate": 2e-5}}, 0.2, marks=pytest.mark.slow),
         pytest.param(53, UNSTEADY, 0.2, marks=pytest.mark.slow),
