@@ -12,7 +12,7 @@ from wheelhop.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs/tutorial.md"
-SHOWN = re.compile(r"^ {4}(\S.*?)\s*$", re.MULTILINE)
+SHOWN = re.compile(r"^ {4,}(\S.*?)\s*$", re.MULTILINE)
 RULE = "────"
 
 
