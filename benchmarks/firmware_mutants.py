@@ -25,7 +25,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tools.firmware_build import CPP_ONLY, ROOT, compiler_flags, native_command, read_ini, sources
-from tools.firmware_fatfs import fetch
 
 PARTS = ("ring", "sdcard", "logfile", "block", "link")
 TESTS = ROOT / "tests/firmware/native/test_parts"
@@ -265,7 +264,6 @@ def main() -> None:
     arguments = parser.parse_args()
     parts = tuple(arguments.part or PARTS)
     count = 10**6 if arguments.all else arguments.count
-    fetch(ROOT)
     caught: Counter[str] = Counter()
     survived: Counter[str] = Counter()
     redrawn = 0

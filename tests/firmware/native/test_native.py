@@ -11,7 +11,6 @@ import pytest
 
 from tests.patience import PATIENCE_S
 from tools.firmware_build import ROOT, native_command
-from tools.firmware_fatfs import fetch
 
 PARTS = Path(__file__).with_name("test_parts")
 
@@ -21,10 +20,6 @@ def program(tmp_path_factory):
     """All parts and their tests in one program."""
     if shutil.which("g++") is None:
         pytest.skip("g++ is missing: sudo apt-get install g++")
-    try:
-        fetch(ROOT)
-    except (OSError, subprocess.CalledProcessError):
-        pytest.skip("FatFs cannot be fetched from PyPI: its parts of the firmware need it")
     target = tmp_path_factory.mktemp("native") / "parts"
     subprocess.run(native_command(PARTS, target), check=True, cwd=ROOT)
     return target
