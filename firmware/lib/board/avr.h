@@ -1,7 +1,6 @@
 #pragma once
 #include "board.h"
 #include "link.h"
-#include "sampler.h"
 
 // The ATmega328P or 2560 itself: what main.cpp needs beyond board.h.
 namespace board {

@@ -1,5 +1,6 @@
 #include "report.h"
 
+#include "beside.h"
 #include "board.h"
 #include "identity.h"
 #include "version.h"
@@ -37,6 +38,36 @@ const FlashChar* end_text(End end) {
     }
 }
 
+// What the headers of some boards say besides.
+bool board_line(uint8_t index, Text& text) {
+    if (board::kHasBeside && index < 2) {
+        if (index) {
+            put(text, FLASH("pulses_per_km="), board::beside.pulses_per_km);
+        } else {
+            text.put(FLASH("beside=mark pulses temperature"));
+        }
+        return true;
+    }
+    if (board::kFormat == '1') return false;
+    switch (index - 2 * board::kHasBeside) {
+        case 0:
+            text.put(FLASH("order=together"));
+            break;
+        case 1:
+            put(text, FLASH("sum_bits="), board::kSumBits);
+            break;
+        case 2:
+            put(text, FLASH("code_bits="), board::kCodeBits);
+            break;
+        case 3:
+            put(text, FLASH("conversions_hz="), board::kConversionsHz);
+            break;
+        default:
+            return false;
+    }
+    return true;
+}
+
 using Line = bool (*)(const Session& session, uint8_t index, Text& text);
 
 void put_lines(const Session& session, Line line, Block& block) {
@@ -68,7 +99,7 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
             text.put(settings.name);
             break;
         case 4:
-            put(text, FLASH("rate_hz="), 800 / settings.conversions);
+            put(text, FLASH("rate_hz="), board::kConversionsHz / settings.conversions);
             break;
         case 5:
             put(text, FLASH("conversions="), settings.conversions);
@@ -98,7 +129,7 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
             if (session.continues) text.hex(session.continues, 8);
             break;
         default:
-            return false;
+            return board_line(index - 13, text);
     }
     return true;
 }

@@ -17,6 +17,9 @@ from wheelhop.hil_sim.signals import Signals, constant
 from wheelhop.hil_sim.trace import CPU_HZ, Trace
 
 MIDDLE = 512.0  # code of a sensor at rest
+SELF_TEST = 43.0
+"""Codes by which an ADXL326's self-test shifts its Z output: 105 mV at 3 V of supply (data sheet),
+and as the cube of the supply; 140 mV of 3.3 V, which are code 1024."""
 
 State = Literal["off", "running", "halted", "crashed"]
 
@@ -106,11 +109,13 @@ class Board(Closing):
         self._process = Process(self._program.mcu, Path(elf))
         self._cycle = 0
         self.state: State = "off"
+        self._wheel_hz = self._temperature_code = 0.0
         self.serial = Serial(self._process)
         try:
             self._process.ask(f"record {trace:d} {journal:d}")
             self.reference_volts = reference_volts
             self.signals = signals or constant(MIDDLE)
+            self.self_test = constant(SELF_TEST)
             self.faults = faults or Faults()
             self.insert(card)
             if eeprom is not None:
@@ -148,6 +153,36 @@ class Board(Closing):
         table = np.ascontiguousarray(signals.codes, dtype="<f8").tobytes()
         self._process.ask(f"signals {signals.rate_hz!r} {signals.repeat:d}", table)
         self._signals = signals
+
+    @property
+    def self_test(self) -> Signals:
+        """Codes by which the sensors' self-test shifts what they put out, in one row."""
+        return self._self_test
+
+    @self_test.setter
+    def self_test(self, codes: Signals) -> None:
+        self._process.ask("self-test", np.ascontiguousarray(codes.codes[0], dtype="<f8").tobytes())
+        self._self_test = codes
+
+    @property
+    def wheel_hz(self) -> float:
+        """Pulses a second of the wheel's sensor, at the Mega's D4; 0: the wheel stands."""
+        return self._wheel_hz
+
+    @wheel_hz.setter
+    def wheel_hz(self, pulses_per_s: float) -> None:
+        self._process.ask(f"wheel {round(CPU_HZ / pulses_per_s) if pulses_per_s else 0}")
+        self._wheel_hz = pulses_per_s
+
+    @property
+    def temperature_code(self) -> float:
+        """Code of what the temperature's sensor puts out, at the Mega's A8."""
+        return self._temperature_code
+
+    @temperature_code.setter
+    def temperature_code(self, code: float) -> None:
+        self._process.ask(f"temperature {code!r}")
+        self._temperature_code = code
 
     @property
     def faults(self) -> Faults:
@@ -211,6 +246,12 @@ class Board(Closing):
         self._process.ask("press 1")
         self.run(seconds)
         self._process.ask("press 0")
+
+    def press_mark(self, seconds: float = 0.1) -> None:
+        """Hold the button for marks, at the Mega's D3, down for `seconds` of board time."""
+        self._process.ask("press-mark 1")
+        self.run(seconds)
+        self._process.ask("press-mark 0")
 
     def trace(self) -> Trace:
         """The events since the last call, if the board was made with `trace`."""

@@ -169,7 +169,7 @@ class Console:
     def _header(self) -> dict[str, object]:
         settings = self._device.settings
         return {
-            "firmware": "1.3.0",
+            "firmware": "1.4.0",
             "device": settings.device,
             "calibration": settings.calibration,
             "name": settings.name,
