@@ -1,11 +1,11 @@
 """Mutants of the firmware: python -m benchmarks.firmware_mutants [--count N] [--seed N]
 
-Small mistakes are planted, one at a time, in every part that is not the chip's own (`board`) and has
-tests without a board (all but `console`): a comparison that is off by one, a sign, a condition turned
-round, another number, a statement left out. Each mutant is compiled into the native tests with the
-sanitizers watching; what stands in a header, into everything that includes it. One that fails them,
-or does not come to an end, is caught; the others are listed. `--part ring` draws from one part alone,
-`--all` takes every mutation there is. Ctrl-C ends it with the table of what was done.
+Small mistakes are planted, one at a time, in every part that is not the chip's own (`board`) and
+has tests without a board (all but `console`): a comparison that is off by one, a sign, a condition
+turned round, another number, a statement left out. Each mutant is compiled into the native tests
+with the sanitizers watching; what stands in a header, into everything that includes it. One that
+fails them, or does not come to an end, is caught; the others are listed. `--part ring` draws from
+one part alone, `--all` takes every mutation there is. Ctrl-C ends it with the table so far.
 
 A change that no compiler takes, or that leaves the machine code of both boards as it was, is no
 mistake: another is drawn in its place.

@@ -38,18 +38,22 @@ const FlashChar* end_text(End end) {
     }
 }
 
-// What the headers of some boards say besides.
-bool board_line(uint8_t index, Text& text) {
-    if (board::kHasBeside && index < 2) {
+// What the headers of some boards say besides: before their last line, by which a listener knows
+// that it has all of them.
+const uint8_t kBesideLines = 2 * board::kHasBeside;
+const uint8_t kBoardLines = kBesideLines + (board::kFormat == '1' ? 0 : 4);
+const uint8_t kLastLine = 12;
+
+void board_line(uint8_t index, Text& text) {
+    if (board::kHasBeside && index < kBesideLines) {
         if (index) {
             put(text, FLASH("pulses_per_km="), board::beside.pulses_per_km);
         } else {
             text.put(FLASH("beside=mark pulses temperature"));
         }
-        return true;
+        return;
     }
-    if (board::kFormat == '1') return false;
-    switch (index - 2 * board::kHasBeside) {
+    switch (index - kBesideLines) {
         case 0:
             text.put(FLASH("order=together"));
             break;
@@ -59,13 +63,9 @@ bool board_line(uint8_t index, Text& text) {
         case 2:
             put(text, FLASH("code_bits="), board::kCodeBits);
             break;
-        case 3:
-            put(text, FLASH("conversions_hz="), board::kConversionsHz);
-            break;
         default:
-            return false;
+            put(text, FLASH("conversions_hz="), board::kConversionsHz);
     }
-    return true;
 }
 
 using Line = bool (*)(const Session& session, uint8_t index, Text& text);
@@ -82,6 +82,13 @@ namespace report {
 bool header_line(const Session& session, uint8_t index, Text& text) {
     const Settings& settings = session.settings;
     char calibration[identity::kCalibrationSize];
+    if (kBoardLines && index >= kLastLine) {
+        if (index < kLastLine + kBoardLines) {
+            board_line(index - kLastLine, text);
+            return true;
+        }
+        index -= kBoardLines;
+    }
     switch (index) {
         case 0:
             text.put(FLASH("firmware=" FIRMWARE_VERSION));
@@ -124,12 +131,12 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
         case 11:
             put(text, FLASH("config_errors="), session.config_errors);
             break;
-        case 12:
+        case kLastLine:
             text.put(FLASH("continues="));
             if (session.continues) text.hex(session.continues, 8);
             break;
         default:
-            return board_line(index - 13, text);
+            return false;
     }
     return true;
 }

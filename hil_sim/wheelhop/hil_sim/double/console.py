@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 PIECE = 44  # bytes of a file in a frame
 LARGEST_BLOCK = 8_388_607
 NO_CARD = "no card, or it does not answer"
-SAMPLED = ("stream", "conversions", "channels")  # settings that make sampling begin anew
+SAMPLED = ("stream", "rate_hz", "channels")  # settings that make sampling begin anew
 NO_SUMMARY = (
     *("end", "due", "written", "lost", "late", "stall_ms", "deepest", "room"),
     *("card_errors", "unsent"),
@@ -181,6 +181,7 @@ class Console:
             "supply_mv": self._device.faults.supply_mv(self._device.time_s),
             "reset": self._device.cause,
             "config_errors": 0,
+            **settings.kind.header,
             "continues": f"{self._continues:08X}" if self._continues else "",
         }
 

@@ -9,6 +9,7 @@ from wheelhop.hil_sim.double.card import Card
 from wheelhop.hil_sim.double.commands import Line
 from wheelhop.hil_sim.double.console import Answer, Console, Payload
 from wheelhop.hil_sim.double.faults import DoubleFaults
+from wheelhop.hil_sim.double.kind import IN_TURN, Kind
 from wheelhop.hil_sim.double.scans import ScanSource
 from wheelhop.hil_sim.double.session import Session
 from wheelhop.hil_sim.double.settings import Refusal, Settings
@@ -28,7 +29,8 @@ class Device:
     `acts`, if any, are what the sensors put out in the first session, the second and so on, each
     from its beginning; the last one also in all that follow.
     `card` None: there is none in the socket. The same arguments and bytes give the same bytes.
-    `session` is the running or the last session since the logger has started.
+    `kind` says which board it is. `session` is the running or the last session since the logger
+    has started.
     """
 
     def __init__(
@@ -37,11 +39,12 @@ class Device:
         card: Card | None,
         faults: DoubleFaults,
         acts: Sequence[Signals] = (),
+        kind: Kind = IN_TURN,
     ) -> None:
         self.signals, self.card, self.faults, self.acts = signals, card, faults, acts
         self.random = np.random.default_rng([faults.seed, 2])
         self.time_s = 0.0
-        self.settings = Settings()
+        self.settings = Settings(kind=kind)
         self.session_number = 0
         self._resets = deque(sorted(faults.resets))
         self._out = bytearray()
@@ -110,7 +113,7 @@ class Device:
             signals, start_s = self.signals, self.time_s
             if self.running and self.acts:
                 signals, start_s = self.acts[min(self.session_number, len(self.acts)) - 1], 0.0
-            self._source = ScanSource(signals, self.settings.conversions, start_s)
+            self._source = ScanSource(signals, self.settings, start_s)
             self._sampled_from_s = self.time_s
 
     def stop_sampling(self) -> None:
@@ -134,7 +137,8 @@ class Device:
         rate_hz = self.settings.rate_hz
         while self._source and self.time_s >= self._sampled_from_s + (self.due + 1) / rate_hz:
             scan, self.due = self.due, self.due + 1
-            stored = pack_scans(self._source.take(scan)[None, self.settings.recorded])
+            sums = self._source.take(scan)[None, self.settings.recorded]
+            stored = pack_scans(sums, self.settings.kind.sum_bits)
             session = self.session if self.running else None
             if session and not any(scan in gone for gone in self.faults.lost):
                 session.memory.add(scan, stored)
