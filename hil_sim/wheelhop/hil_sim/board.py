@@ -13,13 +13,10 @@ from wheelhop.hil_sim.card import CardImage
 from wheelhop.hil_sim.faults import BLOCK_SIZE, Faults
 from wheelhop.hil_sim.process import Process
 from wheelhop.hil_sim.program import read_elf
-from wheelhop.hil_sim.signals import Signals, constant
+from wheelhop.hil_sim.signals import SELF_TEST, Signals, constant
 from wheelhop.hil_sim.trace import CPU_HZ, Trace
 
 MIDDLE = 512.0  # code of a sensor at rest
-SELF_TEST = 43.0
-"""Codes by which an ADXL326's self-test shifts its Z output: 105 mV at 3 V of supply (data sheet),
-and as the cube of the supply; 140 mV of 3.3 V, which are code 1024."""
 
 State = Literal["off", "running", "halted", "crashed"]
 

@@ -162,17 +162,19 @@ def _make_recording(commands: "argparse._SubParsersAction[OneLineParser]") -> No
     logger = commands.add_parser("logger", help="ask the logger, and set it up")
     logger.add_argument(
         "action",
-        choices=("info", "status", "list", "time", "start", "stop", "ports"),
+        choices=("info", "status", "list", "time", "start", "stop", "ports", "selftest"),
         nargs="?",
         default="info",
-        help="default info; time: tell it the time; ports: those that may have a logger",
+        help="default info; time: tell it the time; ports: those that may have a logger; selftest:"
+        " tell a dead sensor from a still one",
     )
     logger.add_argument(
         "--set",
         metavar="KEY=VALUE",
         action="append",
         default=[],
-        help="rate, channels, name, start, stream, size_mb, device, calibration, clock_ppm",
+        help="rate, channels, name, start, stream, size_mb, pulses_per_km, device, calibration,"
+        " clock_ppm",
     )
     record = commands.add_parser("record", help="write what the logger streams, and show it")
     record.add_argument(

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 PIECE = 44  # bytes of a file in a frame
 LARGEST_BLOCK = 8_388_607
+NOT_NOW = "not during a session"
 NO_CARD = "no card, or it does not answer"
 SAMPLED = ("stream", "rate_hz", "channels")  # settings that make sampling begin anew
 NO_SUMMARY = (
@@ -57,6 +58,10 @@ class Console:
             yield from _lines("L", self._status() if command == "status" else self._header())
         elif command in ("stream on", "stream off"):
             self._set(f"stream={command[7:]}", running=False)
+        elif command.startswith("test o"):
+            if self._device.running:
+                raise Refusal(NOT_NOW)
+            self._device.self_test = command[6:7] == "n"
         elif command.startswith("set "):
             self._set(command[4:], self._device.running)
         elif command.startswith("time "):
@@ -146,7 +151,7 @@ class Console:
 
     def _idle_card(self) -> Card:
         if self._device.running:
-            raise Refusal("not during a session")
+            raise Refusal(NOT_NOW)
         return self._meet()
 
     def _meet(self) -> Card:
