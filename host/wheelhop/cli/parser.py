@@ -59,6 +59,14 @@ def make_parser() -> argparse.ArgumentParser:
     emulate.add_argument(
         "--campaign", metavar="FOLDER", type=Path, help="feel a run of it (default: a field day)"
     )
+    emulate.add_argument(
+        "--on",
+        choices=("shaker", "beam"),
+        help="stand on a calibrator's shaker, or on the cantilever",
+    )
+    emulate.add_argument(
+        "--files", metavar="FOLDER", type=Path, help="where the rig's files are put"
+    )
     emulate.add_argument("--run", metavar="ID", help="which run of it (default: the first)")
     _make_logs(commands)
     _make_checks(commands)

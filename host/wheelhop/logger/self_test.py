@@ -1,8 +1,8 @@
 """Is a sensor dead, or does it only stand still? Its self-test tells: a force on its own mass.
 
-The logger drives the ST pins of all sensors together (`firmware/BUILD.md`, "Self-test"). By the data
-sheet of the ADXL326 its Z output then rises by 29 to 190 mV, typically 105, at 3 V of supply, and
-by the cube of the supply. Codes are a ratio to the same supply, so they go with its square.
+The logger drives the ST pins of all sensors together (`firmware/BUILD.md`, "Self-test"). By the
+data sheet of the ADXL326 its Z output then rises by 29 to 190 mV, typically 105, at 3 V of supply,
+and by the cube of the supply. Codes are a ratio to the same supply, so they go with its square.
 """
 
 import time
@@ -68,9 +68,7 @@ def self_test(link: Link) -> list[Answer]:
     info = link.info()
     settings = parse_settings(info, link.port.name)
     if link.status().get("state") == "recording":
-        raise LoggerError(
-            f"{link.port.name}: a session runs, and must not have the self-test in it"
-        )
+        raise LoggerError(f"{link.port.name}: a session runs: stop it first")
     link.stream(True)
     try:
         before = _scans(link, settings)
