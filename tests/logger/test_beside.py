@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.logger.session import SESSION, session
+from wheelhop.cli.main import main
 from wheelhop.logger.beside import RECORD, joined, with_beside
 from wheelhop.logger.block import BESIDE, CRC_AT, crc, pack_block
 from wheelhop.logger.correct import correct_clock
@@ -65,11 +66,8 @@ def test_temperature_is_a_tmp36s_and_nothing_where_none_is_connected():
 
 
 def test_a_log_has_them_as_channels_and_its_scans_are_as_without():
-    plain = [session(np.full((600, 8), 4000))[at : at + 512] for at in range(0, 512 * 19, 512)]
-    first = int.from_bytes(plain[3][16:20], "little")
     rows = [(k, 3, 233, k > 4) for k in range(60)]
-    extra = pack_block(BESIDE, SESSION, 3, first_scan=first, payload=payload(10, rows))
-    log = read_log(b"".join([*plain[:3], extra, *map(one_further, plain[3:])]))
+    log = read_log(with_records(np.full((600, 8), 4000), rows))
     assert (log.written, log.due, log.damage) == (600, 600, ())
     assert log.beside is not None and log.beside.marks_s == pytest.approx([0.6], abs=0.01)
     assert log.notes["marks_s"] == "0.6"
@@ -88,3 +86,34 @@ def one_further(block):
     body = block[:12] + (int.from_bytes(block[12:16], "little") + 1).to_bytes(4, "little")
     body += block[16:CRC_AT]
     return body + crc(body).to_bytes(2, "little")
+
+
+def with_records(sums, rows, **header):
+    """A log with these sums and a block of records, as the Mega writes it."""
+    data = session(sums, **header)
+    plain = [data[at : at + 512] for at in range(0, len(data), 512)]
+    first = int.from_bytes(plain[3][16:20], "little")
+    extra = pack_block(BESIDE, SESSION, 3, first_scan=first, payload=payload(10, rows))
+    return b"".join([*plain[:3], extra, *map(one_further, plain[3:])])
+
+
+def test_a_campaign_takes_the_speed_and_stretches_have_the_marks(tmp_path, capsys):
+    rng = np.random.default_rng(3)
+    driving = np.concatenate([np.zeros(400), np.ones(1400), np.zeros(400)])[:, None]
+    sums = 4248 + rng.normal(0, 1, (2200, 8)) + driving * rng.normal(0, 400, (2200, 8))
+    rows = [(4 * k, 3, 233, (k > 10) + (k > 50)) for k in range(60)]
+    log = tmp_path / "HOP00012.HOP"
+    header = {"beside": "mark pulses temperature", "pulses_per_km": 4000, "calibration": ""}
+    log.write_bytes(with_records(np.clip(sums, 0, 8184).astype(int), rows, **header))
+    assert main(["campaign", "stretches", str(log), "--nominal"]) == 0
+    printed = capsys.readouterr().out
+    assert "marks: 1 at 1.2 s, 2 at 5.2 s" in printed
+    (row,) = [line.split() for line in printed.splitlines() if line.split()[:1] == ["1"]]
+    assert row[-1] == "2" and float(row[1]) > 1.2
+    folder = tmp_path / "mine"
+    place = ["--place", "speed=speed"]
+    assert main(["campaign", "new", str(folder), str(log), "--nominal", *place]) == 0
+    add = ["campaign", "add", str(folder), str(log), "--nominal", "--id", "a", "--track", "unknown"]
+    assert main([*add, "--from", "3.8", "--to", "5.9"]) == 0
+    text = (folder / "campaign.toml").read_text()
+    assert "speed_kmph = 36.0" in text and 'quantity = "speed"' in text  # 40 Hz of 0.25 m

@@ -7,7 +7,7 @@ continued by odd reflection: within some ten samples of their ends the result is
 guess.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -125,8 +125,17 @@ def correct_clock(recording: Recording) -> Recording:
         rate_hz=recording.rate_hz / stretch,
         start_s=recording.start_s * stretch,
         averaging_s=recording.averaging_s * stretch,
-        notes={key: value for key, value in recording.notes.items() if key != "clock_ppm"},
+        notes=_at_true_time(recording.notes, stretch),
     )
+
+
+def _at_true_time(notes: Mapping[str, str], stretch: float) -> dict[str, str]:
+    """The notes without the clock's error, their marks at true time, too."""
+    kept = {key: value for key, value in notes.items() if key != "clock_ppm"}
+    if "marks_s" in kept:
+        marks = kept["marks_s"].split()
+        kept["marks_s"] = " ".join(f"{float(at_s) * stretch:.1f}" for at_s in marks)
+    return kept
 
 
 def _undo(recording: Recording, responses: Sequence[Response | None]) -> NDArray[np.float64]:
