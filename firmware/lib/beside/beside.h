@@ -95,13 +95,13 @@ class Beside {
 
     Record now_ = {};   // the interrupt's
     Record told_ = {};  // the main loop's, once ready_
-    Record records_[kRecords];
+    Record records_[kRecords] = {};
     uint32_t told_scan_ = 0;
     uint32_t first_scan_ = 0;
     uint8_t scan_ = 0;
     uint8_t settling_ = 0;
-    uint8_t every_ = 1;
-    uint8_t left_ = 1;
+    uint8_t every_ = 0;
+    uint8_t left_ = 0;
     uint8_t count_ = 0;
     uint8_t marks_ = 0;
     bool pulse_ = false;

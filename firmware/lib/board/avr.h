@@ -1,6 +1,7 @@
 #pragma once
 #include "board.h"
 #include "link.h"
+#include "sampler.h"
 
 // The ATmega328P or 2560 itself: what main.cpp needs beyond board.h.
 namespace board {

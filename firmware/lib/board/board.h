@@ -2,12 +2,12 @@
 #include <stdint.h>
 
 #include "flash.h"
-#include "sampler.h"
-#include "together.h"
 #include "traits.h"
 
 class Beside;
 class Link;
+class Sampler;
+class TogetherSampler;
 
 // What the hardware-independent parts need of the board, traits.h its numbers. avr.cpp implements
 // it for the ATmega328P and 2560; the tests on a PC bring implementations of their own, one of them

@@ -40,12 +40,12 @@ const FlashChar* end_text(End end) {
 
 // What the headers of some boards say besides: before their last line, by which a listener knows
 // that it has all of them.
-const uint8_t kBesideLines = 2 * board::kHasBeside;
+const uint8_t kBesideLines = board::kHasBeside ? 2 : 0;
 const uint8_t kBoardLines = kBesideLines + (board::kFormat == '1' ? 0 : 4);
 const uint8_t kLastLine = 12;
 
 void board_line(uint8_t index, Text& text) {
-    if (board::kHasBeside && index < kBesideLines) {
+    if (board::kHasBeside && index < 2) {
         if (index) {
             put(text, FLASH("pulses_per_km="), board::beside.pulses_per_km);
         } else {

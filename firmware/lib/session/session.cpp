@@ -6,7 +6,9 @@
 #include "board.h"
 #include "identity.h"
 #include "report.h"
+#include "sampler.h"
 #include "sdcard.h"
+#include "together.h"
 
 namespace {
 

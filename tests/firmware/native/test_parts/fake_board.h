@@ -9,6 +9,8 @@
 #include "beside.h"
 #include "board.h"
 #include "link.h"
+#include "sampler.h"
+#include "together.h"
 
 namespace fake {
 
