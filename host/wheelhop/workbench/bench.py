@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelhop.campaign import Campaign, CampaignError, read_campaign
+from wheelhop.campaign.change import Rewritten
 from wheelhop.files import Source, claimed
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.edits import make, take_back
 from wheelhop.workbench.recorder import Recorder
 from wheelhop.workbench.session import unread
 
@@ -53,6 +55,33 @@ class Workbench:
             self.desk.close()
         self.desk = Desk(campaign, self._effects)
         self._draft = None
+
+    def change(self, title: str, files: Sequence[Rewritten]) -> None:
+        """Change files of the campaign that is open as planned, and open it as it is then. Raises
+        CampaignError, and then all is as before."""
+        campaign = self._open
+        make(campaign, title, files)
+        try:
+            self.put(campaign.folder)
+        except CampaignError:
+            take_back(campaign)
+            raise
+        assert self.desk is not None
+        self.desk.can_take_back = True
+        self.desk.say(f"{title}: done")
+
+    def take_back(self) -> None:
+        """Make the files what they were before the last change; raises CampaignError."""
+        last = take_back(self._open)
+        self.put(self._open.folder)
+        assert self.desk is not None
+        self.desk.say(f"{last.title}: taken back")
+
+    @property
+    def _open(self) -> Campaign:
+        if self.desk is None:
+            raise CampaignError("no campaign is open any more")
+        return self.desk.campaign
 
     def clear(self) -> None:
         """Put the campaign away."""

@@ -16,7 +16,7 @@ from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
 from wheelhop.workbench.own_effects import OwnEffects
 from wheelhop.workbench.shown import CanShow, Card, Case, Law, Ranking, Row, Trace, Verdict
-from wheelhop.workbench.view import Looking, acting, drawn, html, verbatim
+from wheelhop.workbench.view import Looking, acting, drawn, fix_buttons, html, verbatim
 
 SHOWN_S = 2.5
 """So much of a run is drawn on a card, around the largest signature."""
@@ -119,6 +119,7 @@ class MissingView:
         head = f"In the model now: {listed(missing)}" if known else verdict.headline
         label = f"Add {escape(' and '.join(left))} to the model"
         add = f'<p><button class="primary" data-act="add all">{label}</button></p>' if left else ""
+        add += f"<p>{fix_buttons(verdict.fixes)}</p>" if verdict.fixes else ""
         look = '<p><button class="primary" data-act="look">Look at it in Compare</button></p>'
         following = f"<p>To record next: {escape(verdict.next_run)}</p>" if verdict.next_run else ""
         extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], "")
@@ -219,9 +220,11 @@ class MissingView:
             parts.append(f"<p class='soft'>{absent}</p>")
         return "".join(parts)
 
-    def _act(self, data: dict[str, str]) -> None:
+    async def _act(self, data: dict[str, str]) -> None:
         desk = self._desk
         match data["act"]:
+            case "fix" if self._verdict_now is not None:
+                await self._looking.propose(self._verdict_now.fixes[int(data["fix"])])
             case "card":
                 self._looking.effect = data["effect"]
                 self.show()

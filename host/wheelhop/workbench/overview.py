@@ -15,8 +15,8 @@ from wheelhop.report.heat import heat_class, heat_legend, heat_words
 from wheelhop.track import make_track
 from wheelhop.workbench.compared import opened
 from wheelhop.workbench.desk import Desk
-from wheelhop.workbench.shown import Rung
-from wheelhop.workbench.view import Looking, acting, html
+from wheelhop.workbench.shown import Found, Rung
+from wheelhop.workbench.view import Looking, acting, fix_buttons, html
 
 PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
 PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
@@ -51,7 +51,8 @@ class Overview:
             self._plan = acting(html(), self._act)
             with ui.element("div"):
                 self._runs = acting(html(), self._act)
-        self._findings = html()
+        self._findings = acting(html(), self._fix)
+        self._found: tuple[Found, ...] = ()
 
     def show(self) -> None:
         """Bring it up to date."""
@@ -65,10 +66,18 @@ class Overview:
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
         words = RECORDED if rung is None else heat_legend() + WORDS
         self._runs.set_content(self._table(rung) + words + ACTIONS)
-        found = (*desk.findings, *criticism)
-        items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
+        self._found = found = (*desk.findings, *criticism)
+        items = "".join(
+            f"<li><strong>{escape(each.severity)}</strong> {escape(each.text)}"
+            f" {fix_buttons(each.fixes, finding=i)}</li>"
+            for i, each in enumerate(found)
+        )
         heading = "<h2>Before you believe it</h2>"
         self._findings.set_content(f"<section>{heading}<ul>{items}</ul></section>" if found else "")
+
+    async def _fix(self, data: dict[str, str]) -> None:
+        fixes = self._found[int(data["finding"])].fixes
+        await self._looking.propose(fixes[int(data["fix"])])
 
     def _act(self, data: dict[str, str]) -> None:
         desk, runs = self._desk, self._desk.campaign.runs

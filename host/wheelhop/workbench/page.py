@@ -15,6 +15,7 @@ from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.files.words import percent, significant
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.between_view import BetweenView
+from wheelhop.workbench.change_view import Changing
 from wheelhop.workbench.charts import AFTER
 from wheelhop.workbench.compare_view import CompareView
 from wheelhop.workbench.compared import address_of, of_address
@@ -87,7 +88,8 @@ class Page:
         self._seen = -1
         self._fresh: set[str] = set()
         self._arriving, self._has_moved, self._client = True, False, ui.context.client
-        self._looking = Looking(go=self._go, moved=self._moved)
+        self._changing = Changing(bench, desk)
+        self._looking = Looking(self._go, self._moved, self._changing.propose)
         with ui.element("header").classes("bench-head"):
             self._top()
         self._notice = ui.element("div").classes("bench-notice").props('role="status"')
@@ -205,6 +207,9 @@ class Page:
         self._notice.clear()
         with self._notice:
             ui.label(desk.notice)
+            if desk.can_take_back:
+                back = ui.button("Take it back", on_click=self._changing.take_back)
+                back.props("flat dense no-caps")
         self._refresh(str(self._tabs.value))
 
     def _prepare(self) -> None:

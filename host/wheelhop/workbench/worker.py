@@ -183,7 +183,7 @@ class Worker:
         self._say(show.final_ranking(base.workshop, work.diagnosis))
         found = show.findings(work.diagnosis.findings)
         case = show.case(work.gated.campaign, work.diagnosis.ladder)
-        self._say(Concluded(show.verdict(work.diagnosis), found, case))
+        self._say(Concluded(show.verdict(work.diagnosis, work.gated.campaign), found, case))
         if work.law is not None:
             self._say(show.law(work.law.found, beyond_names(work.law)))
 
