@@ -46,6 +46,10 @@ UNKNOWN = (
     " missing be found in free form, as a curve and as a formula: that takes a minute or more.</p>"
     '<p><button class="primary" data-act="law">Find the missing force</button></p>'
 )
+FORCE = (
+    '<p class="soft"><button data-act="law">Find the force that is missing</button> in free form,'
+    " as a curve and as a formula: that takes a minute or more.</p>"
+)
 NOT_DRAWN = "Its signature is drawn when you find out again."
 NOT_IN_RESIDUAL = "What is left of these runs holds nothing of its signature."
 
@@ -122,7 +126,7 @@ class MissingView:
         add += f"<p>{fix_buttons(verdict.fixes)}</p>" if verdict.fixes else ""
         look = '<p><button class="primary" data-act="look">Look at it in Compare</button></p>'
         following = f"<p>To record next: {escape(verdict.next_run)}</p>" if verdict.next_run else ""
-        extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], "")
+        extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], FORCE)
         numbers = f'<p class="numbers">{escape(verdict.numbers)}</p>' if verdict.numbers else ""
         return (
             f'<section class="verdict"><h2>{escape(head)}</h2>{numbers}'

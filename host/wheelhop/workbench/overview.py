@@ -47,12 +47,12 @@ class Overview:
         self._first = 0  # of the runs on this page of the table
         self._seen: object = None
         self._on_rig = isinstance(desk.campaign, ComponentCampaign)
+        self._findings = acting(html(), self._fix)
+        self._found: tuple[Found, ...] = ()
         with ui.element("div").classes("" if self._on_rig else "bench-split"):
             self._plan = acting(html(), self._act)
             with ui.element("div"):
                 self._runs = acting(html(), self._act)
-        self._findings = acting(html(), self._fix)
-        self._found: tuple[Found, ...] = ()
 
     def show(self) -> None:
         """Bring it up to date."""

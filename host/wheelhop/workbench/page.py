@@ -20,6 +20,7 @@ from wheelhop.workbench.charts import AFTER
 from wheelhop.workbench.compare_view import CompareView
 from wheelhop.workbench.compared import address_of, of_address
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.files_view import FilesView
 from wheelhop.workbench.missing_view import MissingView
 from wheelhop.workbench.model_view import ModelView
 from wheelhop.workbench.out_view import OutView
@@ -46,6 +47,7 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("between", "Axle to body", BetweenView),
     ("model", "The model", ModelView),
     ("vehicle", "Vehicle", VehicleView),
+    ("files", "Files", FilesView),
     ("out", "Take away", OutView),
 )
 OWN = "/own"
