@@ -10,7 +10,7 @@ from nicegui import ui
 
 from wheelhop.campaign import ComponentCampaign
 from wheelhop.files.words import chance, listed, percent, signed
-from wheelhop.report.page import bullets
+from wheelhop.report.page import QUESTIONS, bullets, facts
 from wheelhop.workbench.charts import AFTER, BEFORE, MEASURED, WHOLE, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
@@ -125,13 +125,15 @@ class MissingView:
         add = f'<p><button class="primary" data-act="add all">{label}</button></p>' if left else ""
         add += f"<p>{fix_buttons(verdict.fixes)}</p>" if verdict.fixes else ""
         look = '<p><button class="primary" data-act="look">Look at it in Compare</button></p>'
-        following = f"<p>To record next: {escape(verdict.next_run)}</p>" if verdict.next_run else ""
+        told = verdict.answers or not verdict.next_run
+        following = "" if told else f"<p>To record next: {escape(verdict.next_run)}</p>"
         extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], FORCE)
         numbers = f'<p class="numbers">{escape(verdict.numbers)}</p>' if verdict.numbers else ""
         return (
             f'<section class="verdict"><h2>{escape(head)}</h2>{numbers}'
-            f"<p>Confidence {100 * verdict.confidence:.0f} %.</p>{add}{look if known else ''}"
-            f"{bullets(verdict.explanation)}{following}{extra}{_limits(verdict)}</section>"
+            f"{add}{look if known else ''}{_answers(verdict)}{following}{extra}"
+            f"<details><summary>Why</summary>{bullets(verdict.explanation)}</details>"
+            f"{_limits(verdict)}</section>"
         )
 
     def _table_html(self, ranking: Ranking) -> str:
@@ -294,6 +296,14 @@ def _not_applicable(rows: list[Row]) -> str:
     return (
         f"<details><summary>{len(rows)} more do not apply here</summary><ul>{items}</ul></details>"
     )
+
+
+def _answers(verdict: Verdict) -> str:
+    """What the report's summary answers, but for what the heading says already."""
+    if len(verdict.answers) != len(QUESTIONS):  # of a session before they were kept
+        return f"<p>Confidence {100 * verdict.confidence:.0f} %.</p>"
+    pairs = zip(QUESTIONS[1:], verdict.answers[1:], strict=True)
+    return facts(pairs, "answers")
 
 
 def _limits(verdict: Verdict) -> str:

@@ -273,6 +273,7 @@ def _verdict(table: Table) -> Verdict:
         tuple(table.texts("limits")),
         table.text("numbers", default=""),
         _fixes_of(table),
+        tuple(table.texts("answers")),
     )
 
 

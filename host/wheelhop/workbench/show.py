@@ -30,6 +30,7 @@ from wheelhop.report.identified import predictions
 from wheelhop.report.law import law_figure, law_lines
 from wheelhop.report.loops import FINER, loop_of
 from wheelhop.report.settings import settings_headline, settings_sections
+from wheelhop.report.summary import answers
 from wheelhop.report.svg import equation, inline
 from wheelhop.report.words import headline, in_numbers, limit_words, next_run_words
 from wheelhop.workbench import shown
@@ -243,6 +244,7 @@ def verdict(diagnosis: Diagnosis, campaign: Campaign) -> shown.Verdict:
         tuple(_limit(limit) for limit in diagnosis.limits),
         in_numbers(diagnosis.ladder),
         of_effects(diagnosis.ladder[-1], campaign),
+        answers(diagnosis, campaign),
     )
 
 

@@ -159,8 +159,8 @@ class Found:
 class Verdict:
     """The end of a diagnosis in words: effects named, confidence (0 to 1), a sentence, its grounds,
     what to record next ("" if nothing), from where on these runs would have shown the other
-    effects, what those named came to in numbers, with the error they leave, and changes of the
-    campaign's files where it is these that are wrong."""
+    effects, what those named came to in numbers, with the error they leave, changes of the
+    campaign's files where it is these that are wrong, and the report's answers in plain words."""
 
     effects: tuple[str, ...]
     confidence: float
@@ -170,6 +170,7 @@ class Verdict:
     limits: tuple[str, ...] = ()
     numbers: str = ""
     fixes: tuple[Proposal, ...] = ()
+    answers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
