@@ -12,13 +12,12 @@ from wheelhop.campaign.change import Rewritten
 from wheelhop.files import Source, claimed
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.edits import make, take_back
+from wheelhop.workbench.places import remember
 from wheelhop.workbench.recorder import Recorder
 from wheelhop.workbench.session import unread
 
 if TYPE_CHECKING:
     from wheelhop.workbench.draft import Draft
-
-EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 class Workbench:
@@ -55,6 +54,7 @@ class Workbench:
             self.desk.close()
         self.desk = Desk(campaign, self._effects)
         self._draft = None
+        remember(folder)
 
     def change(self, title: str, files: Sequence[Rewritten]) -> None:
         """Change files of the campaign that is open as planned, and open it as it is then. Raises
@@ -100,8 +100,3 @@ class Workbench:
 def same(one: Campaign, other: Campaign) -> bool:
     """Whether two campaigns are in the same folder."""
     return one.folder.resolve() == other.folder.resolve()
-
-
-def examples() -> list[Path]:
-    """Campaigns that come with the repository; none where it was installed as a package."""
-    return sorted(file.parent for file in EXAMPLES.glob("*/campaign.toml"))

@@ -55,6 +55,7 @@ OWN_FILES = {
     "style.css": ("wheelhop.report", "text/css"),
     "workbench.css": ("wheelhop.workbench", "text/css"),
     "charts.js": ("wheelhop.workbench", "text/javascript"),
+    "folders.js": ("wheelhop.workbench", "text/javascript"),
     "playback.js": ("wheelhop.workbench", "text/javascript"),
     "stretches.js": ("wheelhop.workbench", "text/javascript"),
 }
