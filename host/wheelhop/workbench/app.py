@@ -19,8 +19,9 @@ from nicegui.client import templates
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.guard import NONCE
 from wheelhop.workbench.out_view import REPORT_ADDRESS, TAKEN
-from wheelhop.workbench.page import OWN, OWN_FILES, lay_out
+from wheelhop.workbench.page import OWN, OWN_FILES, THEME, lay_out
 from wheelhop.workbench.takeaway import REPORT, WHAT, packed
+from wheelhop.workbench.theme import theme_css
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -55,6 +56,8 @@ def make_app(bench: Workbench, far: bool) -> FastAPI:
         if name not in OWN_FILES:
             raise HTTPException(404, "there is no such file")
         package, kind = OWN_FILES[name]
+        if name == THEME:
+            return Response(theme_css(), media_type=kind)
         return Response((files(package) / name).read_bytes(), media_type=kind)
 
     @app.get(REPORT_ADDRESS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from nicegui import ui
@@ -35,6 +36,7 @@ ACTIONS = (
     '<p><button class="primary" data-act="where">Where does it fail?</button>'
     ' <button class="primary" data-act="missing">What is missing?</button></p>'
 )
+ORDERS = ("as listed", "worst first", "by track", "by speed")
 ROWS = 100  # of runs at a time
 PROFILE_M = 6.0  # of a track, in its small drawing
 
@@ -52,6 +54,12 @@ class Overview:
         with ui.element("div").classes("" if self._on_rig else "bench-split"):
             self._plan = acting(html(), self._act)
             with ui.element("div"):
+                with ui.row().classes("bench-controls"):
+                    orders = list(ORDERS if not self._on_rig else ORDERS[:2])
+                    self._order: Any = ui.select(orders, label="order", value=ORDERS[0])
+                    self._find: Any = ui.input("find runs").props("clearable")
+                    for field in (self._order, self._find):
+                        field.props("dense options-dense").on_value_change(self._sorted_anew)
                 self._runs = acting(html(), self._act)
 
     def show(self) -> None:
@@ -59,7 +67,8 @@ class Overview:
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
         criticism = desk.diagnosis.findings if desk.diagnosis else ()
-        seen = (rung, desk.choice, desk.findings, criticism, self._first)
+        asked = (self._order.value, self._find.value)
+        seen = (rung, desk.choice, desk.findings, criticism, self._first, asked)
         if seen == self._seen:
             return
         self._seen = seen
@@ -115,14 +124,32 @@ class Overview:
             f'<th class="r">{_button("leave channel", c.name, c.name in left_out, channel=i)}</th>'
             for i, c in enumerate(campaign.channels)
         )
-        shown = range(self._first, min(self._first + ROWS, len(campaign.runs)))
+        every = self._in_order(rung)
+        shown = every[self._first : self._first + ROWS]
         rows = [self._row(i, campaign.runs[i], rung) for i in shown]
         drive = "" if self._on_rig else "<th>track</th><th>km/h</th>"
+        pages = _pages(self._first, len(shown), len(every))
         return (
             f'<div class="scroll"><table class="heat runs"><thead><tr><th>run</th>{drive}'
             f"<th>role</th>{heads}<th></th></tr></thead>"
-            f"<tbody>{''.join(rows)}</tbody></table></div>{_pages(shown, len(campaign.runs))}"
+            f"<tbody>{''.join(rows)}</tbody></table></div>{pages}"
         )
+
+    def _sorted_anew(self) -> None:
+        self._first = 0
+        self.show()
+
+    def _in_order(self, rung: Rung | None) -> list[int]:
+        """The runs that are asked for, in the order that is."""
+        runs, wanted = self._desk.campaign.runs, str(self._find.value or "").lower()
+        found = [i for i, run in enumerate(runs) if wanted in run.id.lower()]
+        if self._order.value == ORDERS[1]:
+            found.sort(key=lambda i: -_worst(rung, runs[i]))
+        elif self._order.value == ORDERS[2]:
+            found.sort(key=lambda i: (runs[i].track.kind, runs[i].speed_m_s))
+        elif self._order.value == ORDERS[3]:
+            found.sort(key=lambda i: runs[i].speed_m_s)
+        return found
 
     def _row(self, i: int, run: Run, rung: Rung | None) -> str:
         choice = self._desk.choice
@@ -144,17 +171,17 @@ class Overview:
         )
 
 
-def _pages(shown: range, count: int) -> str:
+def _pages(first: int, shown: int, count: int) -> str:
     """From one page of a long table to the next."""
     if count <= ROWS:
         return ""
-    steps = ((shown.start - ROWS, "earlier runs"), (shown.start + ROWS, "later runs"))
+    steps = ((first - ROWS, "earlier runs"), (first + ROWS, "later runs"))
     buttons = " ".join(
         f'<button data-act="page" data-first="{first}">{words}</button>'
         for first, words in steps
         if 0 <= first < count
     )
-    return f"<p class='soft'>runs {shown.start + 1} to {shown.stop} of {count} {buttons}</p>"
+    return f"<p class='soft'>runs {first + 1} to {first + shown} of {count} {buttons}</p>"
 
 
 def _button(act: str, text: str, struck: bool, **data: int) -> str:
@@ -217,6 +244,16 @@ def _point(name: str, point: str, k: int, rung: Rung | None) -> str:
         f"{escape(point)}</text>"
         f'<text class="soft" x="{x}" y="{y + 28}" text-anchor="middle">{words}</text></g>'
     )
+
+
+def _worst(rung: Rung | None, run: Run) -> float:
+    """The largest residual over floor of a run; before anything is fitted the largest motion."""
+    if rung is None:
+        return float(run.record.std(axis=0).max()) if len(run.time_s) else 0.0
+    if run.id not in rung.runs:
+        return -1.0
+    ratios = rung.ratio[rung.runs.index(run.id)]
+    return float(np.nanmax(ratios)) if np.isfinite(ratios).any() else -1.0
 
 
 def _over_runs(rung: Rung | None, name: str) -> float:

@@ -27,6 +27,7 @@ from wheelhop.workbench.out_view import OutView
 from wheelhop.workbench.overview import Overview
 from wheelhop.workbench.settings_view import SettingsView
 from wheelhop.workbench.struts_view import StrutsView
+from wheelhop.workbench.theme import theme_menu
 from wheelhop.workbench.vehicle_view import VehicleView
 from wheelhop.workbench.view import Looking, View, Words, html
 from wheelhop.workbench.where_view import WhereView
@@ -51,12 +52,16 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("out", "Take away", OutView),
 )
 OWN = "/own"
+THEME = "theme.css"
 OWN_FILES = {
     "style.css": ("wheelhop.report", "text/css"),
     "workbench.css": ("wheelhop.workbench", "text/css"),
+    THEME: ("wheelhop.workbench", "text/css"),
     "charts.js": ("wheelhop.workbench", "text/javascript"),
     "folders.js": ("wheelhop.workbench", "text/javascript"),
     "playback.js": ("wheelhop.workbench", "text/javascript"),
+    "theme.js": ("wheelhop.workbench", "text/javascript"),
+    "tables.js": ("wheelhop.workbench", "text/javascript"),
     "stretches.js": ("wheelhop.workbench", "text/javascript"),
 }
 """The page's styles and scripts: the package they are in, and their kind."""
@@ -126,6 +131,7 @@ class Page:
             self._cancel = ui.button("Stop", on_click=self._give_up).props("outline dense no-caps")
             self._undo = ui.button("Undo", on_click=desk.undo).props("flat dense no-caps")
             self._redo = ui.button("Redo", on_click=desk.redo).props("flat dense no-caps")
+            theme_menu()
             ui.button("Close", on_click=self._bench.clear).props("flat dense no-caps").tooltip(
                 "put this campaign away and open another"
             )

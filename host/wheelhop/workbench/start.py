@@ -13,6 +13,7 @@ from wheelhop.workbench.folder_view import FolderPicker
 from wheelhop.workbench.guide import Guide
 from wheelhop.workbench.places import examples, recent, to_open
 from wheelhop.workbench.record_view import RecordView
+from wheelhop.workbench.theme import theme_menu
 from wheelhop.workbench.view import Words, html
 
 LOOK_S = 0.5
@@ -32,6 +33,7 @@ class Start:
         self._picker = FolderPicker()
         with ui.element("header").classes("bench-head"):
             Words("wheelhop workbench", "h1")
+            theme_menu()
         self._notice = ui.label().classes("bench-notice").props('role="status"')
         self._notice.set_visibility(False)
         with ui.element("div").classes("bench-main"):
