@@ -27,6 +27,7 @@ class Workbench:
     def __init__(self, effects_file: Path | None = None) -> None:
         self.desk: Desk | None = None
         self.recorder = Recorder()
+        self.touring = False
         self._draft: Draft | None = None
         self._effects = None if effects_file is None else Source.read(effects_file, CampaignError)
         self._claims = ExitStack()
@@ -88,6 +89,7 @@ class Workbench:
         if self.desk is not None:
             self.desk.close()
             self.desk = None
+        self.touring = False
         self._draft = None
         self._claims.close()
 

@@ -16,6 +16,7 @@ from wheelhop.report.heat import heat_class, heat_legend, heat_words
 from wheelhop.track import make_track
 from wheelhop.workbench.compared import opened
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.glossary import term
 from wheelhop.workbench.shown import Found, Rung
 from wheelhop.workbench.view import Looking, acting, fix_buttons, html
 
@@ -23,9 +24,10 @@ PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
 PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
 """Where the eight points stand in the drawing, forward up."""
 WORDS = (
-    "<p class='soft'>How many times the sensors' noise the model leaves, in band: 1 is as good as"
-    " it gets. Click a number, a run or a sensor to look at it; a role to fit a run or to hold it"
-    " out; a channel to leave it out. Grey numbers need no attention.</p>"
+    "<p class='soft'>How many times the sensors' noise the model leaves, in"
+    f" {term('band')}: 1 is as good as it gets, the {term('floor')}. Click a number, a run or a"
+    " sensor to look at it; a role to fit a run or to hold it out; a channel to leave it out. Grey"
+    " numbers need no attention.</p>"
 )
 RECORDED = (
     "<p class='soft'>What was recorded: rms of every channel without its mean, in the channel’s"

@@ -21,6 +21,7 @@ from wheelhop.workbench.compare_view import CompareView
 from wheelhop.workbench.compared import address_of, of_address
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.files_view import FilesView
+from wheelhop.workbench.glossary import term
 from wheelhop.workbench.missing_view import MissingView
 from wheelhop.workbench.model_view import ModelView
 from wheelhop.workbench.out_view import OutView
@@ -28,6 +29,7 @@ from wheelhop.workbench.overview import Overview
 from wheelhop.workbench.settings_view import SettingsView
 from wheelhop.workbench.struts_view import StrutsView
 from wheelhop.workbench.theme import theme_menu
+from wheelhop.workbench.tour import Tour
 from wheelhop.workbench.vehicle_view import VehicleView
 from wheelhop.workbench.view import Looking, View, Words, html
 from wheelhop.workbench.where_view import WhereView
@@ -114,6 +116,8 @@ class Page:
                 self._panels[key] = ui.element("div").props(f"data-view={key}").classes(ASLEEP)
         self._tabs.set_value("overview")
         self._look()
+        if bench.touring:
+            Tour(self._go, self._end_tour)
         self._arriving = False  # from now on a view is turned to by the user
         ui.on("opened", lambda event: self._opened(str(event.args)))
         ui.on("place", lambda event: self._came(str(event.args)))
@@ -135,6 +139,9 @@ class Page:
             ui.button("Close", on_click=self._bench.clear).props("flat dense no-caps").tooltip(
                 "put this campaign away and open another"
             )
+
+    def _end_tour(self) -> None:
+        self._bench.touring = False
 
     def _give_up(self) -> None:
         self._desk.cancel()
@@ -262,10 +269,13 @@ def _figures(desk: Desk) -> str:
     model = " + ".join(("baseline", *last.added))
     runs = "held out" if desk.campaign.validate_runs else "fitted"
     pairs = (
-        (f"error E, runs {runs}", fall),
-        ("noise floor", percent(last.floor)),
-        ("error / floor", significant(last.over_floor)),
-        ("model", model),
+        (f"error E, runs {runs}", "e", fall),
+        ("noise floor", "floor", percent(last.floor)),
+        ("error / floor", "floor", significant(last.over_floor)),
+        ("model", "baseline", model),
     )
-    items = "".join(f"<div><dt>{a}</dt><dd>{escape(b)}</dd></div>" for a, b in pairs)
+    items = "".join(
+        f"<div><dt>{term(words, entry)}</dt><dd>{escape(value)}</dd></div>"
+        for words, entry, value in pairs
+    )
     return f'<dl class="key">{items}</dl>'

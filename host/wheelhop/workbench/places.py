@@ -45,6 +45,24 @@ def to_open(folder: Path) -> Path:
     return copy
 
 
+def for_tour(name: str) -> Path | None:
+    """A copy of an example in which nothing was done yet; None where it does not come along.
+    Raises InputError."""
+    example = next((folder for folder in examples() if folder.name == name), None)
+    if example is None:
+        return None
+    copy = home() / "tour" / name
+    with suppress(OSError):
+        shutil.rmtree(copy)
+    with new_folder(copy) as draft:
+        try:
+            shutil.copytree(example, draft, dirs_exist_ok=True)
+            (draft / "session.toml").unlink(missing_ok=True)
+        except OSError as error:
+            raise InputError(f"{copy}: cannot be written: {error}") from None
+    return copy
+
+
 def recent() -> list[Path]:
     """Campaigns opened lately that are still there, the last one first."""
     with suppress(InputError, ValueError, TypeError, OSError):

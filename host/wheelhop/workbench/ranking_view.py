@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from html import escape
 
 from wheelhop.files.words import chance, percent, signed
+from wheelhop.workbench.glossary import term
 from wheelhop.workbench.shown import CanShow, Card, Ranking, Row
 from wheelhop.workbench.tables import Column, Sortable
 from wheelhop.workbench.view import acting, html
@@ -17,7 +18,8 @@ COLUMNS = {
     "log evidence": "how much more likely the records are with the effect, as a logarithm",
     "p": "chance that any effect does so well without being there",
 }
-LEGEND = "; ".join(f"<strong>{name}</strong>: {words}" for name, words in COLUMNS.items())
+ENTRIES = {"held out": "validate runs", "log evidence": "evidence"}
+"""What the glossary calls them."""
 WAITING = "<p class='soft'>The effects stand here once the campaign is read.</p>"
 
 
@@ -48,8 +50,12 @@ class RankingView:
         self._ranked.show([_cells(row, row.effect in accepted) for row in shown])
         rest = [row for row in tried if row not in shown]
         others = [row for row in ranking.rows if row.screened is None]
+        legend = "; ".join(
+            f"<strong>{term(name, ENTRIES.get(name, ''))}</strong>: {words}"
+            for name, words in COLUMNS.items()
+        )
         self._below.set_content(
-            f"<p class='soft'>{LEGEND}.</p>{_explains_nothing(rest)}{_not_applicable(others)}"
+            f"<p class='soft'>{legend}.</p>{_explains_nothing(rest)}{_not_applicable(others)}"
         )
 
     def show_library(self, cards: Mapping[str, Card], found: CanShow | None) -> None:

@@ -11,9 +11,10 @@ from wheelhop.files import InputError
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.folder_view import FolderPicker
 from wheelhop.workbench.guide import Guide
-from wheelhop.workbench.places import examples, recent, to_open
+from wheelhop.workbench.places import examples, for_tour, recent, to_open
 from wheelhop.workbench.record_view import RecordView
 from wheelhop.workbench.theme import theme_menu
+from wheelhop.workbench.tour import EXAMPLE
 from wheelhop.workbench.view import Words, html
 
 LOOK_S = 0.5
@@ -40,6 +41,8 @@ class Start:
             with ui.element("section"):
                 Words("From recordings to what the model is missing", "h2")
                 html(f"<p>{WORDS}</p>")
+                tour = ui.button("Take the tour: three minutes on an example", on_click=self._tour)
+                tour.props("no-caps outline").set_visibility(bool(examples()))
                 guide = Guide(bench.draft, self.put, self._say)
             with ui.element("section"):
                 Words("Open a campaign that is there", "h2")
@@ -71,6 +74,16 @@ class Start:
         text = self._folder.value.strip()
         if text:
             await self.put(Path(text).expanduser())
+
+    async def _tour(self) -> None:
+        try:
+            folder = await run.io_bound(for_tour, EXAMPLE)
+        except InputError as error:
+            self._say(str(error))
+            return
+        if folder is not None:
+            await self.put(folder)
+            self._bench.touring = self._bench.desk is not None
 
     def _read(self, line: str) -> None:
         """Told by the thread that reads; shown by the next look."""
