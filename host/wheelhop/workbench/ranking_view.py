@@ -46,6 +46,7 @@ class RankingView:
         confirmed = [row for row in tried if row.confirmed is not None] if settled else []
         shown = confirmed or tried
         self._switch(listed=False)
+        self._listed.show([])
         self._sentence.set_content("")
         self._ranked.show([_cells(row, row.effect in accepted) for row in shown])
         rest = [row for row in tried if row not in shown]
@@ -65,6 +66,7 @@ class RankingView:
         sentence = f"<p>{escape(found.sentence)}</p>" if found and found.sentence else ""
         self._switch(listed=bool(cards))
         self._sentence.set_content(sentence if cards else WAITING)
+        self._ranked.show([])
         self._listed.show(
             [
                 {"effect": card.effect, "place": card.place, "seen": seen.get(card.effect, "")}
