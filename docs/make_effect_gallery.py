@@ -19,7 +19,7 @@ from effect_on_rig import COMPONENT, forms_picture, picture_on_rig
 from effect_pictures import picture
 from effect_stage import Stage, set_stage
 
-from wheelhop.effects import Effect, Parameter, load_effects
+from wheelhop.effects import Effect, Parameter, Shape, Switch, load_effects
 
 DOCS = Path(__file__).parent
 EXAMPLE = DOCS.parent / "examples/clean"
@@ -130,13 +130,13 @@ def row(name: str, *cells: str) -> str:
 
 def believed(p: Parameter) -> str:
     """At which values a parameter is tried, and its bounds."""
-    if p.switch:
+    if isinstance(p, Switch):
         return "on or off"
-    words = [f"clearly visible at {number(p.absent + p.scale)}"]
-    if p.is_shape:
+    words = [f"clearly visible at {number(p.typical)}"]
+    if isinstance(p, Shape):
         words = [f"tried at {', '.join(number(x) for x in p.starts)}"]
-    if p.believed is not None:
-        words += [f"believed to be {number(p.believed)} ± {number(p.scale)}"]
+        if p.believed is not None:
+            words += [f"believed to be {number(p.believed)} ± {number(p.scale)}"]
     words += [f"{sign} {number(x)}" for sign, x in (("≥", p.lower), ("≤", p.upper)) if isfinite(x)]
     return "; ".join(words)
 
