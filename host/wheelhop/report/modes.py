@@ -89,13 +89,21 @@ def _draw_modes(figure: Figure, axes: Axes, found: Sequence[Modes]) -> None:
             taken.append(_named(axes, name, at, ink, taken))
 
 
+PLACES = (
+    *((0, 7, "center"), (6, 0, "left"), (-6, 0, "right"), (0, -7, "center")),
+    *((5, 6, "left"), (-5, 6, "right"), (5, -6, "left"), (-5, -6, "right")),
+    *((12, 12, "left"), (-12, -12, "right")),
+)
+"""Where a name may stand about its point, pt, best first."""
+
+
 def _named(axes: Axes, name: str, at: tuple[float, float], ink: str, taken: Sequence[Bbox]) -> Bbox:
     """A name beside its point, where it overlaps least of what is there; the place it takes."""
     text = axes.annotate(
         name, at, (0, 0), textcoords="offset points", fontsize=6.5, color=ink, va="center"
     )
     places = []
-    for x, y, side in ((0, 7, "center"), (6, 0, "left"), (-6, 0, "right"), (0, -7, "center")):
+    for x, y, side in PLACES:
         text.set(position=(x, y), horizontalalignment=side)
         box = text.get_window_extent()
         places.append((sum(box.overlaps(other) for other in taken), x, y, side, box))
