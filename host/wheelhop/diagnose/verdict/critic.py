@@ -15,7 +15,7 @@ from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
 from wheelhop.diagnose.score import at_noise, nearly_all
 from wheelhop.diagnose.verdict.numbers import Number, measured_of, numbers_of
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Misstatement
 from wheelhop.files.words import listed, percent, significant
 from wheelhop.fit import of_forces
 from wheelhop.gate import Finding
@@ -80,7 +80,8 @@ def refuted(diagnosis: Diagnosis) -> list[Belief]:
     step = diagnosis.ladder[-1]
     effects, found = step.rung.model.effects, []
     for effect in effects:
-        for name, (what, stated) in effect.stated().items():
+        stated_of = effect.stated() if isinstance(effect, Misstatement) else {}
+        for name, (what, stated) in stated_of.items():
             error, sd = step.parameters[f"{effect.id}.{name}"]
             sure = diagnosis.confidence if effect.id == diagnosis.verdict[0] else None
             found.append(Belief(what, stated, stated + error, sd, sure))
