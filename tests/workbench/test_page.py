@@ -72,7 +72,7 @@ def test_from_a_campaign_to_a_report(friction, open_page, pictures):
 
         turn(page, "What is missing")
         page.get_by_role("button", name="Find out what is missing").click()
-        page.wait_for_selector("table.ranking tbody tr", timeout=FINDING_MS)
+        page.wait_for_selector(".ranking tbody tr", timeout=FINDING_MS)
         assert page.locator(".verdict").count() == 0  # the ranking comes before the end
         page.screenshot(path=pictures / "ranking.png", full_page=True)
         page.wait_for_selector(".verdict", timeout=FINDING_MS)

@@ -299,7 +299,7 @@ def test_a_click_loses_no_diagnosis_and_stop_no_ranking(small, tmp_path, open_pa
         page.wait_for_selector("table.heat td:is(.h0, .h1, .h2, .h3, .h4)")
         missing = page.get_by_role("tab", name="What is missing")
         verdict = page.locator(".verdict h2", has_text=HEADLINE)
-        ranked = page.locator("table.ranking button", has_text="bump-stop")
+        ranked = page.locator(".ranking button", has_text="bump-stop")
         missing.click()
         verdict.wait_for()
         ranked.wait_for()

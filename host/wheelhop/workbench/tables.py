@@ -47,8 +47,8 @@ class Sortable:
                 row_key=key,
                 pagination={"rowsPerPage": 0},
             )
-        self._table.props(f'dense flat hide-pagination table-class="{kind}"')
-        self._table.classes("bench-table").bind_filter_from(self._find, "value")
+        self._table.props("dense flat hide-pagination").classes(f"bench-table {kind}")
+        self._table.bind_filter_from(self._find, "value")
         for column in columns:
             if column.tip:
                 self._table.add_slot(f"header-cell-{column.name}", HEAD)
