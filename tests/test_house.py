@@ -64,6 +64,7 @@ READ_OWN_WAY = {
     "report": "of the package, or what was just printed",
     "workbench/app.py": "of the package",
     "workbench/sessions.py": "a picture that it has drawn",
+    "workbench/theme.py": "of the package",
 }
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}
 FOLDERS = ("host", "calibration", "hil_sim", "firmware", "tests", "benchmarks", "docs", "tools")

@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, RunSetting, Values
 from wheelhop.effects.history import History
+from wheelhop.effects.parameters import Parameter
 from wheelhop.vehicle import Assembly
 from wheelhop.vehicle.assembly import Row
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError, Channel
-from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects import Amplitude, Effect, Parameter, law
 from wheelhop.vehicle import Assembly, struts
 from wheelhop.vehicle.curves import FORCE, SPEED, read_curve
 
@@ -67,7 +67,7 @@ class DamperCurve(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The click of each axle."""
         return tuple(
-            Parameter(click_key(end), "1", f"click of the {end} dampers", 1.0, absent=clicks.now)
+            Amplitude(click_key(end), "1", f"click of the {end} dampers", 1.0, absent=clicks.now)
             for end, clicks in self.of.items()
         )
 
