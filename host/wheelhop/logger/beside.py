@@ -105,15 +105,15 @@ def joined(
     scan, record = np.concatenate(scans).astype(np.int64), np.concatenate(records)
     if not len(scan) or (np.diff(scan) <= 0).any():
         return None
-    end_s = (scan * settings.steps - 1) * settings.step_s
+    end_s: Array = np.asarray((scan * settings.steps - 1) * settings.step_s, np.float64)
     pulses = _unrolled(record["pulses"], ROUND)
     since_s = (record["since"] + 0.5) * settings.step_s
     return Beside(
         scan,
         end_s,
         pulses,
-        np.where(record["since"] == LONG_AGO, np.nan, end_s - since_s),
-        record["temperature"] / 2.0 ** (settings.code_bits - CODE_BITS),
+        np.where(record["since"] == LONG_AGO, np.nan, end_s - since_s).astype(np.float64),
+        np.asarray(record["temperature"] / 2.0 ** (settings.code_bits - CODE_BITS), np.float64),
         _unrolled(record["marks"], 1 << 8),
         number(header, "pulses_per_km"),
     )
@@ -143,5 +143,5 @@ def with_beside(recording: Recording, beside: Beside | None, own_s: Array) -> Re
 
 def _unrolled(count: NDArray[np.unsignedinteger], modulus: int) -> NDArray[np.int64]:
     """A count modulo `modulus` as one that only grows; it begins at 0."""
-    steps = np.diff(count.astype(np.int64), prepend=0) % modulus
+    steps = np.mod(np.diff(count.astype(np.int64), prepend=0), modulus)
     return np.asarray(np.cumsum(steps))

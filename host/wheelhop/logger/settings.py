@@ -45,7 +45,7 @@ class Settings:
         """Mean sampling instant of scan 0 after the first conversion (SPEC.md, "Scans")."""
         return (self.steps - 1) / 2 * self.step_s
 
-    def codes(self, sums: NDArray[np.unsignedinteger]) -> NDArray[np.float64]:
+    def codes(self, sums: NDArray[np.unsignedinteger] | NDArray[np.float64]) -> NDArray[np.float64]:
         """Mean codes of sums, where code 1024 is the reference, whatever the converter has."""
         scale = self.conversions * 2.0 ** (self.code_bits - CODE_BITS)
         return np.asarray(sums / scale)

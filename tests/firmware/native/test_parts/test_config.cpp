@@ -31,8 +31,8 @@ TEST(settings_are_taken_over) {
     CHECK(channels(settings) == "B1 B2 B3 B4 A1 A2 A3 A4" && settings.mask() == 0xFF);
     CHECK(apply(settings, "rate = 400") && settings.conversions == 2);
     CHECK(apply(settings, "  rate=100  ") && settings.conversions == 8);
-    CHECK(apply(settings, "channels = dash - -  B4 - - - _9"));
-    CHECK(channels(settings) == "dash - - B4 - - - _9" && settings.mask() == 0x89);
+    CHECK(apply(settings, "channels = dash - -  B0 - - - _9"));
+    CHECK(channels(settings) == "dash - - B0 - - - _9" && settings.mask() == 0x89);
     CHECK(settings.recorded() == 3);
     CHECK(apply(settings, "name = second run") && !strcmp(settings.name, "second run"));
     CHECK(apply(settings, "name =") && !settings.name[0]);
@@ -124,16 +124,19 @@ TEST(a_line_may_be_exactly_so_long) {
 }
 
 TEST(numbers_as_text) {
-    char text[40];
+    char text[60];
     Text writer(text, sizeof text);
     writer.number(4294967295u);
     writer.put(' ');
     writer.signed_number(-2147483647 - 1);
     writer.put(' ');
+    writer.signed_number(-1250);
+    writer.signed_number(0);
+    writer.put(' ');
     writer.number(12, 5);
     writer.put(' ');
     writer.hex(0x1A2B, 8);
-    CHECK(std::string(text, writer.length()) == "4294967295 -2147483648 00012 00001A2B");
+    CHECK(std::string(text, writer.length()) == "4294967295 -2147483648 -12500 00012 00001A2B");
     Text small(text, 3);
     small.number(123456);
     CHECK(small.length() == 3);

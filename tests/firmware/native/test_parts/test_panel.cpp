@@ -29,6 +29,7 @@ TEST(trouble_flashes_its_number) {
 
 TEST(light_of_a_session) {
     CHECK(flashes(Light::Ready, kNoTrouble, 0, 10000) == 5);
+    CHECK(led_lit(Light::Ready, kNoTrouble, 49) && !led_lit(Light::Ready, kNoTrouble, 50));
     CHECK(flashes(Light::Losing, kNoTrouble, 0, 10000) == 50);
     for (uint32_t ms = 0; ms < 5000; ++ms) CHECK(led_lit(Light::Recording, kNoCard, ms));
 }

@@ -17,6 +17,17 @@ TEST(a_session_is_in_its_file) {
     CHECK(rig.session.tally.written == 1000 && rig.session.lost() == 0);
 }
 
+TEST(the_time_of_its_end_is_the_summarys) {
+    if (!insert_card()) return;
+    Rig rig;
+    rig.session.epoch_s = 1800000000;
+    CHECK(rig.session.start() == kNoTrouble);
+    const uint32_t begun = rig.session.unix_s;
+    rig.run(500);
+    CHECK(rig.stop() == kNoTrouble);
+    CHECK(begun >= 1800000000 && rig.session.unix_s - begun >= 5 && rig.session.unix_s - begun < 9);
+}
+
 TEST(a_stall_of_600_ms_loses_nothing) {
     if (!insert_card()) return;
     Rig rig;
@@ -288,7 +299,7 @@ TEST(a_file_that_is_not_there_is_told_from_a_card_that_is_not) {
     fake::card.inserted = true;
     CHECK(logfile::mount(volume) == kNoTrouble);
     for (const char* name : {"HOP00099.HOP", "HOP/1.HOP", "HOP*.HOP", ""}) {
-        CHECK(logfile::open_file(work, name, 0) == kNoFile);
+        CHECK(logfile::open_file(work, name, 0) == kNoFile && kNoFile != kNoTrouble);
     }
     for (uint32_t block : {3u, 0u}) {
         CHECK(logfile::open_file(work, "HOP00001.HOP", block) == kNoTrouble);
