@@ -62,8 +62,9 @@ def test_every_quantity_is_read(folder):
             "pot_rr", "S4", **travel, noise_rms=2e-4, scale_uncertainty=0.02, gain_uncertainty=0.02
         ),
         Channel("nose", "pitch", quantity="rate", unit="rad/s", noise_rms=0.004),
+        Channel("seat", "driver"),
     )
-    assert [c.corner for c in campaign.channels] == [1, 0, None, 2, 0, 3, None]
+    assert [c.corner for c in campaign.channels] == [1, 0, None, 2, 0, 3, None, None]
     assert campaign.leading.name == "B1"
     assert (campaign.unit, campaign.noise_key, campaign.noise_rms) == (
         "m/s²",
@@ -76,15 +77,14 @@ def test_every_quantity_is_read(folder):
 def test_what_is_not_compared_is_kept_beside(folder):
     campaign = read_campaign(folder)
     assert {(c.name, c.quantity, c.unit) for c in campaign.known} == {
-        ("seat", "acceleration", "m/s²"),
         ("gps", "speed", "m/s"),
         ("ax", "acceleration", "m/s²"),
         ("rpm", "speed", "rad/s"),
     }
     run = campaign.runs[0]
-    assert run.record.shape == (ROWS, 7)
+    assert run.record.shape == (ROWS, 8)
     file = np.loadtxt(folder / "runs/slow.csv", delimiter=",", skiprows=1)
-    for name in ("seat", "gps", "ax", "rpm"):
+    for name in ("gps", "ax", "rpm"):
         np.testing.assert_array_equal(run.known[name], file[:, 1 + NAMES.index(name)])
 
 
@@ -109,6 +109,7 @@ def test_pots_alone_are_a_campaign(folder):
     toml.write_text(text[:begin] + text[end:].replace("noise_rms_m_s2 = 0.12\n", ""))
     edit(toml, "noise_rms_m_s2 = 0.12\n", "")
     edit(toml, "rod = ", "# rod = ")
+    edit(toml, "seat = ", "# seat = ")
     campaign = read_campaign(folder)
     assert (campaign.unit, campaign.noise_key, campaign.noise_rms) == ("m", "noise_rms_m", 2e-4)
 
@@ -123,6 +124,7 @@ def test_noise_stated_of_every_channel_is_that_of_one_in_the_mean(folder):
     )
     edit(toml, "[0.35, 0.0] }", "[0.35, 0.0], noise_rms_m_s2 = 0.2 }")
     edit(toml, 'axis = "z" }', 'axis = "z", noise_rms_m_s2 = 0.2 }')
+    edit(toml, "seat = ", "# seat = ")
     campaign = read_campaign(folder)
     assert campaign.noise_rms == pytest.approx(np.sqrt((0.01 + 2 * 0.04) / 3))
     assert [c.noise_rms for c in campaign.channels[1:4]] == [0.1, 0.2, 0.2]
@@ -280,7 +282,7 @@ def test_the_page_on_channels_shows_a_campaign_that_reads():
     example, *_ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     said = read_channels(parse_toml(example, Path("campaign.toml"), CampaignError))
     assert {c.quantity for c in said.compared} == {"acceleration", "travel", "rate", "force"}
-    assert [c.name for c in said.known] == ["gps", "ax", "seat", "rpm"]
+    assert [c.name for c in said.known] == ["gps", "ax", "rpm"]
     assert [c.noise_rms for c in said.compared if c.name in ("pot_fl", "roll_rate", "rod_fl")] == [
         *(2e-4, 0.004, 8.0)
     ]

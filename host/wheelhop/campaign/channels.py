@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign.types import (
+    ABOARD,
     ACCELERATION,
     AXLE_POINTS,
     BODY_POINTS,
@@ -20,7 +21,6 @@ from wheelhop.files.words import ending_of
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
 VERTICAL, ENGINE = "z", "engine"
-ABOARD = ("driver", ENGINE)
 
 
 @dataclass(frozen=True)
@@ -201,14 +201,14 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
 
 
 def _acceleration(table: Table, channel: Channel) -> tuple[Channel, bool]:
-    """An acceleration: vertical on body or axle it is compared; along x or y, or on what a mount
-    carries, it is only known."""
+    """An acceleration: vertical on body, axle or what a mount carries it is compared; along x or y
+    it is only known."""
     axis = table.text("axis", VERTICAL, choices=("x", "y", VERTICAL))
     if "on" in table:
         if "position" in table:
             raise table.error("on and position both say where the sensor sits: delete one")
-        table.text("on", choices=ABOARD)
-        return channel, True
+        on = table.text("on", choices=ABOARD)
+        return replace(channel, point=on, axis=axis), axis != VERTICAL
     if "position" not in table:
         raise table.error(
             f"'position' is missing: give position = [x, y] in metres from the centre of mass, a"

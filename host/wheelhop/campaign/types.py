@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")
 STRUT_POINTS = ("S1", "S2", "S3", "S4")
+ABOARD = ("driver", "engine", "battery", "payload")
+"""What vehicle.toml may put on a mount of its own, each a table there."""
 ACCELERATION = "acceleration"
 Role = Literal["fit", "validate"]
 RigDrive = Literal["displacement", "force"]
@@ -42,10 +44,11 @@ class Channel:
 
     `point` is "A1".."A4" (wheel axles), "B1".."B4" (suspension-to-body points), "body-xy" (on the
     sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
-    sprung body, position unknown) for a vertical acceleration, "S1".."S4" (struts) for travel or
-    force, "pitch" or "roll" for a rate, or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
-    right. A channel of a strut shows `per_wheel` times what the strut does at the wheel. An
-    acceleration along another `axis` than z, up, is known alone: x forward, y to the left.
+    sprung body, position unknown), or what it sits on of `ABOARD`, for a vertical acceleration,
+    "S1".."S4" (struts) for travel or force, "pitch" or "roll" for a rate, or "rig". 1 front left,
+    2 front right, 3 rear left, 4 rear right. A channel of a strut shows `per_wheel` times what the
+    strut does at the wheel. An acceleration along another `axis` than z, up, is known alone: x
+    forward, y to the left.
 
     `noise_rms` is the noise in band that is stated of this channel or its quantity, in `unit`,
     None where the campaign's holds, or none is stated. `noise_scale` is its noise over the
@@ -88,7 +91,7 @@ class Channel:
     @property
     def is_axle(self) -> bool:
         """Whether it is an acceleration of a wheel axle."""
-        return self.point in AXLE_POINTS
+        return self.point in AXLE_POINTS and self.is_acceleration
 
     @property
     def is_body_point(self) -> bool:

@@ -29,7 +29,7 @@ from wheelhop.cli.show import print_findings
 from wheelhop.files.words import listed, significant
 from wheelhop.gate import gate
 from wheelhop.predict.detectable import to_json as detectable_to_json
-from wheelhop.vehicle import Vehicle, read_nominal
+from wheelhop.vehicle import ABOARD, Vehicle, read_nominal
 from wheelhop.vehicle.estimate import ESTIMATED
 
 
@@ -100,6 +100,8 @@ def _place(channel: Channel) -> str:
         return f"{channel.name} (body, x {channel.x_m:g} m, y {channel.y_m:g} m)"
     if channel.point == "body":
         return f"{channel.name} (body, place unknown)"
+    if channel.point in ABOARD:
+        return f"{channel.name} (on the {channel.point})"
     if channel.quantity == "rate":
         return f"{channel.name} (rate of {channel.point})"
     if channel.corner is not None and not channel.is_acceleration:
