@@ -9,9 +9,9 @@ import pytest
 
 from tests.campaign.build import ROWS, csv_text, edit, write_campaign
 from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.campaign.channel import Channel
 from wheelhop.campaign.channels import read_channels
 from wheelhop.campaign.thin import thinned
-from wheelhop.campaign.types import Channel
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
 from wheelhop.files import parse_toml
 from wheelhop.formats.table import BETWEEN

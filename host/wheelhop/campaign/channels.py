@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelhop.campaign.types import (
+from wheelhop.campaign.channel import (
     ABOARD,
     ACCELERATION,
     AXLE_POINTS,
     BODY_POINTS,
     STRUT_POINTS,
-    CampaignError,
     Channel,
 )
+from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table
 from wheelhop.files.words import ending_of
 

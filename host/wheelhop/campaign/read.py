@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.channel import Channel
 from wheelhop.campaign.channels import NOISE_KEYS, POINTS, QUANTITIES, read_channels
 from wheelhop.campaign.common import (
     Entry,
@@ -26,13 +27,7 @@ from wheelhop.campaign.low_pass import read_low_pass
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.tracks import read_track
-from wheelhop.campaign.types import (
-    Campaign,
-    CampaignError,
-    Channel,
-    Run,
-    TrackSpec,
-)
+from wheelhop.campaign.types import Campaign, CampaignError, Run, TrackSpec
 from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
 
 T = TypeVar("T")

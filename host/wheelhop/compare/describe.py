@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign.types import ABOARD
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.compare.breakdown import Breakdown, Grid, Slice
 from wheelhop.compare.locking import Line
 from wheelhop.compare.thirds import third_octaves

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, TrackSpec
+from wheelhop.campaign.channel import BODY_POINTS
 from wheelhop.campaign.low_pass import LowPass
-from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.effects.base import Array, Effect, Parameter, RunSetting, Values
 from wheelhop.effects.transfer import transferred
 from wheelhop.files import dotted

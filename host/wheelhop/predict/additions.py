@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import Campaign, Channel
+from wheelhop.campaign.channel import ACCELERATION
 from wheelhop.campaign.channels import QUANTITIES
-from wheelhop.campaign.types import ACCELERATION
 from wheelhop.vehicle import wheels
 
 USUAL_NOISE = {ACCELERATION: 0.1, "travel": 1e-4, "rate": 0.004}

@@ -1,6 +1,6 @@
 """Vehicles: their numbers and their equations of motion."""
 
-from wheelhop.campaign.types import ABOARD
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.vehicle.aboard import node_of, on_mounts, place_of
 from wheelhop.vehicle.assembly import (
     Assembly,

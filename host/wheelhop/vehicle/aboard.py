@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wheelhop.campaign.types import ABOARD
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.vehicle.assembly import Aboard, Assembly, Body, Coordinate, Node, between
 from wheelhop.vehicle.layout import body_inertia, motions
 

@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from wheelhop.campaign import Channel
-from wheelhop.campaign.types import ABOARD
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.vehicle.aboard import add_aboard, sensor_on
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Reading, Row, between
 from wheelhop.vehicle.frame_modes import add_modes

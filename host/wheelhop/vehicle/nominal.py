@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from wheelhop.campaign import Campaign, CampaignError, Channel, ComponentCampaign, RigRun
-from wheelhop.campaign.types import ABOARD
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.vehicle.layout import motions, wheels
 from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mount_values

@@ -8,8 +8,9 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.campaign.paths import file_inside
-from wheelhop.campaign.types import ABOARD, CampaignError
+from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table, did_you_mean, read_toml, shown
 from wheelhop.files.words import significant, unit_of
 from wheelhop.frame import read_corner_modes
