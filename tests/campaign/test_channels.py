@@ -11,6 +11,7 @@ from tests.campaign.build import ROWS, csv_text, edit, write_campaign
 from wheelhop.campaign import CampaignError, read_campaign
 from wheelhop.campaign.channel import Channel
 from wheelhop.campaign.channels import read_channels
+from wheelhop.campaign.known import known_of
 from wheelhop.campaign.thin import thinned
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
 from wheelhop.files import parse_toml
@@ -36,6 +37,9 @@ ax = { quantity = "acceleration", axis = "x", position = [0.1, 0.0] }
 rpm = { quantity = "speed", of = "engine" }
 """
 NAMES = ("rod", "B1", "dash", "rear", "pot_fl", "pot_rr", "nose", "seat", "gps", "ax", "rpm")
+
+RADIUS = ", radius_m = 0.3"
+WHEEL = f'gps = {{ quantity = "speed", of = "wheel", corner = 2{RADIUS} }}'
 
 
 @pytest.fixture
@@ -86,6 +90,25 @@ def test_what_is_not_compared_is_kept_beside(folder):
     file = np.loadtxt(folder / "runs/slow.csv", delimiter=",", skiprows=1)
     for name in ("gps", "ax", "rpm"):
         np.testing.assert_array_equal(run.known[name], file[:, 1 + NAMES.index(name)])
+
+
+def test_a_wheel_tells_how_a_known_track_was_driven_where_nothing_else_does(folder):
+    """By the radius it rolls on; engine and wheels turn as they show, about their mean."""
+    edit(folder / "campaign.toml", 'gps = { quantity = "speed" }', WHEEL)
+    campaign = read_campaign(folder)
+    run = campaign.runs[0]
+    assert run.driven.channel == "gps"
+    assert run.speed_m_s == pytest.approx(0.3 * run.known["gps"].mean(), rel=1e-3)
+    both = np.concatenate([each.known["gps"] for each in campaign.runs])
+    turned = known_of(campaign, run).wheels
+    assert list(turned) == [1] and turned[1].stated_m_s == pytest.approx(both.mean())
+    assert known_of(campaign, run).engine is None  # it stands
+    assert list(known_of(campaign, run).pushed) == ["x"]
+
+
+def test_of_a_wheel_whose_radius_nobody_knows_no_speed_is_told(folder):
+    edit(folder / "campaign.toml", 'gps = { quantity = "speed" }', WHEEL.replace(RADIUS, ""))
+    assert read_campaign(folder).runs[0].driven is None
 
 
 def test_what_is_kept_is_made_lighter_with_the_rest(folder):
@@ -153,6 +176,11 @@ MISTAKES = {
     "no place": (", position = [0.35, 0.0] }", " }", r"\[channels.dash\]: 'position' is missing"),
     "an unknown place": ('position = "B3"', 'position = "B5"', "position: say where the sensor"),
     "two places": ('on = "driver" }', 'on = "driver", position = "B1" }', "on and position both"),
+    "a corner of the car": (
+        'gps = { quantity = "speed" }',
+        'gps = { quantity = "speed", corner = 1 }',
+        'corner is of a wheel: add of = "wheel", or delete it',
+    ),
     "nobody aboard": ('on = "driver"', 'on = "dog"', r"\[channels.seat\]: on = 'dog' is not known"),
     "noise in another unit": (
         "noise_rms_m = 0.001",
@@ -228,9 +256,19 @@ def test_a_campaign_is_made_of_what_was_recorded(tmp_path):
             ("nose", "rad/s"),
             ("gps", "m/s"),
             ("rpm", "rad/s"),
+            ("whl", "rad/s"),
+            ("along", "m/s²"),
+            ("cushion", "m/s²"),
         ]
     )
-    places = {"nose": "rate:pitch", "gps": "speed", "rpm": {"quantity": "speed", "of": "engine"}}
+    places = {
+        "nose": "rate:pitch",
+        "gps": "speed",
+        "rpm": {"quantity": "speed", "of": "engine"},
+        "whl": "speed:wheel:3:0.27",
+        "along": "along:x",
+        "cushion": "on:driver",
+    }
     new_campaign(tmp_path / "c", "of all kinds", recording, places)
     run = NewRun("slow", "fit", 9.0, {"kind": "washboard", "amplitude_mm": 15, "pitch_mm": 400})
     add_run(tmp_path / "c", recording, run)
@@ -239,8 +277,12 @@ def test_a_campaign_is_made_of_what_was_recorded(tmp_path):
         Channel("dash", "B1"),
         Channel("pot", "S3", quantity="travel", unit="m", per_wheel=0.65),
         Channel("nose", "pitch", quantity="rate", unit="rad/s"),
+        Channel("cushion", "driver"),
     )
-    assert [(c.name, c.unit) for c in campaign.known] == [("gps", "m/s"), ("rpm", "rad/s")]
+    *two, wheel, along = campaign.known
+    assert [(c.name, c.unit) for c in two] == [("gps", "m/s"), ("rpm", "rad/s")]
+    assert (wheel.point, wheel.unit, wheel.radius_m) == ("A3", "rad/s", 0.27)
+    assert (along.quantity, along.axis) == ("acceleration", "x")
     np.testing.assert_allclose(campaign.runs[0].record[:, 1], recording.values[:, 1], rtol=1e-5)
 
 
@@ -282,7 +324,7 @@ def test_the_page_on_channels_shows_a_campaign_that_reads():
     example, *_ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     said = read_channels(parse_toml(example, Path("campaign.toml"), CampaignError))
     assert {c.quantity for c in said.compared} == {"acceleration", "travel", "rate", "force"}
-    assert [c.name for c in said.known] == ["gps", "ax", "rpm"]
+    assert [c.name for c in said.known] == ["gps", "ax", "rpm", "whl_rl"]
     assert [c.noise_rms for c in said.compared if c.name in ("pot_fl", "roll_rate", "rod_fl")] == [
         *(2e-4, 0.004, 8.0)
     ]

@@ -12,6 +12,8 @@ STRUT_POINTS = ("S1", "S2", "S3", "S4")
 ABOARD = ("driver", "engine", "battery", "payload")
 """What vehicle.toml may put on a mount of its own, each a table there."""
 ACCELERATION = "acceleration"
+ROTATION = "rad/s"
+"""Of an engine's speed, or a wheel's."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,9 @@ class Channel:
     calibration states it, `gain_uncertainty` the gain's share in it; `corner_hz` that of the
     sensor's low-pass, which was undone, `corner_uncertainty` how well it is known, relative. 0 if
     nothing is stated.
+
+    A speed in rad/s is that of the `point` "engine", or of the wheel of an axle's point, which
+    rolls on `radius_m` (0: not stated). `mean` is that of a speed over all runs.
     """
 
     name: str
@@ -51,6 +56,8 @@ class Channel:
     corner_hz: float = 0.0
     corner_uncertainty: float = 0.0
     axis: str = "z"
+    radius_m: float = 0.0
+    mean: float = 0.0
 
     @property
     def corner(self) -> int | None:
@@ -78,6 +85,11 @@ class Channel:
     def is_on_body(self) -> bool:
         """Whether it shows how the sprung body moves, whatever its struts do."""
         return self.quantity == "rate" or (self.is_acceleration and not self.is_axle)
+
+    @property
+    def is_turning(self) -> bool:
+        """Whether it is the speed of an engine or a wheel."""
+        return self.quantity == "speed" and self.unit == ROTATION
 
     @property
     def is_acceleration(self) -> bool:

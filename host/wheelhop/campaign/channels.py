@@ -12,6 +12,7 @@ from wheelhop.campaign.channel import (
     ACCELERATION,
     AXLE_POINTS,
     BODY_POINTS,
+    ROTATION,
     STRUT_POINTS,
     Channel,
 )
@@ -20,7 +21,7 @@ from wheelhop.files import Table
 from wheelhop.files.words import ending_of
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
-VERTICAL, ENGINE = "z", "engine"
+VERTICAL, ENGINE, WHEEL = "z", "engine", "wheel"
 
 
 @dataclass(frozen=True)
@@ -40,10 +41,10 @@ QUANTITIES: Mapping[str, Quantity] = {
     "travel": Quantity("m", ("corner", "per_wheel"), 5.0, "is it in millimetres?"),
     "rate": Quantity("rad/s", ("axis",), 100.0, "is it in degrees per second?"),
     "force": Quantity("N", ("corner", "per_wheel"), 1e8),
-    "speed": Quantity("m/s", ("of",), 1e3, "is it in another unit?"),
+    "speed": Quantity("m/s", ("of", "corner", "radius_m"), 1e3, "is it in another unit?"),
 }
-ROTATION = "rad/s"
-"""Of an engine's speed."""
+ACCELERATIONS = {"on": ("on",), "along": ("axis", "position")}
+"""Words for accelerations that are not vertical ones of a point, and the keys that follow."""
 Place = str | Sequence[float] | Mapping[str, str | float]
 """What stands behind a channel's name: a point, x and y, or a table."""
 NOISE = "noise_rms"
@@ -60,14 +61,18 @@ NOISE_KEYS = tuple(noise_key(QUANTITIES[q].unit) for q in (ACCELERATION, "travel
 
 def place_of(word: str) -> Place:
     """The table that a word such as "travel:1:0.65", "rate:pitch" or "speed:engine" stands for, the
-    quantity and then its keys in order; any other word is itself.
+    quantity and then its keys in order; "on:driver" and "along:x" are accelerations there and so,
+    and any other word is itself.
 
     Raises CampaignError for more parts than the quantity has keys.
     """
     quantity, *parts = word.split(":")
-    if quantity not in QUANTITIES or quantity == ACCELERATION:
+    if quantity in ACCELERATIONS and parts:
+        keys, quantity = ACCELERATIONS[quantity], ACCELERATION
+    elif quantity in QUANTITIES and quantity != ACCELERATION:
+        keys = QUANTITIES[quantity].keys
+    else:
         return word
-    keys = QUANTITIES[quantity].keys
     if len(parts) > len(keys):
         raise CampaignError(f"{word}: {quantity} has only {' and '.join(keys)}")
     return {"quantity": quantity} | dict(zip(keys, map(_number_or_text, parts), strict=False))
@@ -179,11 +184,13 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
     """What a channel's own table says of it."""
     quantity = table.text("quantity", choices=tuple(QUANTITIES))
     about = QUANTITIES[quantity]
-    is_engine = quantity == "speed" and "of" in table
-    unit = ROTATION if is_engine else about.unit
+    turns = quantity == "speed" and "of" in table
+    unit = ROTATION if turns else about.unit
     table.only(("quantity", *about.keys, noise_key(unit), "scale_uncertainty"))
     channel, is_known = Channel(name, "", quantity=quantity, unit=unit), True
-    if "corner" in about.keys:
+    if quantity == "speed":
+        channel = _speed(table, channel)
+    elif "corner" in about.keys:
         point = STRUT_POINTS[_corner(table) - 1]
         channel = replace(channel, point=point, per_wheel=_per_wheel(table))
         is_known = False
@@ -192,8 +199,6 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
         is_known = False
     elif quantity == ACCELERATION:
         channel, is_known = _acceleration(table, channel)
-    elif is_engine:
-        table.text("of", choices=(ENGINE,))
     if noise_key(unit) in table:
         channel = replace(channel, noise_rms=table.number(noise_key(unit), above=0.0))
     scale = table.number("scale_uncertainty", 0.0, at_least=0.0, below=1.0)
@@ -209,6 +214,8 @@ def _acceleration(table: Table, channel: Channel) -> tuple[Channel, bool]:
             raise table.error("on and position both say where the sensor sits: delete one")
         on = table.text("on", choices=ABOARD)
         return replace(channel, point=on, axis=axis), axis != VERTICAL
+    if "position" not in table and axis != VERTICAL:
+        return replace(channel, point="body", axis=axis), True
     if "position" not in table:
         raise table.error(
             f"'position' is missing: give position = [x, y] in metres from the centre of mass, a"
@@ -216,6 +223,18 @@ def _acceleration(table: Table, channel: Channel) -> tuple[Channel, bool]:
         )
     placed = _placed(table, "position", channel.name)
     return replace(placed, axis=axis), axis != VERTICAL
+
+
+def _speed(table: Table, channel: Channel) -> Channel:
+    """The speed of the vehicle, of its engine, or of a wheel."""
+    of = table.text("of", choices=(ENGINE, WHEEL)) if "of" in table else ""
+    if of != WHEEL:
+        for key in ("corner", "radius_m"):
+            if key in table:
+                raise table.error(f'{key} is of a wheel: add of = "{WHEEL}", or delete it')
+        return replace(channel, point=of)
+    radius = table.number("radius_m", above=0.0) if "radius_m" in table else 0.0
+    return replace(channel, point=AXLE_POINTS[_corner(table) - 1], radius_m=radius)
 
 
 def _corner(table: Table) -> int:

@@ -229,13 +229,20 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progres
         runs.append(_as_driven(run, known))
     if constants is not None:
         channels = _with_uncertainty(channels, constants)
-    return replace(campaign, channels=channels, runs=tuple(runs))
+    known = tuple(replace(c, mean=_mean(runs, c.name)) if c.is_turning else c for c in known)
+    return replace(campaign, channels=channels, known=known, runs=tuple(runs))
+
+
+def _mean(runs: Sequence[Run], name: str) -> float:
+    """Of a channel that is only known, over all runs."""
+    return float(np.mean(np.concatenate([run.known[name] for run in runs]))) if runs else 0.0
 
 
 def _as_driven(run: Run, known: Sequence[Channel]) -> Run:
     """The run at the speed that the first channel of the vehicle's speed shows, if there is one and
     the run drives over something known."""
-    channel = next((c for c in known if (c.quantity, c.unit) == ("speed", "m/s")), None)
+    speeds = (c for c in known if c.quantity == "speed" and (not c.is_turning or c.radius_m > 0.0))
+    channel = min(speeds, key=lambda c: c.is_turning, default=None)
     if channel is None or run.track.kind == "unknown" or run.speed_m_s == 0.0:
         return run
     if run.course is not None:
@@ -243,7 +250,7 @@ def _as_driven(run: Run, known: Sequence[Channel]) -> Run:
             f'{run.file}: speed_along of run "{run.id}" and channel {channel.name} both say how'
             " fast it was: delete one of them"
         )
-    speed = run.known[channel.name]
+    speed = run.known[channel.name] * (channel.radius_m if channel.is_turning else 1.0)
     known_to = channel.scale_uncertainty, channel.noise_rms or 0.0
     driven = Driven(channel.name, run.time_s, speed, run.speed_m_s, *known_to)
     if driven.mean_m_s <= 0.0 or speed.min() < 0.0:

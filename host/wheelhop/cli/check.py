@@ -19,6 +19,7 @@ from wheelhop.campaign import (
     find_duplicates,
     read_campaign,
 )
+from wheelhop.campaign.channel import ABOARD, AXLE_POINTS
 from wheelhop.campaign.sample import SAMPLE, marked_numbers
 from wheelhop.cli.campaign_json import campaign_to_json
 from wheelhop.cli.detectable import print_detectable
@@ -29,7 +30,7 @@ from wheelhop.cli.show import print_findings
 from wheelhop.files.words import listed, significant
 from wheelhop.gate import gate
 from wheelhop.predict.detectable import to_json as detectable_to_json
-from wheelhop.vehicle import ABOARD, Vehicle, read_nominal
+from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.vehicle.estimate import ESTIMATED
 
 
@@ -80,7 +81,7 @@ def _print_known(campaign: Campaign, console: Console) -> None:
         console.print(Text(f"speed     as {driven[0]} shows it, in {runs}"))
     kept = ", ".join(f"{c.name} ({_known(c)})" for c in campaign.known if c.name not in driven)
     if kept:
-        console.print(Text(f"kept      {kept}: read and checked, not used yet"))
+        console.print(Text(f"kept      {kept}: not compared"))
 
 
 def _print_marked(campaign: Campaign, console: Console, said: bool) -> None:
@@ -132,8 +133,14 @@ def _noise(campaign: Campaign) -> str:
 
 
 def _known(channel: Channel) -> str:
-    """What is measured of a channel that is only kept, in a word or two."""
-    return f"{channel.quantity}, {channel.unit}"
+    """What is measured of a channel that is only kept, and which effect asks for it."""
+    of = {"engine": "engine-vibration", "x": "longitudinal-pitch", "y": "cornering-roll"}
+    effect = of.get(channel.axis if channel.is_acceleration else channel.point, "")
+    if channel.is_turning and channel.corner is not None:
+        effect = "wheel-imbalance"
+    elsewhere = channel.is_acceleration and channel.point in (*AXLE_POINTS, *ABOARD)
+    used = "" if elsewhere or not effect else f", for {effect}"
+    return f"{channel.quantity}, {channel.unit}{used}"
 
 
 def _tested(nominal: Vehicle) -> str:

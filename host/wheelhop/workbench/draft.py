@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
-from wheelhop.campaign.channels import QUANTITIES, ROTATION, place_of
+from wheelhop.campaign.channel import ROTATION
+from wheelhop.campaign.channels import QUANTITIES, place_of
 from wheelhop.campaign.recorded import accelerations, read_recording
 from wheelhop.campaign.tracks import KINDS, is_steady
 from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
