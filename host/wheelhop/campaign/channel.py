@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wheelhop.campaign.low_pass import LowPass
 from wheelhop.files import dotted
 
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
@@ -38,6 +39,8 @@ class Channel:
     sensor's low-pass, which was undone, `corner_uncertainty` how well it is known, relative. 0 if
     nothing is stated.
 
+    `low_pass` is the filter that it passed, None: that of all channels, if the campaign states one.
+
     A speed in rad/s is that of the `point` "engine", or of the wheel of an axle's point, which
     rolls on `radius_m` (0: not stated). `mean` is that of a speed over all runs.
     """
@@ -57,6 +60,7 @@ class Channel:
     corner_uncertainty: float = 0.0
     axis: str = "z"
     radius_m: float = 0.0
+    low_pass: LowPass | None = None
     mean: float = 0.0
 
     @property

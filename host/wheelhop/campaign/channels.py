@@ -16,6 +16,7 @@ from wheelhop.campaign.channel import (
     STRUT_POINTS,
     Channel,
 )
+from wheelhop.campaign.low_pass import LowPass, read_filters, read_low_pass
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table
 from wheelhop.files.words import ending_of
@@ -98,6 +99,28 @@ def units_of(top: Table) -> dict[str, str]:
     said = read_channels(top)
     listed = said.compared or tuple(Channel(point, point) for point in POINTS)
     return {channel.name: channel.unit for channel in (*listed, *said.known)}
+
+
+def with_filters(
+    channels: Sequence[Channel], top: Table
+) -> tuple[tuple[Channel, ...], LowPass | None]:
+    """Channels with the filters that the top of campaign.toml states of their quantities, and the
+    one of all channels, None if there is none. Without channels accelerations are measured.
+
+    Raises CampaignError for a filter of a quantity that no channel measures.
+    """
+    if "filter" not in top:
+        return tuple(channels), None
+    stated = read_filters(top.table("filter"), QUANTITIES)
+    measured = {c.quantity for c in channels} or {ACCELERATION}
+    for quantity in stated:
+        if quantity and quantity not in measured:
+            raise top.error(f"filter.{quantity}: no channel measures that: delete it")
+    found = (
+        c if c.low_pass is not None else replace(c, low_pass=stated.get(c.quantity))
+        for c in channels
+    )
+    return tuple(found), stated.get("", None if channels else stated.get(ACCELERATION))
 
 
 @dataclass(frozen=True)
@@ -186,7 +209,7 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
     about = QUANTITIES[quantity]
     turns = quantity == "speed" and "of" in table
     unit = ROTATION if turns else about.unit
-    table.only(("quantity", *about.keys, noise_key(unit), "scale_uncertainty"))
+    table.only(("quantity", *about.keys, noise_key(unit), "scale_uncertainty", "filter"))
     channel, is_known = Channel(name, "", quantity=quantity, unit=unit), True
     if quantity == "speed":
         channel = _speed(table, channel)
@@ -201,6 +224,8 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
         channel, is_known = _acceleration(table, channel)
     if noise_key(unit) in table:
         channel = replace(channel, noise_rms=table.number(noise_key(unit), above=0.0))
+    if "filter" in table:
+        channel = replace(channel, low_pass=read_low_pass(table.table("filter")))
     scale = table.number("scale_uncertainty", 0.0, at_least=0.0, below=1.0)
     return replace(channel, scale_uncertainty=scale, gain_uncertainty=scale), is_known
 

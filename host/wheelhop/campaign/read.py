@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.channel import Channel
-from wheelhop.campaign.channels import NOISE_KEYS, POINTS, QUANTITIES, read_channels
+from wheelhop.campaign.channels import NOISE_KEYS, POINTS, QUANTITIES, read_channels, with_filters
 from wheelhop.campaign.common import (
     Entry,
     band,
@@ -23,7 +23,6 @@ from wheelhop.campaign.component import read_component
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.driven import Driven
 from wheelhop.campaign.duplicates import refuse_leaks
-from wheelhop.campaign.low_pass import read_low_pass
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.tracks import read_track
@@ -96,6 +95,7 @@ def _read(
     _refuse_gaps(top)
     rate = top.number("sample_rate_hz", above=0.0)
     said = read_channels(top)
+    channels, low_pass = with_filters(said.compared, top)
     empty = Campaign(
         folder=folder,
         title=top.text("title"),
@@ -104,10 +104,10 @@ def _read(
         band_hz=band(top, rate),
         averaging_s=_averaging(top, rate),
         noise_rms=said.noise_rms,
-        channels=said.compared,
+        channels=channels,
         known=said.known,
         runs=(),
-        low_pass=read_low_pass(top.table("filter")) if "filter" in top else None,
+        low_pass=low_pass,
     )
     listed = top.tables("run", "id")
     drives = [_drive(run, folder) for run in _counted(listed, "run", progress)]

@@ -15,7 +15,7 @@ from wheelhop.campaign.averaging import Averaging
 from wheelhop.campaign.channel import Channel
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.driven import Driven
-from wheelhop.campaign.low_pass import LowPass
+from wheelhop.campaign.low_pass import LowPass, responses
 from wheelhop.files import InputError, shown
 from wheelhop.files.words import ending_of
 from wheelhop.logger.recording import Channel as Recorded
@@ -105,7 +105,8 @@ class Campaign:
 
     `averaging_s` is the window over which each recorded sample is a mean (0: ideal sampling), and
     so many recorded samples in a row were made one of by their mean (`thinned`): `means`;
-    `low_pass` is what the recorder filtered every channel with before, None: nothing is stated;
+    `low_pass` is what the recorder filtered channels with before that state no filter of their own,
+    None: nothing is stated;
     `noise_rms` the noise floor of one channel of the `leading` quantity inside `band_hz`, None when
     it is not known; `noise_key` is its name in campaign.toml.
     `channels` stand in the column order of the first run's recording, without those that are
@@ -158,15 +159,23 @@ class Campaign:
         return Averaging(self.averaging_s, self.means, 1.0 / (self.means * self.sample_rate_hz))
 
     @property
+    def filters(self) -> tuple[LowPass | None, ...]:
+        """What each channel passed before it was sampled, None: nothing is stated."""
+        return tuple(c.low_pass or self.low_pass for c in self.channels)
+
+    @property
     def sampling(self) -> str:
         """The sample rate and what each sample is, in words."""
         said = f"{self.sample_rate_hz:g} Hz"
         if self.averaging_s:
             said += f", each the mean over {self.averaging_s * 1e3:g} ms"
-        return said if self.low_pass is None else f"{said}, after a {self.low_pass}"
+        if self.low_pass is not None:
+            said += f", after a {self.low_pass}"
+        own = {c.low_pass: c.name for c in self.channels if c.low_pass not in (None, self.low_pass)}
+        return said + "".join(f"; {name} and its like: {each}" for each, name in own.items())
 
     def recorded(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """What the recorder, its filter and averaging, makes of sines.
+        """What the recorder, its filters and averaging, makes of sines.
 
         Parameters
         ----------
@@ -176,10 +185,10 @@ class Campaign:
         Returns
         -------
         array
-            (f,) complex gains, with exp(+iωt).
+            (f, c) complex gains of every channel, with exp(+iωt).
         """
-        kept = self.averaging.kept(frequency_hz).astype(np.complex128)
-        return kept if self.low_pass is None else kept * self.low_pass.response(frequency_hz)
+        kept = self.averaging.kept(frequency_hz).astype(np.complex128)[:, None]
+        return np.asarray(kept * responses(self.filters, frequency_hz))
 
     @property
     def fit_runs(self) -> tuple[Run, ...]:

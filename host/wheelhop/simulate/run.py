@@ -254,7 +254,7 @@ class RunSimulator:
     def job(self, model: Model, system: System, stride: int, known: Sequence[Job] = ()) -> Job:
         """The job that a model asks for, or one of those `known` that does."""
         # Sensors' faults and filters act before a sample is taken: on every step.
-        finely = self.campaign.low_pass or any(e.place == "sensor" for e in model.effects)
+        finely = any(self.campaign.filters) or any(e.place == "sensor" for e in model.effects)
         per_sample = stride if finely else 1
         key = (stride, per_sample, without_sensors(model, self.run.id, self.campaign.channels))
         same = next((job for job in known if job.key == key), None)

@@ -81,7 +81,7 @@ def made_of(campaign: Campaign, choice: Choice, effects_file: Source | None = No
         files += [campaign.mount_file] if campaign.mount_file else []
     else:
         files += _beside(campaign.vehicle_file)
-    recorder = campaign.sample_rate_hz, campaign.averaging_s, campaign.low_pass
+    recorder = campaign.sample_rate_hz, campaign.averaging_s, campaign.filters
     settings = (*recorder, campaign.band_hz, campaign.noise_rms)
     own = None if effects_file is None else effects_file.digest
     known = (settings, channels, runs, [_digest(file) for file in files], own)
