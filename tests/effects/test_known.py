@@ -95,12 +95,10 @@ DRIVING = [("longitudinal-pitch", "x"), ("cornering-roll", "y")]
 
 @pytest.mark.parametrize(("effect", "axis"), DRIVING)
 def test_what_a_channel_shows_of_driving_moves_the_body(effect, axis):
-    """Its share is free in every run, and what was before; an offset of the sensor counts for
-    nothing."""
+    """Times a share that is free in every run; an offset of the sensor counts for nothing."""
     shown = 1.5 * np.sin(2 * pi * TIME / 4.0)
     run = setting(pushed={axis: Pushed(TIME, shown + 0.3)})
-    share, *before = EFFECTS[effect].per_run(run)
-    assert 5 <= len(before) <= 9 and all(each.span_s[0] < 0.0 for each in before)
+    share = EFFECTS[effect].per_run(run)[0]
     (force,) = EFFECTS[effect].forces({share.name: 0.8}, run, TIME, TIME, TIME)
     expected = 0.8 * (shown - shown.mean())
     np.testing.assert_allclose(force, expected, atol=1e-3)
@@ -108,6 +106,17 @@ def test_what_a_channel_shows_of_driving_moves_the_body(effect, axis):
     assert not still.any()
     rms = EFFECTS[effect].summary([OwnValues(run, {share.name: 0.8})])["rms_m_s2"]
     assert rms == pytest.approx(expected.std(), rel=0.01)
+
+
+def test_what_is_added_to_a_measured_acceleration_is_as_small_as_its_noise():
+    """But for what was before the record, of which nothing is known."""
+    rng, shown = np.random.default_rng(5), 1.5 * np.sin(2 * pi * TIME / 4.0)
+    run = setting(pushed={"x": Pushed(TIME, shown + rng.normal(0.0, 0.2, len(TIME)))})
+    _, *added = EFFECTS["longitudinal-pitch"].per_run(run)
+    before = [each.scale for each in added if each.span_s[0] < 0.0]
+    inside = {each.scale for each in added if each.span_s[0] >= 0.0}
+    assert 5 <= len(before) <= 9 and set(before) == {1.0}
+    assert len(inside) == 1 and inside.pop() == pytest.approx(0.2, rel=0.1)
 
 
 def test_of_a_measured_acceleration_what_driving_does_counts_not_the_bodys_shaking():

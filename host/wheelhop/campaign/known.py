@@ -35,6 +35,12 @@ class Pushed:
         return np.asarray(self._spline(np.clip(time_s, self.time_s[0], self.time_s[-1])))
 
     @cached_property
+    def noise_rms(self) -> float:
+        """What of the channel is noise and the body's shaking, m/s²: what `at` leaves of it."""
+        shown = self.at(self.time_s)
+        return float(np.std(self.acceleration_m_s2 - shown))
+
+    @cached_property
     def _spline(self) -> interpolate.BSpline:
         first, last = float(self.time_s[0]), float(self.time_s[-1])
         inner = np.linspace(first, last, max(int((last - first) / KNOT_S), 1) + 1)

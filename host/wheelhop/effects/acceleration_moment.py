@@ -4,6 +4,7 @@ the plane of the road."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -26,9 +27,9 @@ SHARE = "share"
 
 
 class AccelerationMoment(Effect):
-    """Mass × height × acceleration acts on the body. Where a channel on the body shows the
-    acceleration, how much of it acts is one number per run; else it is a cubic spline in time, free
-    in every run.
+    """Mass × height × acceleration acts on the body; the acceleration is a cubic spline in time,
+    free in every run. Where a channel on the body shows the acceleration, that times a share, free
+    in every run, stands before the spline, which is then as small as the channel's noise.
 
     A share is 1 if height and scale are right. The sensor also shows the body's pitch or roll, by
     gravity and by its height over the centre of mass: part of a few per cent at low frequency.
@@ -51,14 +52,18 @@ class AccelerationMoment(Effect):
         return ()
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
-        """The spline's coefficients, m/s²; where a channel shows the acceleration its share, and
-        those of what was before the record."""
+        """The spline's coefficients, m/s². Where a channel shows the acceleration: the share of it,
+        and what is to be added, in the record as little as the sensor's noise."""
         meaning = f"acceleration {self.direction}"
         spline = _history(run).parameters("m/s²", meaning, EXPECTED_M_S2)
         if self.axis in run.known.pushed:
-            before = (each for each in spline if each.span_s[0] < run.record_start_s)
+            noise = min(run.known.pushed[self.axis].noise_rms, EXPECTED_M_S2)
+            added = (
+                each if each.span_s[0] < run.record_start_s else replace(each, scale=noise)
+                for each in spline
+            )
             share = f"what acts of the {meaning} that is recorded, relative"
-            return (Parameter(SHARE, "1", share, 1.0), *before)
+            return (Parameter(SHARE, "1", share, 1.0), *added)
         return spline if run.speed_m_s > 0 else ()
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
