@@ -10,6 +10,7 @@ from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.campaign.thin import thinned
 from wheelhop.compare import weighed
 from wheelhop.gate.drive import Nominal, drive_of
+from wheelhop.gate.filtered import filter_findings
 from wheelhop.gate.finding import Finding
 from wheelhop.gate.identities import identity_findings
 from wheelhop.gate.numbers import number_findings
@@ -57,6 +58,7 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     copies = list(find_copies(campaign))
     findings += copy_findings(copies)
     findings += same_signal_findings(sound)
+    findings += filter_findings(sound)
     numbers = list(number_findings(vehicle))
     findings += numbers
     counted = weighed(sound)
