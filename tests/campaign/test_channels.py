@@ -167,10 +167,15 @@ MISTAKES = {
     "no corner": ("corner = 4, ", "", r"\[channels.pot_rr\]: 'corner' is missing"),
     "a corner that no car has": ("corner = 4", "corner = 5", r"corner = 5 must be 1 \(front left"),
     "an axis that is not modelled": ('"pitch"', '"yaw"', r"axis = 'yaw' is not known"),
-    "a curve": (
+    "a curve that is not there": (
         "per_wheel = 0.65",
         'per_wheel = "rocker.csv"',
-        "a curve in a file is not read yet",
+        "per_wheel = 'rocker.csv': no such file",
+    ),
+    "a curve of a force": (
+        "per_wheel = -1.4",
+        'per_wheel = "rocker.csv"',
+        "a curve is of travel; of a force give a number",
     ),
     "a ratio of nothing": ("per_wheel = 0.65", "per_wheel = 0", "per_wheel = 0 would show nothing"),
     "no place": (", position = [0.35, 0.0] }", " }", r"\[channels.dash\]: 'position' is missing"),

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from wheelhop.campaign.low_pass import LowPass
 from wheelhop.files import dotted
+
+if TYPE_CHECKING:
+    from wheelhop.campaign.rocker import Rocker
 
 AXLE_POINTS = ("A1", "A2", "A3", "A4")
 BODY_POINTS = ("B1", "B2", "B3", "B4")
@@ -39,6 +43,9 @@ class Channel:
     sensor's low-pass, which was undone, `corner_uncertainty` how well it is known, relative. 0 if
     nothing is stated.
 
+    Behind a `rocker` a channel of travel showed a curve over the wheel's travel; records are as if
+    it were a line, of the ratio at ride height, `per_wheel`.
+
     `low_pass` is the filter that it passed, None: that of all channels, if the campaign states one.
 
     A speed in rad/s is that of the `point` "engine", or of the wheel of an axle's point, which
@@ -61,6 +68,7 @@ class Channel:
     axis: str = "z"
     radius_m: float = 0.0
     low_pass: LowPass | None = None
+    rocker: Rocker | None = None
     mean: float = 0.0
 
     @property

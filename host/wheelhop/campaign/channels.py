@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from wheelhop.campaign.channel import (
     Channel,
 )
 from wheelhop.campaign.low_pass import LowPass, read_filters, read_low_pass
+from wheelhop.campaign.rocker import read_rocker
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table
 from wheelhop.files.words import ending_of
@@ -215,7 +217,7 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
         channel = _speed(table, channel)
     elif "corner" in about.keys:
         point = STRUT_POINTS[_corner(table) - 1]
-        channel = replace(channel, point=point, per_wheel=_per_wheel(table))
+        channel = replace(channel, point=point, **_ratio(table))
         is_known = False
     elif quantity == "rate":
         channel = replace(channel, point=table.text("axis", choices=("pitch", "roll")))
@@ -272,16 +274,17 @@ def _corner(table: Table) -> int:
     return int(corner)
 
 
-def _per_wheel(table: Table) -> float:
-    """What the sensor shows per what the strut does at the wheel."""
+def _ratio(table: Table) -> dict[str, Any]:
+    """What the sensor shows per what the wheel does: a number, or of travel a curve."""
     if isinstance(table.values.get("per_wheel"), str):
-        raise table.error(
-            "per_wheel: a curve in a file is not read yet: give a number, the ratio at ride height"
-        )
+        if table.values["quantity"] != "travel":
+            raise table.error("per_wheel: a curve is of travel; of a force give a number")
+        rocker = read_rocker(table, "per_wheel")
+        return {"per_wheel": rocker.per_wheel, "rocker": rocker}
     ratio = table.number("per_wheel", 1.0)
     if ratio == 0.0:
         raise table.error(
             "per_wheel = 0 would show nothing: give what the sensor shows per what the wheel does,"
             " below 0 if it counts the other way"
         )
-    return ratio
+    return {"per_wheel": ratio}

@@ -229,8 +229,22 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progres
         runs.append(_as_driven(run, known))
     if constants is not None:
         channels = _with_uncertainty(channels, constants)
+    runs = _straightened(channels, runs)
     known = tuple(replace(c, mean=_mean(runs, c.name)) if c.is_turning else c for c in known)
     return replace(campaign, channels=channels, known=known, runs=tuple(runs))
+
+
+def _straightened(channels: Sequence[Channel], runs: list[Run]) -> list[Run]:
+    """The runs with the travel behind a rocker in proportion to the wheel's. Where a sensor rests
+    nobody says: in the mean over all runs the wheel is at ride height."""
+    for i, channel in enumerate(channels):
+        if channel.rocker is not None and runs:
+            rest = channel.rocker.rest_m(np.concatenate([run.record[:, i] for run in runs]))
+            for k, run in enumerate(runs):
+                record = run.record.copy()
+                record[:, i] = channel.rocker.straightened(record[:, i], rest)
+                runs[k] = replace(run, record=frozen(record))
+    return runs
 
 
 def _mean(runs: Sequence[Run], name: str) -> float:
