@@ -181,6 +181,11 @@ MISTAKES = {
     "no place": (", position = [0.35, 0.0] }", " }", r"\[channels.dash\]: 'position' is missing"),
     "an unknown place": ('position = "B3"', 'position = "B5"', "position: say where the sensor"),
     "two places": ('on = "driver" }', 'on = "driver", position = "B1" }', "on and position both"),
+    "a filter of what is only known": (
+        'gps = { quantity = "speed" }',
+        'gps = { quantity = "speed", filter = { kind = "none" } }',
+        "filter: this channel is not compared with the model: delete it",
+    ),
     "a corner of the car": (
         'gps = { quantity = "speed" }',
         'gps = { quantity = "speed", corner = 1 }',

@@ -113,7 +113,7 @@ def with_filters(
     """
     if "filter" not in top:
         return tuple(channels), None
-    stated = read_filters(top.table("filter"), QUANTITIES)
+    stated = read_filters(top.table("filter"), [q for q in QUANTITIES if q != "speed"])
     measured = {c.quantity for c in channels} or {ACCELERATION}
     for quantity in stated:
         if quantity and quantity not in measured:
@@ -227,6 +227,8 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
     if noise_key(unit) in table:
         channel = replace(channel, noise_rms=table.number(noise_key(unit), above=0.0))
     if "filter" in table:
+        if is_known:
+            raise table.error("filter: this channel is not compared with the model: delete it")
         channel = replace(channel, low_pass=read_low_pass(table.table("filter")))
     scale = table.number("scale_uncertainty", 0.0, at_least=0.0, below=1.0)
     return replace(channel, scale_uncertainty=scale, gain_uncertainty=scale), is_known
