@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import interpolate
 
-from wheelhop.campaign.channel import ABOARD, AXLE_POINTS
+from wheelhop.campaign.channel import ABOARD, AXLE_POINTS, Channel
 from wheelhop.campaign.driven import Driven
 from wheelhop.campaign.types import Campaign, Run
 
@@ -63,13 +63,22 @@ class Known:
 NOTHING = Known()
 
 
+def asked_by(channel: Channel) -> str:
+    """The effect that asks for a channel that is only known; "" if none does."""
+    if channel.is_turning:
+        return "engine-vibration" if channel.corner is None else "wheel-imbalance"
+    if not channel.is_acceleration or channel.point in (*AXLE_POINTS, *ABOARD):
+        return ""
+    return {"x": "longitudinal-pitch", "y": "cornering-roll"}.get(channel.axis, "")
+
+
 def known_of(campaign: Campaign, run: Run) -> Known:
     """What the campaign's channels that are only known tell of a run; of several that tell the same
     the first counts. An engine that stands, or a wheel, tells nothing."""
     engine, wheels, pushed = None, dict[int, Driven](), dict[str, Pushed]()
     for channel in campaign.known:
         values = run.known[channel.name]
-        if channel.is_acceleration and channel.point not in (*AXLE_POINTS, *ABOARD):
+        if channel.is_acceleration and asked_by(channel):
             pushed.setdefault(channel.axis, Pushed(run.time_s, values))
         if not channel.is_turning or values.mean() <= 0.0 or values.min() < 0.0:
             continue

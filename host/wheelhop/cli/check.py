@@ -19,7 +19,8 @@ from wheelhop.campaign import (
     find_duplicates,
     read_campaign,
 )
-from wheelhop.campaign.channel import ABOARD, AXLE_POINTS
+from wheelhop.campaign.channel import ABOARD
+from wheelhop.campaign.known import asked_by
 from wheelhop.campaign.sample import SAMPLE, marked_numbers
 from wheelhop.cli.campaign_json import campaign_to_json
 from wheelhop.cli.detectable import print_detectable
@@ -134,12 +135,8 @@ def _noise(campaign: Campaign) -> str:
 
 def _known(channel: Channel) -> str:
     """What is measured of a channel that is only kept, and which effect asks for it."""
-    of = {"engine": "engine-vibration", "x": "longitudinal-pitch", "y": "cornering-roll"}
-    effect = of.get(channel.axis if channel.is_acceleration else channel.point, "")
-    if channel.is_turning and channel.corner is not None:
-        effect = "wheel-imbalance"
-    elsewhere = channel.is_acceleration and channel.point in (*AXLE_POINTS, *ABOARD)
-    used = "" if elsewhere or not effect else f", for {effect}"
+    effect = asked_by(channel)
+    used = f", for {effect}" if effect else ""
     return f"{channel.quantity}, {channel.unit}{used}"
 
 
