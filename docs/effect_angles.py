@@ -15,7 +15,7 @@ from scipy.linalg import block_diag
 
 from wheelhop.campaign import Channel, read_campaign
 from wheelhop.diagnose import Baseline, fit_baseline
-from wheelhop.effects import Effect
+from wheelhop.effects import Amplitude, Effect, RandomHeights
 from wheelhop.fit import RunFit, effect_run_parameters, moves
 from wheelhop.simulate import Model
 
@@ -29,7 +29,7 @@ def angles_picture(effects: Mapping[str, Effect], stage: Stage, folder: Path) ->
     campaign = read_campaign(folder)
     base = fit_baseline(campaign, stage.vehicle, progress=lambda text: print(text, flush=True))
     # Heights that may be anything have no signature.
-    known = [e for e in effects.values() if e.on_vehicle and not e.has_random_heights]
+    known = [e for e in effects.values() if e.on_vehicle and not isinstance(e, RandomHeights)]
     values = stage.vehicle.values
     forms = [form for effect in known for form in _forms(effect, campaign.channels, values)]
     absorbed = _baseline_columns(base)
@@ -94,7 +94,7 @@ def _columns(base: Baseline, form: Effect, stage: Stage) -> Array:
     settings = [run.bench.simulator.setting for run in runs]
     at = strengths(form, stage)
     parameters = form.parameters_for(stage.vehicle.values, stage.campaign.channels)
-    amplitudes = [p for p in parameters if not p.is_shape]
+    amplitudes = [p for p in parameters if isinstance(p, Amplitude)]
     absent = at | {p.name: p.absent for p in amplitudes}
     columns = []
     for p in amplitudes:

@@ -11,7 +11,7 @@ from effect_pictures import BASELINE, EFFECT, INK, PANELS, SOFT, STYLE
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Shape
 from wheelhop.law import Moved, Where
 from wheelhop.law.along import force_along
 from wheelhop.simulate import Model
@@ -36,7 +36,7 @@ RATE_HZ = 20000.0
 def strengths(effect: Effect) -> dict[str, float]:
     """Amplitudes clearly visible, shapes at the middle of their starts."""
     return {
-        p.name: p.starts[len(p.starts) // 2] if p.is_shape else p.absent + p.scale
+        p.name: p.starts[len(p.starts) // 2] if isinstance(p, Shape) else p.typical
         for p in effect.parameters_for(COMPONENT, ())
     }
 

@@ -26,7 +26,7 @@ from matplotlib.ticker import MaxNLocator
 
 from wheelhop.compare.motion import MOTIONS, motion_matrix
 from wheelhop.compare.thirds import third_octave_of, third_octaves
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, RandomHeights, WheelShape
 from wheelhop.effects.acceleration_moment import AccelerationMoment
 from wheelhop.simulate import RunSimulator, frequency_response
 from wheelhop.track import Wheel, make_track
@@ -162,9 +162,9 @@ def draw_mechanism(axes: Axes, effect: Effect, stage: Stage, change: Change) -> 
         draw_shape(axes, stage, added[:, 0])
     elif effect.place == "speed":
         draw_travel(axes, effect, stage, change)
-    elif effect.has_random_heights:
+    elif isinstance(effect, RandomHeights):
         draw_heights(axes, stage, change)
-    elif effect.place == "wheel":
+    elif isinstance(effect, WheelShape):
         draw_path(axes, effect, stage, change)
     else:
         draw_response(axes, stage, change)
@@ -228,7 +228,7 @@ def draw_force(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None
     axes.set_ylabel("force, N")
 
 
-def draw_path(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
+def draw_path(axes: Axes, effect: WheelShape, stage: Stage, change: Change) -> None:
     """The path of the front left wheel's centre over two waves: rigid, and with the effect."""
     values = stage.vehicle.values
     pitch = float(change.run.track.values["pitch_m"])
@@ -237,7 +237,6 @@ def draw_path(axes: Axes, effect: Effect, stage: Stage, change: Change) -> None:
     track, radius = make_track(change.run.track), values["wheel.front.radius_m"]
     wheel = Wheel(track, y, radius, -pitch, 3 * pitch)
     path = effect.wheel_path(change.model.theta(effect), 0, wheel)
-    assert path is not None
     axes.plot(x, 1e3 * wheel.rigid().height(x), color=BASELINE)
     axes.plot(x, 1e3 * path.height_and_slope(x)[0], color=EFFECT)
     axes.set_title("path of the front left wheel", pad=15)

@@ -12,7 +12,7 @@ from scipy.integrate import cumulative_simpson
 
 from wheelhop.campaign import Campaign, Run, read_campaign
 from wheelhop.compare import InBand
-from wheelhop.effects import Effect, RunSetting
+from wheelhop.effects import Amplitude, Effect, RandomHeights, RunSetting
 from wheelhop.effects.acceleration_moment import KNOT_S, AccelerationMoment
 from wheelhop.simulate import Model, RunSimulator
 from wheelhop.simulate.prescribed import slow_part
@@ -40,7 +40,7 @@ class Stage:
         """What an effect knows of a run."""
         return RunSimulator(self.campaign, run, RUN_UP_S).setting
 
-    def heights(self, effect: Effect, run: Run) -> NDArray[np.complex128]:
+    def heights(self, effect: RandomHeights, run: Run) -> NDArray[np.complex128]:
         """Heights of the ground as an effect's density has them."""
         series = RunSimulator(self.campaign, run, RUN_UP_S).series
         assert series is not None
@@ -73,7 +73,7 @@ def strengths(effect: Effect, stage: Stage) -> dict[str, float]:
     """Amplitudes at their visible strength, shapes at their first start, switches on."""
     parameters = effect.parameters_for(stage.vehicle.values, stage.campaign.channels)
     return {
-        p.name: p.starts[0] if p.is_shape else p.absent + (1.0 if p.switch else STRENGTH) * p.scale
+        p.name: p.start + STRENGTH * p.scale if type(p) is Amplitude else p.typical
         for p in parameters
     }
 
@@ -90,7 +90,7 @@ def switched_on(
     prefixed = {f"{effect.id}.{k}": v for k, v in values.items()}
     model = Model({**model.values, **prefixed}, (*model.effects, effect), model.runs)
     for setting in settings:
-        free = [p for p in effect.per_run(setting) if not p.is_shape]
+        free = [p for p in effect.per_run(setting) if isinstance(p, Amplitude)]
         own = {
             f"{effect.id}.{p.name}": p.absent + own_share * p.scale * share
             for p, share in zip(free, history(effect, len(free)), strict=True)
@@ -134,7 +134,7 @@ def most_telling(effect: Effect, stage: Stage) -> Change:
     """The run on which the change is the largest share of response and sensor noise, in band."""
     settings = [stage.setting(run) for run in stage.campaign.runs]
     model = switched_on(stage.model, effect, settings, strengths(effect, stage))
-    if effect.has_random_heights:
+    if isinstance(effect, RandomHeights):
         runs = stage.campaign.runs
         model = model.with_heights({run.id: stage.heights(effect, run) for run in runs})
     changes = []

@@ -18,13 +18,16 @@ from effect_angles import angles_picture
 from effect_on_rig import COMPONENT, forms_picture, picture_on_rig
 from effect_pictures import picture
 from effect_stage import Stage, set_stage
+from PIL import Image
 
-from wheelhop.effects import Effect, Parameter, load_effects
+from wheelhop.effects import Effect, Parameter, Shape, Switch, load_effects
 
 DOCS = Path(__file__).parent
 EXAMPLE = DOCS.parent / "examples/clean"
 PAGE = DOCS / "effects.md"
 END = "<!-- end -->"
+ACROSS = 4
+"""Thumbnails in a row."""
 
 
 def main() -> None:
@@ -38,6 +41,7 @@ def main() -> None:
         figure = picture(form, stage) if effect.on_vehicle else picture_on_rig(form)
         figure.savefig(DOCS / "effects" / f"{effect.id}.png", dpi=110)
         print(effect.id, flush=True)
+        thumbnail(effect.id)
     friction = effects["dry-friction"]
     forms = [(c, friction.with_choice(c)) for c in friction.choices(())]
     forms_picture(forms).savefig(DOCS / "dry-friction-forms.png", dpi=110)
@@ -53,6 +57,7 @@ def first_form(effect: Effect, stage: Stage) -> Effect:
 def updated(text: str, effects: Mapping[str, Effect], stage: Stage) -> str:
     """The page with every block between markers written anew; missing ones are added."""
     text = _with_block(text, "index", index(effects), heading="")
+    text = _with_block(text, "thumbnails", thumbnails(effects), heading="\n## At a glance\n\n")
     for effect in effects.values():
         text = _with_block(text, effect.id, section(effect, stage), f"\n## `{effect.id}`\n\n")
     return text
@@ -71,6 +76,29 @@ def index(effects: Mapping[str, Effect]) -> str:
     """One line per effect."""
     rows = [f"| [`{e.id}`](#{e.id}) | {e.place} | {e.title} |" for e in effects.values()]
     return "\n".join(["| id | place | what it is |", "| --- | --- | --- |", *rows])
+
+
+def thumbnail(effect_id: str) -> None:
+    """The first panel of an effect's picture, small, for the page's head."""
+    with Image.open(DOCS / "effects" / f"{effect_id}.png") as whole:
+        width, height = whole.size
+        panel = whole.crop((0, 0, round(0.272 * width), round(0.9 * height)))
+    panel.thumbnail((220, 220))
+    (DOCS / "effects/small").mkdir(exist_ok=True)
+    panel.convert("RGB").convert("P", palette=Image.Palette.ADAPTIVE, colors=32).save(
+        DOCS / "effects/small" / f"{effect_id}.png", optimize=True
+    )
+
+
+def thumbnails(effects: Mapping[str, Effect]) -> str:
+    """Four in a row, each leading to its section."""
+    cells = [
+        f"[![{e.id}](effects/small/{e.id}.png)](#{e.id})<br>`{e.id}`" for e in effects.values()
+    ]
+    cells += [""] * (-len(cells) % ACROSS)
+    rows = [cells[i : i + ACROSS] for i in range(0, len(cells), ACROSS)]
+    lines = [f"| {' | '.join(row)} |" for row in rows]
+    return "\n".join([f"|{' |' * ACROSS}", f"|{' --- |' * ACROSS}", *lines])
 
 
 def section(effect: Effect, stage: Stage) -> str:
@@ -130,13 +158,13 @@ def row(name: str, *cells: str) -> str:
 
 def believed(p: Parameter) -> str:
     """At which values a parameter is tried, and its bounds."""
-    if p.switch:
+    if isinstance(p, Switch):
         return "on or off"
-    words = [f"clearly visible at {number(p.absent + p.scale)}"]
-    if p.is_shape:
+    words = [f"clearly visible at {number(p.typical)}"]
+    if isinstance(p, Shape):
         words = [f"tried at {', '.join(number(x) for x in p.starts)}"]
-    if p.believed is not None:
-        words += [f"believed to be {number(p.believed)} ± {number(p.scale)}"]
+        if p.believed is not None:
+            words += [f"believed to be {number(p.believed)} ± {number(p.scale)}"]
     words += [f"{sign} {number(x)}" for sign, x in (("≥", p.lower), ("≤", p.upper)) if isfinite(x)]
     return "; ".join(words)
 

@@ -37,6 +37,8 @@ seat = { quantity = "acceleration", on = "driver" }
 rpm = { quantity = "speed", of = "engine" }
 whl = { quantity = "speed", of = "wheel", corner = 3, radius_m = 0.27 }
 imu_z = { quantity = "acceleration", position = [0.0, 0.0], filter = OWN }
+[factors]
+B1 = -1.0
 """
 FILTERS = (
     'filter = { kind = "bessel", order = 4, corner_hz = 40.0, zero_phase = true, delay_ms = 1.0 }',
@@ -82,6 +84,9 @@ damping_N_s_m = 900.0
 damping_N_s_m_uncertainty = 90.0
 relative_uncertainty = 0.2
 mount = "specimen.toml"
+
+[factors]
+force_N = -1.0
 
 [[run]]
 id = "sine"

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from wheelhop.vehicle.rates import WheelRates, wheel_rates
 
 __all__ = [
+    "Amplitude",
     "Campaign",
     "CampaignError",
     "Channel",
@@ -85,6 +86,8 @@ __all__ = [
     "Run",
     "RunSignals",
     "SettingsResult",
+    "Shape",
+    "Switch",
     "Tuning",
     "Vehicle",
     "WheelRates",
@@ -128,7 +131,8 @@ _PACKAGE_OF = {
     **dict.fromkeys(("Campaign", "CampaignError", "Run"), "campaign"),
     **dict.fromkeys(("NewRun", "add_run", "new_campaign"), "campaign.write"),
     **dict.fromkeys(("Comparison", "RunSignals"), "compare"),
-    **dict.fromkeys(("Effect", "Parameter", "load_effects"), "effects"),
+    **dict.fromkeys(("Effect", "load_effects"), "effects"),
+    **dict.fromkeys(("Amplitude", "Parameter", "Shape", "Switch"), "effects"),
     "InputError": "files",
     **dict.fromkeys(("Linear", "Plant"), "export.plant"),
     **dict.fromkeys(("Channel", "Log", "Recording"), "logger"),

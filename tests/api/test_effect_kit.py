@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import wheelhop as wh
-from wheelhop.effects import Parameter
+from wheelhop.effects import Amplitude
 from wheelhop.effects.dry_friction import DryFriction
 from wheelhop.vehicle import struts
 
@@ -24,7 +24,7 @@ class Spring(wh.Effect):
 
     def parameters_for(self, vehicle, channels):
         limits = {"lower": self.least, "upper": self.most}
-        return tuple(Parameter(n, self.unit, "stiffness", self.scale, **limits) for n in self.names)
+        return tuple(Amplitude(n, self.unit, "stiffness", self.scale, **limits) for n in self.names)
 
     def modify(self, theta, vehicle, parts):
         for strut in struts(vehicle):
@@ -38,6 +38,7 @@ WRONG = {
     "its name ends in N/m": {"unit": "N"},
     "has scale 0": {"scale": 0.0},
     "outside its bounds": {"least": 1.0},
+    "derive it from wheelhop.effects.WheelShape": {"wheel_path": lambda *_: None},
     "no equation": {"equation": None},
     'place = "strut"': {"place": "strut"},
     "does not apply to this vehicle": {"on_vehicle": False},

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 import wheelhop as wh
 from tests.report.small import write_small_campaign
-from wheelhop.effects import Parameter, law
+from wheelhop.effects import Amplitude, law
 from wheelhop.vehicle import ends, struts
 
 PAGE = (Path(__file__).parents[2] / "docs/notebook.md").read_text(encoding="utf-8")
@@ -37,7 +37,7 @@ class OrificeDamper(wh.Effect):
 
     def parameters_for(self, vehicle, channels):
         return tuple(
-            Parameter(f"{end}_N_s2_m2", "N·s²/m²", end, scale=strut.usual.damping_N_s_m, lower=0.0)
+            Amplitude(f"{end}_N_s2_m2", "N·s²/m²", end, scale=strut.usual.damping_N_s_m, lower=0.0)
             for end, strut in ends(vehicle).items()
         )
 

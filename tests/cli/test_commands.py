@@ -20,7 +20,7 @@ from wheelhop.effects import load_effects
 
 OWN_EFFECT = '''\
 """Quadratic damping."""
-from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects import Amplitude, Effect, law
 from wheelhop.vehicle import CORNERS, suspension
 
 
@@ -37,7 +37,7 @@ class QuadraticDamper(Effect):
     source = "a test"
 
     def parameters_for(self, vehicle, channels):
-        return (Parameter("c2", "N s²/m²", "quadratic damping", 500.0),)
+        return (Amplitude("c2", "N s²/m²", "quadratic damping", 500.0),)
 
     def modify(self, theta, vehicle, parts):
         for i in CORNERS:

@@ -77,14 +77,14 @@ def test_a_survey_with_a_hole_is_one_line(tmp_path, capsys):
 
 
 PUSH = """
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Amplitude, Effect
 from wheelhop.vehicle import CORNERS, suspension
 
 class Push(Effect):
     id, place, title, equation, source = "push", "suspension", "pushes", "f = -k x", "a test"
 
     def parameters_for(self, vehicle, channels):
-        return (Parameter("k_N_m", "N/m", "negative stiffness", 2e4),)
+        return (Amplitude("k_N_m", "N/m", "negative stiffness", 2e4),)
 
     def modify(self, theta, vehicle, parts):
         for corner in CORNERS:

@@ -13,6 +13,7 @@ from wheelhop.campaign import read_campaign
 from wheelhop.diagnose import diagnose, fit_baseline, to_json
 from wheelhop.diagnose.confirm.in_full import least_gain, worth_simulating
 from wheelhop.diagnose.screen.first_order import screen
+from wheelhop.effects import Misstatement
 from wheelhop.effects.beliefs import beliefs
 from wheelhop.simulate import RunSimulator
 from wheelhop.vehicle import Vehicle, read_vehicle
@@ -124,8 +125,9 @@ def test_of_many_beliefs_the_best_are_enough(clean):
         base.workshop, base.rung, screened, at_least=2, reach=0.0, settled=True
     )
     further = everything[2:]
-    assert {s.variant.effect.is_belief for s in further} == {True, False}
-    assert chosen == everything[:2] + [s for s in further if not s.variant.effect.is_belief]
+    physics = [s for s in further if not isinstance(s.variant.effect, Misstatement)]
+    assert 0 < len(physics) < len(further)
+    assert chosen == everything[:2] + physics
 
 
 def test_all_tracks_are_higher_than_surveyed(clean):

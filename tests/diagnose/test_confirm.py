@@ -14,6 +14,7 @@ from wheelhop.diagnose.confirm.starts import Start, saturated
 from wheelhop.diagnose.confirm.validate import Incumbent
 from wheelhop.diagnose.score import Rung
 from wheelhop.diagnose.screen.first_order import screen
+from wheelhop.effects import Switch
 
 
 def test_shapes_wait_until_the_amplitude_has_come(tmp_path):
@@ -139,8 +140,8 @@ def test_a_switch_that_leaves_twice_as_much_is_fitted_no_further(
     """Wheels lift in a model where they should not: no full fit makes up for that. And where none
     lifts in the runs fitted, a quick fit is as good as a full one. One that has no hope to come as
     far as the best model beside it ends early."""
-    switch = SimpleNamespace(amplitudes=[SimpleNamespace(switch=True)], parameters=())
-    switch.effect = SimpleNamespace(has_random_heights=False)
+    switch = SimpleNamespace(amplitudes=[Switch("lifts", "1", "1: it lifts")], parameters=())
+    switch.effect = SimpleNamespace()
     model = SimpleNamespace(theta=lambda effect: {}, random_heights=None, effects=(), values={})
     fitted = SimpleNamespace(cost=100.0, misfit=100.0, size=100.0, error=1.0, model=model)
     base = Rung(fitted, None)

@@ -12,7 +12,7 @@ from wheelhop.fit import Free, fit, update
 
 TRAVEL, FORESEEN, UNCERTAIN = 0.4, 0.5, 0.15
 CLEARANCE = Free("stop.clearance", FORESEEN, UNCERTAIN, 1.0, is_shape=True)
-STOP = SimpleNamespace(id="stop", has_random_heights=False, acts_in=lambda setting: False)
+STOP = SimpleNamespace(id="stop", acts_in=lambda setting: False)
 
 
 class HeldOut(LinearBench):

@@ -77,7 +77,7 @@ def test_no_effect_remembers_more_than_laws_differ_by(name, small):
     for variant in variants(workshop, base.rung.fit, LIBRARY[name]):
         effect = variant.effect
         parameters = workshop.parameters_of(effect)
-        strong = {p.name: p.starts[0] if p.is_shape else p.scale for p in parameters}
+        strong = {p.name: p.typical for p in parameters}
         with_it = model.with_effect(effect, parameters).with_values(
             {f"{effect.id}.{name}": value for name, value in strong.items()}
         )

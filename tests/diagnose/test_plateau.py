@@ -13,7 +13,7 @@ from wheelhop.fit import Free, fit
 TRAVEL, GAP = 0.4, 0.3
 CLEARANCE = Free("stop.clearance", 0.5, 0.5, 1.0, is_shape=True)
 BALANCE = Free("stop.balance", 0.0, 0.3, 1.0, is_shape=True)
-STOP = SimpleNamespace(id="stop", has_random_heights=False, acts_in=lambda setting: False)
+STOP = SimpleNamespace(id="stop", acts_in=lambda setting: False)
 
 
 def stops(numbers):

@@ -6,11 +6,11 @@ import pytest
 
 from wheelhop.diagnose.confirm import starts as starting
 from wheelhop.diagnose.confirm.starts import Start, plainer, starts
-from wheelhop.effects import load_effects
+from wheelhop.effects import Shape, load_effects
 from wheelhop.simulate import Model
 
 NOISE = 1.0
-SHAPE = SimpleNamespace(is_shape=True)
+SHAPE = Shape("clearance", "m", "clearance", 1.0, starts=(0.5,))
 
 
 def ended(error, evidence, away=0.0, vehicle=0.0):

@@ -11,7 +11,15 @@ from matplotlib.mathtext import MathTextParser
 from tests import truth
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS, campaign_of, model_of, simulated
 from wheelhop.campaign import CampaignError
-from wheelhop.effects import Effect, Place, RunSetting, load_effects
+from wheelhop.effects import (
+    Amplitude,
+    Effect,
+    Place,
+    RandomHeights,
+    RunSetting,
+    Shape,
+    load_effects,
+)
 from wheelhop.simulate import Model, RunSimulator
 
 TWELVE = {
@@ -61,7 +69,7 @@ def test_every_parameter_has_unit_meaning_scale_and_consistent_bounds(effect):
         assert p.unit and len(p.meaning) > 8
         assert p.scale > 0
         assert p.lower < p.upper
-        if p.is_shape:
+        if isinstance(p, Shape):
             assert all(p.lower <= start <= p.upper for start in p.starts)
         else:
             # Less than a lower bound above what is absent has another effect's name.
@@ -85,7 +93,7 @@ def test_scales_grow_with_the_vehicle():
 @pytest.mark.parametrize("effect", FORMS)
 def test_an_absent_effect_changes_nothing(effect):
     campaign, base = campaign_of(RUN), model_of(ATV, RUN)
-    own = {f"{effect.id}.{p.name}": p.absent for p in effect.per_run(ON_ROAD)}
+    own = {f"{effect.id}.{p.name}": p.start for p in effect.per_run(ON_ROAD)}
     absent = base.with_effect(effect, effect.parameters_for(ATV, CHANNELS)).with_run("run", own)
     expected = simulated(campaign, base)["run"]
     # A finer step, where an effect asks for one, is all that may differ.
@@ -103,15 +111,15 @@ def test_a_visible_strength_is_visible(effect):
     campaign, base = campaign_of(RUN), model_of(ATV, RUN)
     parameters = effect.parameters_for(ATV, CHANNELS)
     present = base.with_effect(effect, parameters).with_values(
-        {f"{effect.id}.{p.name}": p.absent + p.scale for p in parameters if not p.is_shape}
+        {f"{effect.id}.{p.name}": p.typical for p in parameters if isinstance(p, Amplitude)}
     )
     # A history swings: an acceleration that stays would be no vibration.
     own = {
-        f"{effect.id}.{p.name}": p.absent + p.scale * (-1) ** (i // 2)
+        f"{effect.id}.{p.name}": p.start + p.scale * (-1) ** (i // 2)
         for i, p in enumerate(effect.per_run(ON_ROAD))
     }
     present = present.with_run("run", own)
-    if effect.has_random_heights:
+    if isinstance(effect, RandomHeights):
         series = RunSimulator(campaign, campaign.runs[0], 4.0).series
         theta = present.theta(effect)
         density = effect.height_density(theta, series.wave_number_rad_m)
@@ -130,7 +138,7 @@ def test_restore_undoes_sense(effect):
     swell = np.hanning(len(time))[:, None]
     acceleration = swell**2 * np.cos(2 * np.pi * np.outer(time, np.linspace(3.0, 24.0, 8)))
     theta = {
-        p.name: p.starts[0] if p.is_shape else 1.0 if p.switch else 0.3 * p.scale
+        p.name: 0.3 * p.scale if type(p) is Amplitude else p.typical
         for p in effect.parameters_for(ATV, CHANNELS)
     }
     sensed = effect.sense(theta, acceleration, CHANNELS, 100.0)
@@ -146,7 +154,7 @@ def test_effects_take_part_in_any_combination():
         form = forms(effect)[0]
         parameters = form.parameters_for(ATV, CHANNELS)
         model = model.with_effect(form, parameters).with_values(
-            {f"{form.id}.{p.name}": 0.2 * p.scale for p in parameters if not p.is_shape}
+            {f"{form.id}.{p.name}": 0.2 * p.scale for p in parameters if isinstance(p, Amplitude)}
         )
     response = simulated(campaign_of(RUN), model)["run"]
     assert np.isfinite(response).all()
@@ -159,7 +167,7 @@ def test_effects_take_part_in_any_combination():
 
 
 USERS = """
-from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects import Amplitude, Effect, law
 from wheelhop.vehicle import CORNERS, suspension
 
 @law
@@ -174,7 +182,7 @@ class QuinticSpring(Effect):
     source = "the user"
 
     def parameters_for(self, vehicle, channels):
-        return (Parameter("rate_N_m5", "N/m5", "rate", 1e9),)
+        return (Amplitude("rate_N_m5", "N/m5", "rate", 1e9),)
 
     def modify(self, theta, vehicle, parts):
         for i in CORNERS:
@@ -268,10 +276,9 @@ def test_the_base_class_does_nothing():
 
 def strong(form):
     """Every number of a form well away from where it is absent: shared, and a run's own."""
-    shared = {p.name: p.starts[0] if p.is_shape else p.absent + p.scale
-              for p in form.parameters_for(ATV, CHANNELS)}  # fmt: skip
+    shared = {p.name: p.typical for p in form.parameters_for(ATV, CHANNELS)}
     setting = RunSimulator(campaign_of(RUN), campaign_of(RUN).runs[0], 4.0).setting
-    return shared, {p.name: p.absent + 0.5 * p.scale for p in form.per_run(setting)}
+    return shared, {p.name: p.start + 0.5 * p.scale for p in form.per_run(setting)}
 
 
 def heavier(values, units):

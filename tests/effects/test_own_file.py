@@ -120,8 +120,8 @@ def test_the_text_that_was_read_runs_whatever_becomes_of_the_file(tmp_path):
 
 def test_tracebacks_show_the_lines_of_the_users_file(tmp_path):
     file = tmp_path / "mine.py"
-    number = USERS[: USERS.index("return (Parameter")].count("\n") + 1
-    file.write_text(USERS.replace("return (Parameter", "raise KeyError; return (Parameter"))
+    number = USERS[: USERS.index("return (Amplitude")].count("\n") + 1
+    file.write_text(USERS.replace("return (Amplitude", "raise KeyError; return (Amplitude"))
     effect = load_effects(file)["quintic-spring"]
     with pytest.raises(KeyError) as caught:
         effect.parameters_for(None, ())

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
 from wheelhop.campaign import Channel
+from wheelhop.effects import Switch
 
 NAMES = [c.name for c in CHANNELS]
 RECORD = np.random.default_rng(2).normal(size=(40, 8))
@@ -72,7 +73,7 @@ def test_sensor_polarity_tries_every_channel_and_every_pair():
     choices = EFFECTS["sensor-polarity"].choices(CHANNELS)
     assert len(set(choices)) == len(choices) == 8 + 28
     (wrong,) = EFFECTS["sensor-polarity"].with_choice("B1").parameters_for(ATV, CHANNELS)
-    assert wrong.switch  # nothing is fitted: a cable is right or wrong
+    assert isinstance(wrong, Switch)  # nothing is fitted: a cable is right or wrong
     assert EFFECTS["sensor-gain"].choices(CHANNELS) == NAMES
 
 

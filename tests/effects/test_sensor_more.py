@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import butter, sosfiltfilt
 
 from tests.simulate.setup import ATV, CHANNELS, EFFECTS
-from wheelhop.effects import RunSetting
+from wheelhop.effects import RunSetting, Switch
 
 NAMES = [c.name for c in CHANNELS]
 RATE = 100.0
@@ -196,7 +196,7 @@ def test_faults_of_one_channel_are_tried_on_every_channel():
     assert EFFECTS["sensor-clipping"].choices(CHANNELS) == [*NAMES, "all"]
     for name in ("sensor-mount", "sensor-clipping"):
         form = EFFECTS[name].with_choice("B1")
-        switches = [p for p in form.parameters_for(ATV, CHANNELS) if p.switch]
+        switches = [p for p in form.parameters_for(ATV, CHANNELS) if isinstance(p, Switch)]
         assert len(switches) == 1  # loose or not: only the resonance, the range are fitted
 
 

@@ -18,7 +18,7 @@ RECORD = TIME >= 0.0
 def drawn(effect, seed, scale=1.0):
     """What the effect leaves free in a run, at random; its shape as screening begins."""
     rng = np.random.default_rng(seed)
-    shapes = {p.name: p.starts[0] for p in effect.parameters_for(ATV, CHANNELS)}
+    shapes = {p.name: p.start for p in effect.parameters_for(ATV, CHANNELS)}
     return shapes | {p.name: scale * p.scale * rng.normal() for p in effect.per_run(SETTING)}
 
 
@@ -178,7 +178,7 @@ def test_left_right_drift_leaves_the_mean_of_the_sides(seed):
 def test_left_right_drift_follows_a_steady_and_a_slowly_wandering_lead(wander):
     """1 % of the way and a sine of 8 s period: a hundredth of a wavelength is left at most."""
     effect = EFFECTS["left-right-drift"]
-    theta = {p.name: p.starts[0] for p in effect.parameters_for(ATV, CHANNELS)}
+    theta = {p.name: p.start for p in effect.parameters_for(ATV, CHANNELS)}
     names = [p.name for p in effect.per_run(SETTING)]
     columns = []
     for name in names:

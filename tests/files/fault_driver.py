@@ -118,13 +118,13 @@ def thesis_drawn(folder: Path) -> None:
     import wheelhop.cli.thesis as thesis_command
     import wheelhop.report.thesis as page
     from wheelhop.files import write_picture
-    from wheelhop.identify import thesis_figures
+    from wheelhop.report import transfer_figures as figures
 
     drawn(folder)
     thesis_command.thesis_rows = list
-    thesis_figures.racing_car = lambda: None
-    thesis_figures.study = thesis_figures.stiffened = lambda *rest: dict.fromkeys(("front", "rear"))
-    thesis_figures.draw_study = lambda variants, varied, path: write_picture(path, Figure())
+    figures.racing_car = lambda: None
+    figures.study = figures.stiffened = lambda *rest: dict.fromkeys(("front", "rear"))
+    figures.draw_study = lambda variants, varied, path: write_picture(path, Figure())
     page.FIGURES = {number: (Figure, caption) for number, (_, caption) in page.FIGURES.items()}
 
 

@@ -82,7 +82,7 @@ SURE = Noise(0.0, 2 * SIZE, SIGMA)
 
 def likely(theta, seen, sigma=SIGMA):
     """Logarithm of the posterior density of the density's parameters."""
-    away = [(theta[p.name] - p.starts[0]) / p.scale for p in PARAMETERS]
+    away = [(theta[p.name] - p.start) / p.scale for p in PARAMETERS]
     return explained(ROUGHNESS, theta, seen, sigma).evidence(2 * SIZE, sigma) - 0.5 * np.dot(
         away, away
     )

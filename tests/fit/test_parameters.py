@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests import truth
 from tests.simulate.setup import ATV, EFFECTS, TIME, campaign_of, model_of
 from wheelhop.campaign import Channel, TrackSpec
-from wheelhop.effects import RunSetting
+from wheelhop.effects import RunSetting, Shape, Switch
 from wheelhop.fit import (
     Free,
     effect_parameters,
@@ -143,13 +143,13 @@ def test_of_an_amplitude_nothing_is_believed_of_a_shape_its_scale():
     effect = EFFECTS["digressive-damper"]
     parameters = effect.parameters_for(ATV, ())
     free = {f.name: f for f in effect_parameters(parameters, model_of(ATV, {}), effect)}
-    assert len(free) == len([p for p in parameters if not p.switch]) > 0
+    assert len(free) == len([p for p in parameters if not isinstance(p, Switch)]) > 0
     for p in parameters:
         one = free[f"{effect.id}.{p.name}"]
-        assert one.sigma == (p.scale if p.is_shape else np.inf) and one.scale == p.scale
-        assert one.is_shape is p.is_shape and (one.lower, one.upper) == (p.lower, p.upper)
+        assert one.sigma == (p.scale if isinstance(p, Shape) else np.inf) and one.scale == p.scale
+        assert one.is_shape is isinstance(p, Shape) and (one.lower, one.upper) == (p.lower, p.upper)
     begun = replace(parameters[-1], starts=(0.7,), believed=None)
-    assert begun.is_shape
+    assert isinstance(begun, Shape)
     for believed, mean in ((None, 0.9), (0.2, 0.2)):
         model = model_of(ATV, {}, effect.id, {begun.name: 0.9})
         (one,) = effect_parameters([replace(begun, believed=believed)], model, effect)

@@ -15,7 +15,7 @@ from tests.component import rig
 from tests.component.cases import DAMPER, OSCILLATOR
 from wheelhop.campaign import Campaign, TrackSpec, read_campaign
 from wheelhop.diagnose.verdict.stability import unstable
-from wheelhop.effects import Effect, load_effects
+from wheelhop.effects import Effect, Shape, load_effects
 from wheelhop.fit import FitProbe, Workshop, fit, initial_model, linearised
 from wheelhop.fit.parameters import effect_run_parameters, run_parameters
 from wheelhop.fit.probe import NotFinite
@@ -52,7 +52,7 @@ class Thrown:
         self.workshop = Workshop(campaign, self.base, jobs=1)
         self.bench = next(iter(self.workshop.benches.values()))
         self.rng = np.random.default_rng(seed)
-        self.effects = [e for e in LIBRARY.values() if self._acts(e) and not e.is_belief]
+        self.effects = [e for e in LIBRARY.values() if self._acts(e)]
 
     def _acts(self, effect: Effect) -> bool:
         return effect.applies_to(self.base.values) and self.bench.simulator.acts(effect)
@@ -96,7 +96,9 @@ class Thrown:
             for start in probe.shape_starts(other):
                 assert all(np.isfinite(value) for value in start.values())
             setting = self.bench.simulator.setting
-            shapes = {p.name: p.starts[0] for p in self.workshop.parameters_of(other) if p.starts}
+            shapes = {
+                p.name: p.start for p in self.workshop.parameters_of(other) if isinstance(p, Shape)
+            }
             assert probe.run_starts(other, setting, shapes)
         assert all(ran == run_id for ran, _ in self.workshop.run_away)
 

@@ -25,7 +25,8 @@ from wheelhop.identify.published import (
 )
 from wheelhop.identify.statespace import StateSpace
 from wheelhop.identify.synthetic import thesis_matrix
-from wheelhop.identify.thesis_figures import draw_thesis, racing_car, stiffened
+from wheelhop.identify.thesis_cars import racing_car, stiffened
+from wheelhop.report.transfer_figures import draw_thesis
 
 OLD, NEW = Struts(*TABLE_5_4["old"]), Struts(*TABLE_5_4["new"])
 WHEELS = Wheels(*zip(TABLE_5_3["front"], TABLE_5_3["rear"], strict=True))

@@ -30,7 +30,7 @@ from wheelhop.identify.equivalent import (
 from wheelhop.identify.row import KINDS
 from wheelhop.identify.simple_modes import component_stiffness, implied_body, simple_modes
 from wheelhop.identify.thesis import peaks_hz, table_5_2
-from wheelhop.identify.thesis_figures import racing_car
+from wheelhop.identify.thesis_cars import racing_car
 from wheelhop.simulate import Model
 
 HALF_A_DIGIT = np.array([0.05e1, 0.05e3, 0.05e4, 0.05e6, 0.05e7, 0.05e8])

@@ -10,7 +10,7 @@ from wheelhop.campaign import Channel
 from wheelhop.cli.main import main
 from wheelhop.identify import Car, StateSpace, Struts, Wheels, rigid_inertia, study, wheel_hop_hz
 from wheelhop.identify.published import TABLE_2_4
-from wheelhop.identify.thesis_figures import racing_car
+from wheelhop.identify.thesis_cars import racing_car
 from wheelhop.predict.modal import modes
 from wheelhop.predict.modal_words import by_place
 from wheelhop.simulate import Model

@@ -5,6 +5,7 @@ import runpy
 import pytest
 
 from tests.simulate.setup import ATV
+from wheelhop.effects import Shape
 from wheelhop.law.along import laws_of
 from wheelhop.law.formula import Formula, source_of
 from wheelhop.law.places import Where
@@ -27,10 +28,10 @@ TERMS = (beyond(0.012, 0.05), slipping(0.004), valved(0.3, 0.6, 1.2))
 def test_the_file_adds_the_same_forces(where, apart, tmp_path):
     formula = Formula(where, TERMS, apart).with_free_shapes()
     vehicle = {**ATV, **SEAT}
-    gaps = [p for p in formula.parameters_for(vehicle, ()) if p.starts]
-    shapes = {p.name: (1.3 + 0.1 * i) * p.starts[0] for i, p in enumerate(gaps)}
+    gaps = [p for p in formula.parameters_for(vehicle, ()) if isinstance(p, Shape)]
+    shapes = {p.name: (1.3 + 0.1 * i) * p.start for i, p in enumerate(gaps)}
     assert len(shapes) == 3 * len(formula.ends())
-    forces = [p.name for p in formula.parameters_for(vehicle, ()) if not p.starts]
+    forces = [p.name for p in formula.parameters_for(vehicle, ()) if not isinstance(p, Shape)]
     amplitudes = {name: 100.0 + i for i, name in enumerate(forces)}
     fitted = {f"formula.{name}": value for name, value in {**shapes, **amplitudes}.items()}
     file = tmp_path / "kept.py"

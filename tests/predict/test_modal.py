@@ -1,6 +1,7 @@
 """Modes, their energy and sensitivities, and transmissibility: closed forms, balances, scaling."""
 
 import json
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from wheelhop.campaign import CampaignError, Channel
 from wheelhop.cli.main import main
 from wheelhop.effects import load_effects
 from wheelhop.predict.modal import modes, transmissibility
+from wheelhop.report.modes import modes_figure
 from wheelhop.simulate import Model, frequency_response
 from wheelhop.vehicle import axle_name, static_tyre_load, wheels
 
@@ -155,6 +157,15 @@ def test_the_command_compares_vehicles(tmp_path, capsys):
     assert main(["simulate", str(VEHICLE), "--against", str(softer), *drive]) == 0
     assert "softer" in capsys.readouterr().out
     assert all(file.stat().st_size > 1000 for file in out)
+
+
+def test_no_two_names_of_modes_overlap():
+    """Of a quad, alone and with its driver and battery on mounts, wheels of both ends hop alike."""
+    figure = modes_figure([(modes_of(car), transmissibility(Model(car), HZ)) for car in (ATV, CAR)])
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in figure.axes[-1].texts]
+    assert len(boxes) > 6
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
 @pytest.mark.parametrize(

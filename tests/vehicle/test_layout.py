@@ -99,10 +99,7 @@ def test_every_effect_that_applies_can_be_added(model):
             if form.applies_to(values):
                 base = Model(values)
                 parameters = form.parameters_for(values, channels)
-                shown = {
-                    f"{form.id}.{p.name}": p.starts[0] if p.is_shape else p.absent + p.scale
-                    for p in parameters
-                }
+                shown = {f"{form.id}.{p.name}": p.typical for p in parameters}
                 system = (
                     base.with_effect(form, parameters).with_values(shown).system(channels, "road")
                 )

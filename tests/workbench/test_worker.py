@@ -97,7 +97,7 @@ def test_a_rig_whose_names_end_above_the_floor_shows_the_law_beyond_them(tmp_pat
 
 
 BROKEN = """
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Amplitude, Effect
 
 
 class Boom(Effect):
@@ -105,7 +105,7 @@ class Boom(Effect):
     equation = source = "-"
 
     def parameters_for(self, vehicle, channels):
-        return (Parameter("size", "1", "nothing", 1.0),)
+        return (Amplitude("size", "1", "nothing", 1.0),)
 
     def sense(self, theta, acceleration, channels, rate_hz):
         raise RuntimeError("boom: no such <b>thing</b>\\nat all")

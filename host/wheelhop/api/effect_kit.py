@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wheelhop.api.simulating import simulate
 from wheelhop.campaign.sample import VEHICLE
-from wheelhop.effects import Effect, Given, Parameter, pick
+from wheelhop.effects import Amplitude, Effect, Given, Parameter, RandomHeights, pick
 from wheelhop.files import InputError, quoted, write_text
 from wheelhop.files.words import listed, unit_of
 from wheelhop.predict.drives import CHANNELS
@@ -64,9 +64,9 @@ def check_effect(effect: Given, vehicle: Vehicle | str | Path | None = None) -> 
     parameters = _parameters(made, known)
     before = _record(made, known, None)
     size = float(np.sqrt(np.mean(before**2)))
-    absent = {p.name: p.absent for p in parameters if not p.is_shape}
+    absent = {p.name: p.absent for p in parameters if isinstance(p, Amplitude)}
     # What is free in every run is drawn, and is not nothing.
-    drawn = type(made).per_run is not Effect.per_run or made.has_random_heights
+    drawn = type(made).per_run is not Effect.per_run or isinstance(made, RandomHeights)
     left = 0.0 if drawn else _change(before, _record(made, known, absent)) / size
     if not left <= LEAST:
         raise InputError(
@@ -76,9 +76,9 @@ def check_effect(effect: Given, vehicle: Vehicle | str | Path | None = None) -> 
     rows = []
     for p in parameters:
         change = float("nan")
-        if not p.is_shape:
+        if isinstance(p, Amplitude):
             change = _change(before, _record(made, known, {**absent, p.name: _at_scale(p)})) / size
-        kind = "shape" if p.is_shape else "switch" if p.switch else "amplitude"
+        kind = type(p).__name__.lower()
         rows.append({"parameter": p.name, "unit": p.unit, "kind": kind, "scale": p.scale})
         rows[-1]["change"] = change
     table = pandas.DataFrame(rows).set_index("parameter")
@@ -119,7 +119,7 @@ def _parameters(effect: Effect, vehicle: Vehicle) -> tuple[Parameter, ...]:
                 f"{effect.id}: {p.name} is given in {p.unit}, and its name ends in"
                 f" {unit_of(p.name)}: end it in the unit"
             )
-        if not (p.is_shape or p.lower <= p.absent <= p.upper):
+        if isinstance(p, Amplitude) and not p.lower <= p.absent <= p.upper:
             raise InputError(
                 f"{effect.id}: {p.name} is absent at {p.absent:g}, outside its bounds"
                 f" {p.lower:g} … {p.upper:g}: move one of them"
@@ -133,8 +133,8 @@ def _alike(unit: str, other: str) -> bool:
     return plain[0] == plain[1]
 
 
-def _at_scale(parameter: Parameter) -> float:
-    return min(max(parameter.absent + parameter.scale, parameter.lower), parameter.upper)
+def _at_scale(parameter: Amplitude) -> float:
+    return min(max(parameter.typical, parameter.lower), parameter.upper)
 
 
 def _record(

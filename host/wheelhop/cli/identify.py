@@ -38,8 +38,8 @@ from wheelhop.identify import (
     to_json,
     write_mat,
 )
-from wheelhop.identify.figure import draw_matrix, physical_matrix
 from wheelhop.identify.linear import LASTING
+from wheelhop.identify.physical import physical_matrix
 from wheelhop.report.identified import write_identified_report
 from wheelhop.vehicle import CORNERS, Vehicle, read_vehicle, wheels
 
@@ -234,6 +234,8 @@ def _write(
     if arguments.figure:
         low, high = campaign.band_hz
         frequency = np.geomspace(low, high, 300)
+        from wheelhop.report.transfer_figures import draw_matrix
+
         nominal = physical_matrix(campaign.channels, physical, chosen.model, frequency)
         draw_matrix(chosen.model, nominal, frequency, arguments.figure)
 

@@ -15,7 +15,6 @@ from wheelhop.campaign import BODY_POINTS, Campaign, CampaignError
 from wheelhop.cli.output import write_json
 from wheelhop.files import replacing
 from wheelhop.identify import Frf, Measured, frf, not_excited
-from wheelhop.identify.figure import draw_frf
 from wheelhop.identify.structure import input_name
 
 
@@ -29,6 +28,8 @@ def run_frf(arguments: Namespace, campaign: Campaign, measured: Measured, consol
     if arguments.mat:
         _write_mat(arguments.mat, measured, found, inside)
     if arguments.figure:
+        from wheelhop.report.transfer_figures import draw_frf
+
         draw_frf(found, measured, inside, arguments.figure)
     return 0
 

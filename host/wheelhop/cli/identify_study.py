@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.table import Table
 
 from wheelhop.identify import HALVES, Bushings, Car, WheelHop, check_stable, study
-from wheelhop.identify.figure import draw_study
 from wheelhop.material import approximate, read_specimen
 from wheelhop.vehicle import axle_name
 
@@ -69,6 +68,8 @@ def _print_study(arguments: Namespace, car: Car, console: Console) -> None:
         soft_wrap=True,
     )
     if arguments.study_figure:
+        from wheelhop.report.transfer_figures import draw_study
+
         draw_study(variants, varied, arguments.study_figure)
 
 

@@ -10,8 +10,9 @@ from typing import ClassVar
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, RunSetting, Values
 from wheelhop.effects.history import History
+from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.vehicle import Assembly
 from wheelhop.vehicle.assembly import Row
 
@@ -63,7 +64,7 @@ class AccelerationMoment(Effect):
                 for each in spline
             )
             share = f"what acts of the {meaning} that is recorded, relative"
-            return (Parameter(SHARE, "1", share, 1.0), *added)
+            return (Amplitude(SHARE, "1", share, 1.0), *added)
         return spline if run.speed_m_s > 0 else ()
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Effect, Values
+from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.vehicle import Assembly, pairs
 
 
@@ -25,7 +26,7 @@ class AntiRollBar(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The bar's stiffness per axle."""
         return tuple(
-            Parameter(
+            Amplitude(
                 f"{end}_N_m",
                 "N/m",
                 f"stiffness of the {end} bar: force at a wheel per difference of travel",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -32,7 +33,7 @@ class AsymmetricDamper(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Half the difference of the two damping rates, per axle."""
         return tuple(
-            Parameter(
+            Amplitude(
                 f"{end}_N_s_m",
                 "N·s/m",
                 f"half of rebound less compression damping, {strut.name}",

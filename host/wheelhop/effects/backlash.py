@@ -7,7 +7,8 @@ from math import exp, expm1, log
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.balance import balance, share
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, ends, struts
 
 RISE_S = 0.0002
@@ -82,14 +83,14 @@ class Backlash(Effect):
         if its load is not known."""
         first, *others = ends(vehicle).values()
         usual = first.usual
-        gap = Parameter("gap_m", "m", "free play of a strut", 0.1 * usual.travel_m, lower=0.0)
+        gap = Amplitude("gap_m", "m", "free play of a strut", 0.1 * usual.travel_m, lower=0.0)
         if not others:
             if first.load_is_known:
                 return (gap,)
             meaning = "displacement at which the component lies in the middle of its play"
             middle = first.static_load_N / max(first.stiffness_N_m, usual.stiffness_N_m)
             scale = 0.1 * usual.travel_m
-            return gap, Parameter("middle_m", "m", meaning, scale, starts=(0.0, middle))
+            return gap, Shape("middle_m", "m", meaning, scale, starts=(0.0, middle))
         return gap, balance("balance", "gap", UNLIKE, starts=BALANCES)
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:

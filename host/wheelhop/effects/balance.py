@@ -6,12 +6,13 @@ number of its own for each axle would then take any value on the axle that shows
 
 from __future__ import annotations
 
-from wheelhop.effects.base import Parameter, Values
+from wheelhop.effects.base import Values
+from wheelhop.effects.parameters import Shape
 
 
 def balance(
     name: str, what: str, sigma: float, starts: tuple[float, ...] = (0.0,), most: float = 1.0
-) -> Parameter:
+) -> Shape:
     """The parameter by which front and rear differ.
 
     Parameters
@@ -24,9 +25,7 @@ def balance(
         Where screening begins, and the largest size allowed: 1 leaves nothing to one of the axles.
     """
     meaning = f"half the difference of front and rear {what} over their mean"
-    return Parameter(
-        name, "1", meaning, sigma, lower=-most, upper=most, starts=starts, believed=0.0
-    )
+    return Shape(name, "1", meaning, sigma, lower=-most, upper=most, starts=starts, believed=0.0)
 
 
 def share(theta: Values, mean: str, balance: str, end: str) -> float:

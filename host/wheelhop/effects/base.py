@@ -11,11 +11,11 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign import Channel, TrackSpec
+from wheelhop.campaign import Channel
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.driven import Driven
 from wheelhop.campaign.known import NOTHING, Known
-from wheelhop.track import Wheel, WheelPath
+from wheelhop.effects.parameters import Parameter
 from wheelhop.vehicle.assembly import Assembly, Law
 from wheelhop.vehicle.component import is_component
 from wheelhop.vehicle.layout import motions
@@ -36,38 +36,6 @@ def law(function: Callable[..., tuple[float, float]]) -> Law:
     signature = "UniTuple(float64, 2)(float64, float64, float64, float64, float64, float64[::1])"
     compiled: Law = numba.njit(signature, cache=True, nogil=True, error_model="numpy")(function)
     return compiled
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One number of an effect.
-
-    An *amplitude* (``starts`` empty) vanishes with the effect: ``absent`` is its value then, and
-    ``scale`` a clearly visible strength on the nominal vehicle. A *shape* (a knee velocity, a
-    frequency) means nothing while the amplitudes vanish; screening tries each of its ``starts``
-    and ``scale`` is one standard deviation of what is believed about it beforehand: to be near
-    ``believed``, or if that is None, near where it begins. A *switch*
-    is an amplitude that physics fixes: an effect of this kind is there in full or not at all.
-    ``span_s`` says when in its run a number acts that is free in every run: derivatives of numbers
-    that act far apart come from one simulation.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    scale: float
-    absent: float = 0.0
-    lower: float = -np.inf
-    upper: float = np.inf
-    starts: tuple[float, ...] = ()
-    believed: float | None = None
-    switch: bool = False
-    span_s: tuple[float, float] = (-np.inf, np.inf)
-
-    @property
-    def is_shape(self) -> bool:
-        """Whether the parameter means nothing while the amplitudes vanish."""
-        return bool(self.starts)
 
 
 @dataclass(frozen=True)
@@ -181,11 +149,6 @@ class Effect:
     """Whether it is looked for on vehicles, too; where not, only a rig tells it from its likes."""
     becomes: ClassVar[Sequence[Becomes]] = ()
     """What its law degenerates into at bounds of its parameters, for the critic."""
-    is_belief: ClassVar[bool] = False
-    """Whether it is no physics but a mistake in what the campaign says (`remedy`)."""
-    has_random_heights: ClassVar[bool] = False
-    """Whether it adds heights nobody knows to the ground (`height_density`): they are estimated run
-    by run, and its parameters, all shapes, are found by their evidence."""
     screened_at: ClassVar[Sequence[float]] = (0.5,)
     """The fractions of its amplitudes' scales at which it is screened: several where what it
     changes takes another shape as it grows."""
@@ -245,41 +208,10 @@ class Effect:
         """Numbers that stand for what is left free per run, for people to read."""
         return {}
 
-    def contradicted(self, runs: Sequence[OwnValues]) -> bool:
-        """Whether what was fitted run by run is against the effect's own nature."""
-        return False
-
-    def surveyed(self, theta: Values, track: TrackSpec) -> TrackSpec:
-        """The track as it really is, where the campaign says otherwise."""
-        return track
-
-    def stretch(self, theta: Values, run_id: str) -> float:
-        """How long a metre of the survey of a run's track really is, m."""
-        return 1.0
-
-    def stated(self) -> Mapping[str, tuple[str, float]]:
-        """Of a belief: what each of its parameters is the error of, as a dotted name, and what the
-        campaign says of it."""
-        return {}
-
-    def remedy(self, theta: Values) -> str:
-        """What to correct in the campaign, where it says something wrong; else empty."""
-        return ""
-
     def travel(
         self, theta: Values, run: RunSetting, time_s: Array, position_m: Array, speed_m_s: float
     ) -> tuple[Array, Array] | None:
         """Extra distance of each wheel path (T, 4), m, and its rate (T, 4), m/s."""
-        return None
-
-    def height_density(self, theta: Values, wave_number_rad_m: Array) -> Array:
-        """Spectral density S(κ) (k,), m³ per rad, one-sided, of random heights on top of the track,
-        under left and right wheels independent of each other."""
-        return np.zeros_like(wave_number_rad_m)
-
-    def wheel_path(self, theta: Values, corner: int, wheel: Wheel) -> WheelPath | None:
-        """The path of a wheel's centre over the track, if it is not that of a rigid wheel; of
-        several such effects in a model the first counts."""
         return None
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
@@ -299,12 +231,6 @@ class Effect:
         """What the instrument makes of what truly is (n, c), in the channels' units, at rest
         before."""
         return acceleration
-
-    def lingering(self, theta: Values, since_s: Array, channels: Sequence[Channel]) -> Array | None:
-        """What is left of motion before the record that no simulation knows, in the instrument
-        itself (T, c), in the channels' units; ``since_s`` (T,) counts from the record's first
-        sample."""
-        return None
 
     def restore(
         self, theta: Values, measured: Array, channels: Sequence[Channel], rate_hz: float

@@ -16,7 +16,9 @@ import numpy as np
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, TrackSpec
 from wheelhop.campaign.channel import BODY_POINTS
 from wheelhop.campaign.low_pass import LowPass
-from wheelhop.effects.base import Array, Effect, Parameter, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, RunSetting, Values
+from wheelhop.effects.parameters import Amplitude, Parameter
+from wheelhop.effects.special import Misstatement
 from wheelhop.effects.transfer import transferred
 from wheelhop.files import dotted
 from wheelhop.vehicle import Vehicle, corner_position
@@ -62,14 +64,13 @@ ALL = "all"
 """In the place of a kind of track: whoever wrote a height from trough to crest did so each time."""
 
 
-class TrackSurvey(Effect):
+class TrackSurvey(Misstatement):
     """A number of all tracks of one kind, or of all tracks, is larger, or smaller, than
     surveyed."""
 
     place = "track"
     source = "one template, one level, one mistake: tracks of a kind are surveyed together"
     needs_road = True
-    is_belief = True
 
     def __init__(self, kind: str, quantity: Quantity, runs: frozenset[str]) -> None:
         """`kind` may be "all"."""
@@ -85,7 +86,7 @@ class TrackSurvey(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The relative error of the survey."""
         meaning = f"by how much the {self.quantity.name} is larger than surveyed, relative"
-        return (Parameter("error", "1", meaning, self.quantity.scale, lower=-0.5, upper=1.0),)
+        return (Amplitude("error", "1", meaning, self.quantity.scale, lower=-0.5, upper=1.0),)
 
     def surveyed(self, theta: Values, track: TrackSpec) -> TrackSpec:
         """The track as it is."""
@@ -116,13 +117,12 @@ class TrackSurvey(Effect):
         return f"the {quantity.name}s of its {self.kind} tracks times {factor:.4g}"
 
 
-class SensorPosition(Effect):
+class SensorPosition(Misstatement):
     """A sensor on the body sits ahead of the point it is said to sit at, or to the left of it."""
 
     place = "sensor"
     equation = r"y = a + d_x\, \partial a / \partial x + d_y\, \partial a / \partial y"
     source = "kinematics of a rigid body, small angles"
-    is_belief = True
 
     def __init__(
         self, channel: str, place: tuple[float, float], others: Sequence[str], slope: Array
@@ -137,7 +137,7 @@ class SensorPosition(Effect):
         """How far it is ahead and to the left of its point."""
         where = {"x_m": "ahead of its point", "y_m": "to the left of its point"}
         return tuple(
-            Parameter(name, "m", f"how far the sensor sits {words}", 0.1, lower=-1.0, upper=1.0)
+            Amplitude(name, "m", f"how far the sensor sits {words}", 0.1, lower=-1.0, upper=1.0)
             for name, words in where.items()
         )
 
@@ -166,7 +166,7 @@ class SensorPosition(Effect):
         )
 
 
-class RecorderFilter(Effect):
+class RecorderFilter(Misstatement):
     """The recorder has a low-pass filter that the campaign does not state: a Butterworth filter,
     of which the time 1/ω_c is 0 where there is none. That all comes later only places the runs
     elsewhere; what shows is that fast motion comes later still, and smaller."""
@@ -176,7 +176,6 @@ class RecorderFilter(Effect):
     title = "the recorder has a low-pass filter that is not stated"
     equation = r"y = H a,\quad |H|^2 = 1 / (1 + (\omega \tau)^{2 n})"
     source = "S. Butterworth, On the theory of filter amplifiers, Wireless Engineer 7 (1930) 536"
-    is_belief = True
 
     def __init__(self, highest_hz: float, order: int = 4) -> None:
         """`highest_hz` is the upper edge of the band that is compared."""
@@ -194,7 +193,7 @@ class RecorderFilter(Effect):
         """1/ω_c: a corner at twice the highest frequency plainly shows."""
         shows = 1.0 / (2 * np.pi * 2.0 * self.highest_hz)
         meaning = "time constant 1/ω_c of the filter"
-        return (Parameter("time_s", "s", meaning, shows, lower=0.0, upper=4.0 * shows),)
+        return (Amplitude("time_s", "s", meaning, shows, lower=0.0, upper=4.0 * shows),)
 
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float

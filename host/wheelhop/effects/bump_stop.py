@@ -8,7 +8,8 @@ import numpy as np
 
 from wheelhop.campaign import Channel
 from wheelhop.effects.balance import balance, share
-from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Probe, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, Probe, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, ends, struts
 
 SHARES = (0.2, 0.4, 0.6, 0.8)
@@ -63,14 +64,14 @@ class BumpStop(Effect):
         usual = next(iter(struts_of.values())).usual
         of_both = ", mean of front and rear" if len(struts_of) > 1 else ""
         found = [
-            Parameter(
+            Amplitude(
                 "stiffness_N_m",
                 "N/m",
                 f"stiffness of a stop{of_both}",
                 3 * usual.stiffness_N_m,
                 lower=0.0,
             ),
-            Parameter(
+            Shape(
                 "clearance_m",
                 "m",
                 f"way from rest to a stop{of_both}",
@@ -84,7 +85,7 @@ class BumpStop(Effect):
             found.append(balance("clearance_balance", "clearance", UNLIKE, most=0.9))
         if self.form == "both":
             found.append(
-                Parameter(
+                Shape(
                     "rebound_ratio",
                     "1",
                     "clearance in rebound over clearance in compression",

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from math import copysign, inf
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
 from wheelhop.effects.hysteresis import STAGE
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, Strut, ends, mounted, struts
 
 LEAST_BLEED, MOST_BLEED = 0.05, 0.5
@@ -107,7 +108,7 @@ class CompliantDamper(Effect):
         load = next(iter(found.values())).usual.load_N
         return (
             *(one for end, strut in found.items() for one in _amplitudes(end, strut)),
-            Parameter(
+            Shape(
                 "bleed",
                 "1",
                 "slope of the open valves over that of the bleed before",
@@ -121,10 +122,10 @@ class CompliantDamper(Effect):
 
     def _blow_off(self, load_N: float) -> tuple[Parameter, ...]:
         return (
-            Parameter(
+            Amplitude(
                 "loss", "1", "share of the slope lost once blown off", 0.5, lower=0.0, upper=0.98
             ),
-            Parameter(
+            Shape(
                 "blow_off_N",
                 "N",
                 "force beyond that of opening at which the valves blow off",
@@ -154,14 +155,14 @@ def _amplitudes(end: str, strut: Strut) -> tuple[Parameter, ...]:
     usual = strut.usual
     turn = usual.travel_m / usual.speed_m_s
     return (
-        Parameter(
+        Amplitude(
             f"{end}_s",
             "s",
             f"damping of the open valves of {strut.name} over the stiffness in series with them",
             0.1 * turn,
             lower=LEAST_LAG * turn,
         ),
-        Parameter(
+        Amplitude(
             f"{end}_asymmetry",
             "1",
             f"half of rebound less compression damping over their mean, {strut.name}",
@@ -169,7 +170,7 @@ def _amplitudes(end: str, strut: Strut) -> tuple[Parameter, ...]:
             lower=-0.95,
             upper=0.95,
         ),
-        Parameter(
+        Amplitude(
             f"{end}_opening_N",
             "N",
             f"force that opens the valves of {strut.name}",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Effect, Values
+from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.vehicle import Assembly, pairs
 
 
@@ -43,7 +44,7 @@ class CornerAsymmetry(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Half the difference of left and right over the mean, of spring and of damper."""
         return tuple(
-            Parameter(
+            Amplitude(
                 f"{part}_excess",
                 "1",
                 f"{part} rate of the left strut over the axle's mean, less one",

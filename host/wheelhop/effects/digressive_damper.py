@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -38,7 +39,7 @@ class DigressiveDamper(Effect):
         speed = next(iter(found.values())).usual.speed_m_s
         return (
             *(
-                Parameter(
+                Amplitude(
                     f"{end}_loss",
                     "1",
                     f"share of the damping rate lost beyond the knee, {strut.name}",
@@ -48,7 +49,7 @@ class DigressiveDamper(Effect):
                 )
                 for end, strut in found.items()
             ),
-            Parameter(
+            Shape(
                 "knee_m_s",
                 "m/s",
                 "velocity of the strut beyond which the slope falls",

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from math import pi
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Becomes, Effect, Parameter, Values
+from wheelhop.effects.base import Becomes, Effect, Values
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, between
 from wheelhop.vehicle.assembly import Coordinate
 
@@ -45,7 +46,7 @@ class DriverRocking(Effect):
         """Roll inertia that sways, the resonance of the restraint, and how high its mass is."""
         inertia = vehicle.get("driver.mass_kg", 75.0) * ARM_M**2
         return (
-            Parameter(
+            Amplitude(
                 "inertia_kg_m2",
                 "kg·m²",
                 "roll inertia that sways, part of body.roll_inertia_kg_m2",
@@ -53,7 +54,7 @@ class DriverRocking(Effect):
                 lower=0.0,
                 upper=0.8 * vehicle["body.roll_inertia_kg_m2"],
             ),
-            Parameter(
+            Shape(
                 "freq_hz",
                 "Hz",
                 "resonance of the driver on the restraint",
@@ -62,8 +63,8 @@ class DriverRocking(Effect):
                 upper=15.0,
                 starts=(1.2, 2.2, 3.8, 6.5),
             ),
-            Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
-            Parameter(
+            Shape("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
+            Shape(
                 "lean_1_m",
                 "1/m",
                 "mass × height of what sways, per its inertia",

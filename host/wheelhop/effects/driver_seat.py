@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from math import inf, pi
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Becomes, Effect, Parameter, Values
+from wheelhop.effects.base import Becomes, Effect, Values
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, Body, between, motions, on_mounts
 
 HEAVIER = 1.4
@@ -39,7 +40,7 @@ class DriverSeat(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Mass that moves on the seat, the seat's resonance, and where it is."""
         x_m, away = vehicle.get("driver.x_m", 0.0), AWAY_M if "driver.x_m" in vehicle else inf
-        place = Parameter(
+        place = Shape(
             "x_m",
             "m",
             "how far the seat is ahead of the centre of mass",
@@ -51,7 +52,7 @@ class DriverSeat(Effect):
         stated = vehicle.get("driver.mass_kg", 75.0)
         heaviest = HEAVIER * stated if "driver.mass_kg" in vehicle else inf
         return (
-            Parameter(
+            Amplitude(
                 "mass_kg",
                 "kg",
                 "mass that moves on the seat, part of body.mass_kg",
@@ -59,7 +60,7 @@ class DriverSeat(Effect):
                 lower=0.0,
                 upper=min(0.8 * vehicle["body.mass_kg"], heaviest),
             ),
-            Parameter(
+            Shape(
                 "freq_hz",
                 "Hz",
                 "resonance of the driver on the seat",
@@ -68,7 +69,7 @@ class DriverSeat(Effect):
                 upper=15.0,
                 starts=(2.0, 3.5, 6.0, 10.0),
             ),
-            Parameter("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
+            Shape("zeta", "1", "its damping ratio", 0.15, lower=0.02, upper=1.5, starts=(0.3,)),
             *((place,) if "pitch" in motions(vehicle) else ()),
         )
 

@@ -9,8 +9,9 @@ from math import exp, sqrt, tanh
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Becomes, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, Values, law
 from wheelhop.effects.hysteresis import bouc_wen, bristles
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import COMPONENT, Assembly, Law, Usual, ends, is_component, struts
 
 LONGEST_STEP_S = {
@@ -70,7 +71,7 @@ KERNELS: dict[str, tuple[Law, *tuple[str, ...]]] = {
 }
 """The law of each form, and its parameters after the slip force."""
 
-CREEP = Parameter(
+CREEP = Shape(
     "creep_m_s",
     "m/s",
     "speed below which the joint creeps instead of sliding",
@@ -84,7 +85,7 @@ CREEP = Parameter(
 SLOW = replace(CREEP, scale=0.08, lower=LEAST, upper=0.3, starts=(0.03, 0.1))
 
 PEAK = (
-    Parameter(
+    Shape(
         "sticking",
         "1",
         "force that holds at rest over the force that slides",
@@ -93,7 +94,7 @@ PEAK = (
         upper=3.0,
         starts=(1.4,),
     ),
-    Parameter(
+    Shape(
         "stribeck_m_s",
         "m/s",
         "speed over which the force falls from the one to the other",
@@ -109,7 +110,7 @@ ON_RIG = {
     "sticking": PEAK,
     "falling": (SLOW, *PEAK),
     "smooth": (
-        Parameter(
+        Shape(
             "yield_m",
             "m",
             "way on which first loading would reach the slip force at its first slope",
@@ -118,7 +119,7 @@ ON_RIG = {
             upper=3.0,
             starts=(0.015, 0.12),
         ),
-        Parameter(
+        Shape(
             "roundness",
             "1",
             "0.5: unloading is straight, 1: it is as round as loading",
@@ -133,7 +134,7 @@ ON_RIG = {
 what is usual on the rig, as records of a press creep at other speeds than those of a shaker."""
 
 
-def _on(usual: Usual, share: Parameter) -> Parameter:
+def _on(usual: Usual, share: Shape) -> Shape:
     """A parameter in units of its own instead of in shares of what is usual."""
     by = {"m/s": usual.speed_m_s, "m": usual.travel_m}.get(share.unit, 1.0)
     return replace(
@@ -219,7 +220,7 @@ class DryFriction(Effect):
         usual = next(iter(found.values())).usual
         return (
             *(
-                Parameter(
+                Amplitude(
                     f"{end}_N",
                     "N",
                     f"slip force of {strut.name}",
@@ -239,10 +240,10 @@ class DryFriction(Effect):
             (self._spring(usual, on_car), *more) if self.form in ("elastic", "sticking") else more
         )
 
-    def _spring(self, usual: Usual, on_car: bool) -> Parameter:
+    def _spring(self, usual: Usual, on_car: bool) -> Shape:
         spring = usual.stiffness_N_m
         starts = {"sticking": (5, 40), "elastic": (20, 150) if on_car else (2, 20, 150)}[self.form]
-        return Parameter(
+        return Shape(
             "presliding_N_m",
             "N/m",
             "stiffness of the joint before it slips",

@@ -8,9 +8,10 @@ from math import pi
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Probe, RunSetting, Values
 from wheelhop.effects.history import History
 from wheelhop.effects.line import phase_along, shared, strength
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, node_of
 
 EXPECTED_M_S2 = 1.0
@@ -63,17 +64,15 @@ class EngineVibration(Effect):
         # The line that was found tells it to a run's spread. A wider belief would let a fit shift
         # it against the shares of all runs, which changes no record.
         scale = 10.0 * SPREAD
-        return (
-            Parameter("freq_hz", "Hz", "frequency of the force", scale, lower=1.0, starts=(20.0,)),
-        )
+        return (Shape("freq_hz", "Hz", "frequency of the force", scale, lower=1.0, starts=(20.0,)),)
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
         """Cosine and sine part of the force; unless that is recorded, by how much the engine runs
         faster, and its wander."""
         force = (
-            Parameter("cos_m_s2", "m/s²", "cosine part of the force per mass of the body",
+            Amplitude("cos_m_s2", "m/s²", "cosine part of the force per mass of the body",
                       EXPECTED_M_S2),
-            Parameter("sin_m_s2", "m/s²", "sine part of the force per mass of the body",
+            Amplitude("sin_m_s2", "m/s²", "sine part of the force per mass of the body",
                       EXPECTED_M_S2),
         )  # fmt: skip
         if run.known.engine is not None:
@@ -83,7 +82,7 @@ class EngineVibration(Effect):
         scale = WANDER * 5.0 / (2 * pi)
         return (
             *force,
-            Parameter("excess", "1", "frequency over that of all runs, less one", SPREAD,
+            Shape("excess", "1", "frequency over that of all runs, less one", SPREAD,
                       lower=-0.5, upper=0.5, starts=(0.0,)),
             *history.parameters("s", "time gained by a faster engine", scale, is_shape=True),
         )  # fmt: skip

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from math import pi
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Becomes, Effect, Parameter, Values
+from wheelhop.effects.base import Becomes, Effect, Values
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly
 
 
@@ -30,14 +31,14 @@ class FrameTwist(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """Inverse modal mass, frequency and damping of the twist of a frame without wheels."""
         return (
-            Parameter(
+            Amplitude(
                 "participation_1_kg",
                 "1/kg",
                 "inverse modal mass (mode shape ±1 at the corners)",
                 5.0 / vehicle["body.mass_kg"],
                 lower=0.0,
             ),
-            Parameter(
+            Shape(
                 "freq_hz",
                 "Hz",
                 "frequency of the mode",
@@ -46,9 +47,7 @@ class FrameTwist(Effect):
                 upper=60.0,
                 starts=(8.0, 12.0, 18.0, 26.0, 5.3),
             ),
-            Parameter(
-                "zeta", "1", "its damping ratio", 0.04, lower=0.003, upper=0.5, starts=(0.05,)
-            ),
+            Shape("zeta", "1", "its damping ratio", 0.04, lower=0.003, upper=0.5, starts=(0.05,)),
         )
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:

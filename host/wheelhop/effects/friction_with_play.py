@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Becomes, Effect, Parameter, Values
+from wheelhop.effects.base import Becomes, Effect, Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.effects.hysteresis import slip_behind_play
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -42,7 +43,7 @@ class FrictionWithPlay(Effect):
         spring, travel = usual.stiffness_N_m, usual.travel_m
         return (
             *(
-                Parameter(
+                Amplitude(
                     f"{end}_N",
                     "N",
                     f"slip force of {strut.name}",
@@ -51,7 +52,7 @@ class FrictionWithPlay(Effect):
                 )
                 for end, strut in found.items()
             ),
-            Parameter(
+            Shape(
                 "presliding_N_m",
                 "N/m",
                 "stiffness of the joint before it slips",
@@ -59,7 +60,7 @@ class FrictionWithPlay(Effect):
                 lower=spring,
                 starts=(5 * spring, 50 * spring),
             ),
-            Parameter(
+            Shape(
                 "gap_m",
                 "m",
                 "width of the free play",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from scipy import interpolate
 
-from wheelhop.effects.base import Array, Parameter, RunSetting, Values
+from wheelhop.effects.base import Array, RunSetting, Values
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 
 LEAD_S = 0.8
 """Histories begin this long before the record: the vehicle remembers no longer."""
@@ -40,10 +43,10 @@ class History:
         self, unit: str, meaning: str, scale: float, *, is_shape: bool = False
     ) -> tuple[Parameter, ...]:
         """The coefficients as numbers that a run leaves free, amplitudes or shapes."""
-        starts = (0.0,) if is_shape else ()
+        kind = partial(Shape, starts=(0.0,)) if is_shape else Amplitude
         spans = zip(self._knots[:-4].tolist(), self._knots[4:].tolist(), strict=True)
         return tuple(
-            Parameter(name, unit, meaning, scale, span_s=span, starts=starts)
+            kind(name, unit, meaning, scale, span_s=span)
             for name, span in zip(self.names, spans, strict=True)
         )
 

@@ -7,8 +7,9 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Probe, RunSetting, Values
 from wheelhop.effects.history import History
+from wheelhop.effects.parameters import Parameter
 from wheelhop.effects.phase import shift_along
 
 KNOTS_S = {"slow": 1.0, "fast": 0.15}

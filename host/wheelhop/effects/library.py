@@ -41,6 +41,7 @@ from wheelhop.effects.sensor_polarity import SensorPolarity
 from wheelhop.effects.sensor_skew import SensorSkew
 from wheelhop.effects.small_scale_roughness import SmallScaleRoughness
 from wheelhop.effects.smooth_hysteresis import SmoothHysteresis
+from wheelhop.effects.special import METHODS
 from wheelhop.effects.speed_fluctuation import SpeedFluctuation
 from wheelhop.effects.tyre_envelope import TyreEnvelope
 from wheelhop.effects.tyre_lift_off import TyreLiftOff
@@ -196,6 +197,12 @@ def _made(given: Given, where: str) -> Effect:
         raise CampaignError(
             f'{where}: {cls.__name__} has place = "{given.place}"; it is one of {places}'
         )
+    for method, base in METHODS.items():
+        if hasattr(cls, method) and not issubclass(cls, base):
+            raise CampaignError(
+                f"{where}: {cls.__name__} has {method}, which is asked of {base.__name__} alone:"
+                f" derive it from wheelhop.effects.{base.__name__} instead of Effect"
+            )
     if isinstance(given, Effect):
         return given
     try:

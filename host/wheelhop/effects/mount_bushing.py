@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from math import exp, hypot, pi
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.material import Elements
 from wheelhop.material.series import in_series as on_elements
 from wheelhop.vehicle import Assembly, Usual, ends, mounted, struts
@@ -74,7 +75,7 @@ class MountBushing(Effect):
         """Compliance per axle; the rubber's relaxation time, unless the specimen has it."""
         if mounted(vehicle) is not None:
             return [
-                Parameter(
+                Amplitude(
                     f"{end}_mounts",
                     "1",
                     f"compliance of the mount of {strut.name}, as a multiple of the specimen's",
@@ -85,7 +86,7 @@ class MountBushing(Effect):
             ]
         return (
             *(
-                Parameter(
+                Amplitude(
                     f"{end}_m_N",
                     "m/N",
                     f"compliance of the mount of {strut.name}: one over its stiffness",
@@ -94,7 +95,7 @@ class MountBushing(Effect):
                 )
                 for end, strut in ends(vehicle).items()
             ),
-            Parameter(
+            Shape(
                 "relaxation_s",
                 "s",
                 "damping over stiffness of the mount",

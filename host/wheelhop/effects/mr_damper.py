@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Effect, Values
 from wheelhop.effects.hysteresis import yielding
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, ends, inputs_of, struts
 
 
@@ -38,7 +39,7 @@ class MrDamper(Effect):
         usual = next(iter(found.values())).usual
         return (
             *(
-                Parameter(
+                Amplitude(
                     f"{end}_N",
                     "N",
                     f"yield force of {strut.name}",
@@ -48,7 +49,7 @@ class MrDamper(Effect):
                 for end, strut in found.items()
             ),
             *(_by(name, size, usual.load_N) for name, size in inputs_of(vehicle).items()),
-            Parameter(
+            Shape(
                 "yield_m",
                 "m",
                 "way it gives before it yields",
@@ -57,7 +58,7 @@ class MrDamper(Effect):
                 upper=usual.travel_m,
                 starts=(0.01 * usual.travel_m, 0.1 * usual.travel_m),
             ),
-            Parameter(
+            Shape(
                 "creep_m_s",
                 "m/s",
                 "speed at which it creeps with three quarters of the yield force",
@@ -77,5 +78,5 @@ class MrDamper(Effect):
                 parts.add_law(strut.row, yielding, (theta[f"{name}_N"], *shape), by=name)
 
 
-def _by(name: str, size: float, load_N: float) -> Parameter:
-    return Parameter(f"{name}_N", "N", f"yield force per unit of {name}", 0.2 * load_N / size)
+def _by(name: str, size: float, load_N: float) -> Amplitude:
+    return Amplitude(f"{name}_N", "N", f"yield force per unit of {name}", 0.2 * load_N / size)

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Effect, Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S, elastic_slip
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, ends, struts
 
 WAYS = np.geomspace(1.0 / 16.0, 32.0, 14)
@@ -44,7 +45,7 @@ class PayneEffect(Effect):
         travel = next(iter(found.values())).usual.travel_m
         return (
             *(
-                Parameter(
+                Amplitude(
                     f"{end}_N",
                     "N",
                     f"force of the filler in {strut.name}, at large amplitudes",
@@ -53,7 +54,7 @@ class PayneEffect(Effect):
                 )
                 for end, strut in found.items()
             ),
-            Parameter(
+            Shape(
                 "half_way_m",
                 "m",
                 "way at which half of that force is reached",

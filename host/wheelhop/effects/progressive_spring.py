@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from math import copysign
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import COMPONENT, Assembly, Strut, ends, struts
 
 POLYTROPIC_EXPONENT = 1.3
@@ -79,15 +80,23 @@ def _column(end: str, strut: Strut) -> Sequence[Parameter]:
         short = 1.0 / strut.usual.travel_m
         starts = (0.2 * short, 0.5 * short)
         return (
-            Parameter(f"{end}_N", "N", load, strut.usual.load_N),
-            Parameter(f"{end}_1_m", "1/m", meaning, 0.3 * short, 0.0, 0.0, 1.5 * short, starts),
+            Amplitude(f"{end}_N", "N", load, strut.usual.load_N),
+            Shape(
+                f"{end}_1_m",
+                "1/m",
+                meaning,
+                0.3 * short,
+                lower=0.0,
+                upper=1.5 * short,
+                starts=starts,
+            ),
         )
     # A strut carried by gas alone has n F0 / h for its rate.
     whole = strut.stiffness_N_m / (POLYTROPIC_EXPONENT * strut.static_load_N)
-    return (Parameter(f"{end}_1_m", "1/m", meaning, whole, lower=0.0, upper=4 * whole),)
+    return (Amplitude(f"{end}_1_m", "1/m", meaning, whole, lower=0.0, upper=4 * whole),)
 
 
 def _cubic(end: str, strut: Strut) -> Sequence[Parameter]:
     meaning = f"cubic rate of the spring of {strut.name}"
     scale = strut.usual.stiffness_N_m / strut.usual.travel_m**2
-    return (Parameter(f"{end}_N_m3", "N/m³", meaning, scale, lower=0.0),)
+    return (Amplitude(f"{end}_N_m3", "N/m³", meaning, scale, lower=0.0),)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numba
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.vehicle import Assembly, axle_name, axles, static_tyre_load, tyre, wheels
 
 
@@ -69,7 +70,7 @@ class ProgressiveTyre(Effect):
             at_rest = static_tyre_load(vehicle, corner) / vehicle[f"wheel.{end}.tyre_stiffness_N_m"]
             if self.form == "quadratic":
                 parameters.append(
-                    Parameter(
+                    Amplitude(
                         f"{end}_1_m",
                         "1/m",
                         f"growth of the {end} tyres' stiffness with deflection",
@@ -80,7 +81,7 @@ class ProgressiveTyre(Effect):
                 )
             else:
                 parameters.append(
-                    Parameter(
+                    Amplitude(
                         f"{end}_1_m2",
                         "1/m²",
                         f"growth of the {end} tyres' stiffness with deflection squared",

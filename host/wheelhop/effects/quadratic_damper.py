@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
+from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -35,7 +36,7 @@ class QuadraticDamper(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The quadratic damping, per axle."""
         return tuple(
-            Parameter(
+            Amplitude(
                 f"{end}_N_s2_m2",
                 "N·s²/m²",
                 f"quadratic damping of {strut.name}",

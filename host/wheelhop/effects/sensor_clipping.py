@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Probe, Values
+from wheelhop.effects.base import Array, Effect, Probe, Values
+from wheelhop.effects.parameters import Parameter, Shape, Switch
 
 ALL = "all"
 """The form in which every channel has the same range."""
@@ -41,8 +42,8 @@ class SensorClipping(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """On or off, and the range; it begins at what the channel has read: see `shape_starts`."""
         return (
-            Parameter("clips", "1", "1: the channel saturates", 1.0, upper=1.0, switch=True),
-            Parameter(
+            Switch("clips", "1", "1: the channel saturates"),
+            Shape(
                 "limit_m_s2",
                 "m/s²",
                 "largest acceleration the channel reads",

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, RunSetting, Values
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 
 DRIFT = 0.01
 """One standard deviation of what a sensitivity does from run to run: it drifts with temperature by
@@ -37,14 +38,12 @@ class SensorGain(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The relative error; an inverted channel is another effect."""
-        return (Parameter("error", "1", "relative error of the gain", 0.1, lower=-0.95, upper=4.0),)
+        return (Amplitude("error", "1", "relative error of the gain", 0.1, lower=-0.95, upper=4.0),)
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
         """By how much the gain differs in this run from that of all. No amplitude: of a channel
         that is right on the whole, a per cent is what calibrations leave open anyway."""
-        return (
-            Parameter("drift", "1", "gain over that of all runs, less one", DRIFT, starts=(0.0,)),
-        )
+        return (Shape("drift", "1", "gain over that of all runs, less one", DRIFT, starts=(0.0,)),)
 
     def summary(self, runs: Sequence[OwnValues]) -> dict[str, float]:
         """The drift's standard deviation from run to run."""

@@ -12,13 +12,13 @@ from wheelhop.campaign import Channel
 from wheelhop.effects.base import (
     Array,
     Becomes,
-    Effect,
     OwnValues,
-    Parameter,
     Probe,
     RunSetting,
     Values,
 )
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape, Switch
+from wheelhop.effects.special import Ringing
 from wheelhop.effects.transfer import on_a_mount, ringing, transferred
 
 FREQUENCIES_HZ = np.geomspace(8.0, 120.0, 80)
@@ -41,7 +41,7 @@ BEYOND = 30.0
 less than its point reflection: as much as a shaken mount reads."""
 
 
-class SensorMount(Effect):
+class SensorMount(Ringing):
     """The sensor's mass on the mount's spring and damper: the sensor reads its own motion. Of what
     shook it before the record only the run-up is known, so how it rings then is free in each run;
     and so is, where the channel drives the model, what it read just before the record and after.
@@ -76,8 +76,8 @@ class SensorMount(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """On or off, and the mount's resonance; it begins where `shape_starts` finds it."""
         return (
-            Parameter("loose", "1", "1: the mount gives way", 1.0, upper=1.0, switch=True),
-            Parameter(
+            Switch("loose", "1", "1: the mount gives way"),
+            Shape(
                 "freq_hz",
                 "Hz",
                 "resonance of the sensor on its mount",
@@ -86,9 +86,7 @@ class SensorMount(Effect):
                 upper=300.0,
                 starts=(35.0,),
             ),
-            Parameter(
-                "zeta", "1", "its damping ratio", 0.1, lower=0.005, upper=0.98, starts=(0.1,)
-            ),
+            Shape("zeta", "1", "its damping ratio", 0.1, lower=0.005, upper=0.98, starts=(0.1,)),
         )
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
@@ -96,15 +94,15 @@ class SensorMount(Effect):
         jumps at the ends of a record that is set right. These are no amplitudes: of a mount that
         sits tight nothing beyond the record matters."""
         ringing = (
-            Parameter("ring_cos_m_s2", "m/s²", "ringing when the record begins", STRUCK),
-            Parameter("ring_sin_m_s2", "m/s²", "and a quarter of a turn later", STRUCK),
+            Amplitude("ring_cos_m_s2", "m/s²", "ringing when the record begins", STRUCK),
+            Amplitude("ring_sin_m_s2", "m/s²", "and a quarter of a turn later", STRUCK),
         )
         if run.on_road:
             return ringing
         return (
             *ringing,
-            Parameter("before_m_s2", "m/s²", "reading before the record", BEYOND, starts=(0.0,)),
-            Parameter("after_m_s2", "m/s²", "and after it", BEYOND, starts=(0.0,)),
+            Shape("before_m_s2", "m/s²", "reading before the record", BEYOND, starts=(0.0,)),
+            Shape("after_m_s2", "m/s²", "and after it", BEYOND, starts=(0.0,)),
         )
 
     def shape_starts(self, probe: Probe) -> Sequence[Values]:

@@ -8,7 +8,8 @@ from itertools import combinations
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values
+from wheelhop.effects.base import Array, Effect, Values
+from wheelhop.effects.parameters import Parameter, Switch
 
 
 class SensorPolarity(Effect):
@@ -33,7 +34,7 @@ class SensorPolarity(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """On or off."""
-        return (Parameter("wrong", "1", "1: inverted or swapped", 1.0, upper=1.0, switch=True),)
+        return (Switch("wrong", "1", "1: inverted or swapped"),)
 
     def sense(
         self, theta: Values, acceleration: Array, channels: Sequence[Channel], rate_hz: float

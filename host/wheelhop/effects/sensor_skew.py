@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values
+from wheelhop.effects.base import Array, Effect, Values
+from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.effects.transfer import transferred
 
 
@@ -29,7 +30,7 @@ class SensorSkew(Effect):
             return ()
         most = 0.02 / len(channels)
         return (
-            Parameter(
+            Amplitude(
                 "delay_s",
                 "s",
                 "time from one channel's sample to the next one's",

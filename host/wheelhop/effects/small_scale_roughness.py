@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values
+from wheelhop.effects.base import Array, Values
+from wheelhop.effects.parameters import Parameter, Shape
+from wheelhop.effects.special import RandomHeights
 
 
-class SmallScaleRoughness(Effect):
+class SmallScaleRoughness(RandomHeights):
     """Random heights under left and right wheels, their density a power law; those under the rear
     wheels are those the front wheels met a wheelbase before."""
 
@@ -21,12 +23,11 @@ class SmallScaleRoughness(Effect):
         " J. D. Robson, The description of road surface roughness, J. Sound Vib. 31 (1973) 175"
     )
     needs_road = True
-    has_random_heights = True
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The density's size at 1 rad/m and its slope; class A of the standard is 1e-6 m³."""
         return (
-            Parameter(
+            Shape(
                 "unevenness_m3",
                 "m³",
                 "spectral density of the height at 1 rad/m",
@@ -35,7 +36,7 @@ class SmallScaleRoughness(Effect):
                 upper=1e-2,
                 starts=(1e-7,),
             ),
-            Parameter(
+            Shape(
                 "waviness",
                 "1",
                 "how fast the density falls with the wave number",

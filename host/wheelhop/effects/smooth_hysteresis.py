@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Becomes, Effect, Parameter, RunSetting, Values, law
+from wheelhop.effects.base import Array, Becomes, Effect, RunSetting, Values, law
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.effects.hysteresis import bouc_wen
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -54,7 +55,7 @@ class SmoothHysteresis(Effect):
         travel = next(iter(found.values())).usual.travel_m
         return (
             *(
-                Parameter(
+                Amplitude(
                     f"{end}_N",
                     "N",
                     f"first slope of {strut.name}’s hysteresis times the way",
@@ -63,7 +64,7 @@ class SmoothHysteresis(Effect):
                 )
                 for end, strut in found.items()
             ),
-            Parameter(
+            Shape(
                 "way_m",
                 "m",
                 "way on which the slopes of loading and unloading part by as much as the first one",
@@ -72,7 +73,7 @@ class SmoothHysteresis(Effect):
                 upper=10.0 * travel,
                 starts=(0.2 * travel, travel),
             ),
-            Parameter(
+            Shape(
                 "softening",
                 "1",
                 "1/2: loading softens to twice the force, 0: it is straight, below: it hardens",
@@ -86,7 +87,7 @@ class SmoothHysteresis(Effect):
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
         """What the motion before the record has left: it is forgotten slowly."""
         meaning = "force as the record begins, over the first slope times the way"
-        return (Parameter("initial", "1", meaning, 1.0, starts=(0.0,)),)
+        return (Shape("initial", "1", meaning, 1.0, starts=(0.0,)),)
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the element to each strut."""

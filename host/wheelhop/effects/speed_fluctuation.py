@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, Effect, OwnValues, Probe, RunSetting, Values
 from wheelhop.effects.history import KNOTS_S, History
+from wheelhop.effects.parameters import Parameter
 from wheelhop.effects.phase import EXPECTED, shift_along
 
 

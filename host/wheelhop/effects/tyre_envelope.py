@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Effect, Parameter, Values
+from wheelhop.effects.base import Values
+from wheelhop.effects.parameters import Amplitude, Parameter, Switch
+from wheelhop.effects.special import WheelShape
 from wheelhop.track import Wheel, WheelPath
 from wheelhop.vehicle import axle_name, axles
 
@@ -13,7 +15,7 @@ CONTACT_M = 0.1
 """Contacts are 0.05 to 0.25 m long, from a kart's to a lorry's."""
 
 
-class TyreEnvelope(Effect):
+class TyreEnvelope(WheelShape):
     """Three ideas of what a tyre averages; a rigid wheel has a contact of no length.
 
     "path": the path of the rigid wheel; "ground": the ground, over which the rigid wheel then
@@ -54,7 +56,7 @@ class TyreEnvelope(Effect):
         if shrunk and self.form != "footprint":
             return ()
         lengths = [
-            Parameter(
+            Amplitude(
                 f"{end}_m",
                 "m",
                 f"length of a {end} tyre's contact",
@@ -67,9 +69,9 @@ class TyreEnvelope(Effect):
         if self.form != "footprint":
             return lengths
         meaning = "1: the tyre follows the ground's average instead of rolling over it"
-        return [*lengths, Parameter("follows", "1", meaning, 1.0, upper=1.0, switch=True)]
+        return [*lengths, Switch("follows", "1", meaning)]
 
-    def wheel_path(self, theta: Values, corner: int, wheel: Wheel) -> WheelPath | None:
+    def wheel_path(self, theta: Values, corner: int, wheel: Wheel) -> WheelPath:
         """The average."""
         length = theta[f"{axle_name(corner)}_m"]
         if self.form == "path":

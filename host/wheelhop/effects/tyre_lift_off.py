@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, Parameter, Values, law
+from wheelhop.effects.base import Array, Effect, Values, law
+from wheelhop.effects.parameters import Parameter, Switch
 from wheelhop.effects.progressive_tyre import bend_of, beyond_linear
 from wheelhop.vehicle import Assembly, axle_name, static_tyre_load, tyre, wheels
 
@@ -35,7 +36,7 @@ class TyreLiftOff(Effect):
 
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """On or off: the load at which contact is lost is known."""
-        return (Parameter("lifts", "1", "1: the tyre cannot pull", 1.0, upper=1.0, switch=True),)
+        return (Switch("lifts", "1", "1: the tyre cannot pull"),)
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
         """Add the correction to each tyre."""

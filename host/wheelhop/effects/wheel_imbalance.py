@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects.base import Array, Effect, OwnValues, Parameter, Probe, RunSetting, Values
+from wheelhop.effects.base import Array, OwnValues, Probe, RunSetting, Values
+from wheelhop.effects.parameters import Amplitude, Parameter, Shape
+from wheelhop.effects.special import TiedRuns
 from wheelhop.vehicle import CORNERS, Assembly, axle, axle_name, wheels
 
 WHEELS: Mapping[str, tuple[int, ...]] = {
@@ -42,7 +44,7 @@ ROLLING = np.linspace(0.95, 1.05, 61)
 between the loaded and the free one."""
 
 
-class WheelImbalance(Effect):
+class WheelImbalance(TiedRuns):
     """The force follows from the wheel's own way, or from how a channel shows the wheel to turn;
     how the wheel stands when the record begins differs from run to run, and cosine and sine part of
     the imbalance are free in each."""
@@ -91,7 +93,7 @@ class WheelImbalance(Effect):
         for end in self._ends:
             radius = vehicle[f"wheel.{end}.radius_m"]
             parameters.append(
-                Parameter(
+                Shape(
                     f"{end}_m",
                     "m",
                     f"radius on which a {end} wheel rolls: way per radian",
@@ -108,7 +110,7 @@ class WheelImbalance(Effect):
         if run.speed_m_s <= 0:
             return ()
         return tuple(
-            Parameter(
+            Amplitude(
                 f"{_name(i)}_{part}_m", "m", f"{word} part of imbalance per unsprung mass", SCALE_M
             )
             for i in self.wheels

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Parameter, RandomHeights
 from wheelhop.fit.height_response import Ground
 
 Array = NDArray[np.float64]
@@ -113,7 +113,7 @@ class Explained:
 
 
 def explained(
-    effect: Effect, theta: Values, spectra: Sequence[Spectrum], sigma: float
+    effect: RandomHeights, theta: Values, spectra: Sequence[Spectrum], sigma: float
 ) -> Explained:
     """What heights of the effect's density explain."""
     parts = [_posterior(effect, theta, s, sigma) for s in spectra]
@@ -123,7 +123,7 @@ def explained(
 
 
 def find_density(
-    effect: Effect,
+    effect: RandomHeights,
     parameters: Sequence[Parameter],
     theta: Values,
     spectra: Sequence[Spectrum],
@@ -146,7 +146,7 @@ def find_density(
 
 
 def _score(
-    effect: Effect,
+    effect: RandomHeights,
     parameters: Sequence[Parameter],
     theta: Values,
     spectra: Sequence[Spectrum],
@@ -156,7 +156,7 @@ def _score(
     if not parameters:
         return 0.0
     matrix = np.diag([p.scale**-2 for p in parameters])
-    slope = np.array([(p.starts[0] - theta[p.name]) / p.scale**2 for p in parameters])
+    slope = np.array([(p.start - theta[p.name]) / p.scale**2 for p in parameters])
     growths = []
     for spectrum in spectra:
         growth = _growth(effect, parameters, theta, spectrum.wave_number_rad_m)
@@ -181,7 +181,9 @@ class _Posterior:
     surprise: Array  # (f,)
 
 
-def _posterior(effect: Effect, theta: Values, spectrum: Spectrum, sigma: float) -> _Posterior:
+def _posterior(
+    effect: RandomHeights, theta: Values, spectrum: Spectrum, sigma: float
+) -> _Posterior:
     density = effect.height_density(theta, spectrum.wave_number_rad_m)
     variance = spectrum.per_density * np.maximum(density, np.finfo(float).tiny)
     gain = spectrum.square * (variance / sigma**2)[:, None, None]
@@ -206,7 +208,7 @@ def _posterior(effect: Effect, theta: Values, spectrum: Spectrum, sigma: float) 
 
 
 def _growth(
-    effect: Effect, parameters: Sequence[Parameter], theta: Values, wave_number: Array
+    effect: RandomHeights, parameters: Sequence[Parameter], theta: Values, wave_number: Array
 ) -> Array:
     """Derivatives (f, p) of the logarithm of the density."""
     base = effect.height_density(theta, wave_number)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from wheelhop.effects import Effect
+from wheelhop.effects import RandomHeights
 from wheelhop.fit.height_response import Ground
 from wheelhop.fit.work import PER_HEIGHT
 
@@ -44,7 +44,7 @@ class Heights:
     sigma: float
     slopes: Mapping[str, ComplexArray] = field(default_factory=dict)
 
-    def believed(self, effect: Effect, theta: Values, sigma: float) -> Heights:
+    def believed(self, effect: RandomHeights, theta: Values, sigma: float) -> Heights:
         """These heights with the prior that the effect's density states."""
         density = effect.height_density(theta, self.ground.wave_number_rad_m)
         variance = np.maximum(density * self.ground.step_rad_m, LEAST_VARIANCE_M2)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, RigRun, Run
-from wheelhop.effects import Effect, Parameter, RunSetting
+from wheelhop.effects import Effect, Parameter, RandomHeights, RunSetting, Shape, Switch
 from wheelhop.simulate import Model
 from wheelhop.simulate.job import PATH_KEYS
 from wheelhop.simulate.measured import offset_name
@@ -201,17 +201,18 @@ def _rig_start(run: RigRun, model: Model, is_held: bool) -> Iterator[Free]:
 def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Effect) -> list[Free]:
     """Which of an effect's parameters are free; nothing is believed of an amplitude beforehand.
     Those of a density of heights are not among them: no derivative shows them."""
-    if effect.has_random_heights:
+    if isinstance(effect, RandomHeights):
         return []
     free = []
     for p in parameters:
-        if p.switch:
+        if isinstance(p, Switch):
             continue
-        name = f"{effect.id}.{p.name}"
-        begun = model.values.get(name, p.absent) if p.is_shape else p.absent
-        mean = begun if p.believed is None else p.believed
-        sigma = p.scale if p.is_shape else np.inf
-        told = p.is_shape or any(isfinite(b) and b != 0.0 for b in (p.lower, p.upper))
+        name, is_shape = f"{effect.id}.{p.name}", isinstance(p, Shape)
+        mean, sigma = p.start, np.inf
+        if isinstance(p, Shape):
+            begun = model.values.get(name, p.start)
+            mean, sigma = begun if p.believed is None else p.believed, p.scale
+        told = is_shape or any(isfinite(b) and b != 0.0 for b in (p.lower, p.upper))
         follows = told and of_forces(name) > 0
         free.append(
             Free(
@@ -221,7 +222,7 @@ def effect_parameters(parameters: Sequence[Parameter], model: Model, effect: Eff
                 p.scale,
                 p.lower,
                 p.upper,
-                is_shape=p.is_shape,
+                is_shape=is_shape,
                 follows_scale=follows,
             )
         )
@@ -261,13 +262,13 @@ def effect_run_parameters(setting: RunSetting, effect: Effect) -> list[Free]:
     return [
         Free(
             f"{effect.id}.{p.name}",
-            p.absent,
+            p.start,
             p.scale,
             p.scale,
             p.lower,
             p.upper,
             p.span_s,
-            p.is_shape,
+            isinstance(p, Shape),
         )
         for p in effect.per_run(setting)
     ]

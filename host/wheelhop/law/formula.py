@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import Channel
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Amplitude, Effect, Parameter, Shape
 from wheelhop.effects.base import Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.free import SCALE
@@ -99,7 +99,7 @@ class Formula(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The force of each term at each of `ends`; its gap or width, if that is free."""
         forces = [
-            Parameter(
+            Amplitude(
                 f"{prefix}{t.name}_N",
                 "N",
                 f"force of the {t.words}",
@@ -137,7 +137,7 @@ def _shape_of(term: Term) -> Parameter:
     low, high = sorted((0.1 * first, np.inf * np.sign(first)))
     unit = "m/s" if term.kernel in SPEEDS else "m"
     words = f"gap or width of the {term.words}"
-    return Parameter(
+    return Shape(
         _shape_name(term), unit, words, 0.5 * abs(first), lower=low, upper=high, starts=(first,)
     )
 
@@ -146,7 +146,7 @@ HEADER = '''"""{title}: found by `wheelhop law` in "{campaign}"."""
 
 from math import exp, tanh
 
-from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects import Amplitude, Effect, law
 from wheelhop.vehicle import {imports}
 
 '''
@@ -184,7 +184,7 @@ def source_of(formula: Formula, values: Values, campaign: str, law_id: str) -> s
     sources = "\n\n".join(_bare(kernel) for kernel in kernels)
     numbers = [part.force.removeprefix(f"{formula.id}.").replace("-", "_") for part in parts]
     parameters = "\n".join(
-        f'            Parameter("{number}", "N", "force of the {part.term.words}",'
+        f'            Amplitude("{number}", "N", "force of the {part.term.words}",'
         f" scale={abs(values[part.force]) or 1.0:.6g}),"
         for part, number in zip(parts, numbers, strict=True)
     )

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from scipy.interpolate import CubicSpline
 
 from wheelhop.campaign import Channel
-from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects import Amplitude, Effect, Parameter, law
 from wheelhop.effects.base import Array, Values
 from wheelhop.effects.dry_friction import LONGEST_STEP_S
 from wheelhop.law.places import Where
@@ -120,11 +120,13 @@ class FreeForce(Effect):
               for v in self.form.rate_m_s),
             *((f"{t.name}_N", f"force of the {t.words}", 1.0) for t in self.form.terms),
         )  # fmt: skip
-        found = [Parameter(name, "N", words, scale) for name, words, at in named if at != 0.0]
+        found: list[Parameter] = [
+            Amplitude(name, "N", words, scale) for name, words, at in named if at != 0.0
+        ]
         for by, knots in self.form.inputs:
             size = vehicle[f"rig.{by}"]
             found += [
-                Parameter(
+                Amplitude(
                     f"{by}_at_{1e3 * v:.4g}_mm_s_N",
                     "N",
                     f"force at {1e3 * v:.4g} mm/s per {by}",

@@ -18,7 +18,7 @@ from scipy import optimize
 from wheelhop.diagnose import Rung
 from wheelhop.diagnose.confirm.validate import validate
 from wheelhop.diagnose.screen.signatures import Variant, variants, with_variant
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Switch
 from wheelhop.fit import Workshop, effect_parameters, fit
 from wheelhop.law.along import force_along
 from wheelhop.law.motion import Moves
@@ -94,8 +94,8 @@ class _Along:
 def _nearest(along: _Along, bare: Model, variant: Variant) -> tuple[float, Model]:
     """The share of the law's power that the effect's force leaves at best, its shapes begun where
     the variant has them, and the model with it."""
-    free = [p for p in variant.parameters if not p.switch]
-    begin = [variant.shapes.get(p.name, p.absent + p.scale) for p in free]
+    free = [p for p in variant.parameters if not isinstance(p, Switch)]
+    begin = [variant.shapes.get(p.name, p.typical) for p in free]
     start = np.clip(begin, [p.lower for p in free], [p.upper for p in free])
 
     def model_at(numbers: Array) -> Model:

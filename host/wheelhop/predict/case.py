@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, CampaignError, Channel, Run
 from wheelhop.campaign.write import DEFAULT_BAND_HZ
-from wheelhop.effects import Parameter
+from wheelhop.effects import Parameter, RandomHeights
 from wheelhop.files import did_you_mean
 from wheelhop.fit.bench import RUNS_AWAY, run_up
 from wheelhop.predict.drives import CHANNELS, Chosen, Drive
@@ -174,13 +174,13 @@ class Case:
             effect = chosen.effect
             turn, phase = rng.uniform(0.8, 1.25) * WANDER_RAD_S, rng.uniform(0.0, 2 * np.pi)
             for p in effect.per_run(simulator.setting):
-                middle = p.starts[0] if p.is_shape else p.absent
+                middle = p.start
                 deviation = rng.normal()
                 if np.isfinite(p.span_s).all():
                     deviation = np.sqrt(2) * np.sin(turn * np.mean(p.span_s) + phase)
                 drawn = float(np.clip(middle + p.scale * deviation, p.lower, p.upper))
                 own[f"{effect.id}.{p.name}"] = _stated(chosen, p, drawn)
-            if effect.has_random_heights and simulator.series is not None:
+            if isinstance(effect, RandomHeights) and simulator.series is not None:
                 series = simulator.series
                 density = effect.height_density(model.theta(effect), series.wave_number_rad_m)
                 model = model.with_heights({drive.id: series.drawn(density, rng)})
@@ -199,16 +199,9 @@ def model_of(vehicle: Vehicle, effects: Sequence[Chosen]) -> Model:
     model, channels = Model(values=vehicle.values), channels_of(vehicle)
     for chosen in effects:
         parameters = chosen.effect.parameters_for(vehicle.values, channels)
-        values = {
-            f"{chosen.effect.id}.{p.name}": _stated(chosen, p, _typical(p)) for p in parameters
-        }
+        values = {f"{chosen.effect.id}.{p.name}": _stated(chosen, p, p.typical) for p in parameters}
         model = model.with_effect(chosen.effect, parameters).with_values(values)
     return model
-
-
-def _typical(parameter: Parameter) -> float:
-    """What a parameter is where nothing is stated: clearly visible."""
-    return parameter.starts[0] if parameter.is_shape else parameter.absent + parameter.scale
 
 
 def _stated(chosen: Chosen, parameter: Parameter, otherwise: float) -> float:

@@ -21,7 +21,7 @@ from wheelhop.diagnose import Limit
 from wheelhop.diagnose.screen.signatures import Variant, prepare, signatures
 from wheelhop.diagnose.screen.table import Columns
 from wheelhop.diagnose.verdict.limits import drop_needed, least_strength, limit
-from wheelhop.effects import RunSetting
+from wheelhop.effects import RunSetting, Switch
 from wheelhop.fit import Fit, RunFit, Workshop
 
 Array = NDArray[np.float64]
@@ -182,7 +182,9 @@ class Seen:
         judging = judging or fitted  # where no run is held out those fitted judge
         for k, variant in enumerate(variants):
             _, price = self.equations.information([k], self.grams)
-            numbers = len(variant.shapes) + sum(not p.switch for p in variant.amplitudes)
+            numbers = len(variant.shapes) + sum(
+                not isinstance(p, Switch) for p in variant.amplitudes
+            )
             price += numbers * log(fitted)
             by_chance = drop_needed(price, fitted, judging, len(variants), 0.0)
             yield by_chance, self.equations.least * fitted

@@ -22,7 +22,7 @@ from wheelhop.campaign import CampaignError
 from wheelhop.diagnose.screen.first_order import tabulated
 from wheelhop.diagnose.screen.signatures import Variant
 from wheelhop.diagnose.screen.table import Columns, Known, Table, run_table
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, RandomHeights, Shape
 from wheelhop.fit import Fit, Free, RunFit, Workshop, foreseen, vehicle_parameters
 from wheelhop.predict.case import Case
 from wheelhop.predict.drives import Drive
@@ -115,17 +115,17 @@ def forms_of(base: Fit, workshop: Workshop, effect: Effect) -> list[Variant]:
     """An effect in all its forms, shapes at each of their starts; none where it has no strength."""
     settings = [run.bench.simulator.setting for run in base.runs]
     acting = [setting for setting in settings if effect.acts_in(setting)]
-    if not acting or effect.has_random_heights:
+    if not acting or isinstance(effect, RandomHeights):
         return []
     found = []
     for choice in effect.choices(workshop.campaign.channels):
         form = effect.with_choice(choice) if choice else effect
         parameters = tuple(workshop.parameters_of(form))
         runs = {
-            setting.run_id: {p.name: p.starts[0] for p in form.per_run(setting) if p.is_shape}
+            setting.run_id: {p.name: p.start for p in form.per_run(setting) if isinstance(p, Shape)}
             for setting in acting
         }
-        starts = {p.name: p.starts for p in parameters if p.is_shape}
+        starts = {p.name: p.starts for p in parameters if isinstance(p, Shape)}
         for shapes in product(*starts.values()):
             values = dict(zip(starts, shapes, strict=True))
             found.append(Variant(form, choice, values, parameters, runs))

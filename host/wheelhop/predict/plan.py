@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import CampaignError
 from wheelhop.diagnose.score import SIGNIFICANT
 from wheelhop.diagnose.verdict.ranking import AMBIGUOUS_DEG
+from wheelhop.effects import Switch
 from wheelhop.predict.drives import VALIDATE_EVERY, Drive
 from wheelhop.predict.foresee import Foreseen
 
@@ -272,7 +273,7 @@ RIDGE = 1e-6
 
 def _told(foreseen: Foreseen, strengths: _Strengths, i: int, runs: int) -> Told:
     variant, left = foreseen.variants[i], strengths.beside_rivals[i]
-    numbers = sum(not p.switch for p in variant.amplitudes) + len(variant.shapes)
+    numbers = sum(not isinstance(p, Switch) for p in variant.amplitudes) + len(variant.shapes)
     # As the diagnosis asks: worth its parameters' price, and on a third of the runs not by chance.
     by_chance = 2.0 * log(len(foreseen.effects) / SIGNIFICANT) * (VALIDATE_EVERY - 1)
     needed = max(numbers * log(foreseen.size * runs), by_chance)

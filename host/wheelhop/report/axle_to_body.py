@@ -14,7 +14,7 @@ from wheelhop.campaign import BODY_POINTS, Campaign
 from wheelhop.diagnose import Step
 from wheelhop.files.words import listed, percent
 from wheelhop.identify import Linearity, TransferMatrix
-from wheelhop.identify.figure import physical_matrix
+from wheelhop.identify.physical import physical_matrix
 from wheelhop.identify.structure import input_name
 from wheelhop.report import tables
 from wheelhop.report.figures import AFTER, BEFORE, INK, MEASURED, WIDTH

@@ -11,9 +11,9 @@ from pathlib import Path
 from wheelhop.files import made_folder, write_picture
 from wheelhop.files.words import significant
 from wheelhop.identify.row import KINDS, Row
-from wheelhop.identify.thesis_figures import draw_thesis
 from wheelhop.report.page import bullets, figure, section, table, title, write_page
 from wheelhop.report.thesis_figures import FIGURES, on_frame
+from wheelhop.report.transfer_figures import draw_thesis
 
 PAGE = "thesis.html"
 TABLES_OF = {"2.21": "fig 2.21", "2.7": "2.1", "2.14": "2.8", "2.15": "fig 2.15", "2.20": "2.4"}

@@ -8,7 +8,7 @@ from math import exp, log, nan
 from wheelhop.campaign import TrackSpec
 from wheelhop.compare import explains_nothing
 from wheelhop.diagnose import Diagnosis, Limit, NextRun, Step
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Misstatement
 from wheelhop.files.words import interval, label_of, listed, percent, significant, unit_of
 
 
@@ -113,7 +113,7 @@ def over_floor(step: Step) -> float:
 def missing(effects: Sequence[Effect]) -> str:
     """What the effects are, as a sentence: physics the model lacks, faults of the measurement,
     mistakes in what the campaign says."""
-    wrong = [effect for effect in effects if effect.is_belief]
+    wrong = [effect for effect in effects if isinstance(effect, Misstatement)]
     faults = [effect for effect in effects if effect.place == "sensor" and effect not in wrong]
     physics = [effect for effect in effects if effect not in wrong and effect not in faults]
     sentences = []

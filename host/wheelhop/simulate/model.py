@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Channel
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Effect, Parameter, RandomHeights, TrackSurvey
 from wheelhop.vehicle import Assembly, Drive, System, baseline, body_inertia, component
 
 Values = Mapping[str, float]
@@ -41,9 +41,9 @@ class Model:
         return f"<Model: {len(self.values)} numbers, {len(self.runs)} runs, effects: {effects}>"
 
     @property
-    def random_heights(self) -> Effect | None:
+    def random_heights(self) -> RandomHeights | None:
         """The effect that adds heights nobody knows; of several the first counts."""
-        return next((effect for effect in self.effects if effect.has_random_heights), None)
+        return next((e for e in self.effects if isinstance(e, RandomHeights)), None)
 
     def theta(self, effect: Effect, run_id: str | None = None) -> dict[str, float]:
         """An effect's own parameters by their short names, those of one run included."""
@@ -64,7 +64,8 @@ class Model:
 
     def stretch(self, run_id: str) -> float:
         """How long a metre of the survey of a run's track is, m."""
-        return prod(effect.stretch(self.theta(effect), run_id) for effect in self.effects)
+        surveys = (e for e in self.effects if isinstance(e, TrackSurvey))
+        return prod(survey.stretch(self.theta(survey), run_id) for survey in surveys)
 
     def start_m(self, run_id: str) -> float:
         """Where the front axle of a run is at time_s = 0, m."""
@@ -88,9 +89,7 @@ class Model:
 
     def with_effect(self, effect: Effect, parameters: Sequence[Parameter]) -> Model:
         """Add an effect, absent at first: amplitudes at their absent value, shapes at a start."""
-        start = {
-            f"{effect.id}.{p.name}": p.starts[0] if p.is_shape else p.absent for p in parameters
-        }
+        start = {f"{effect.id}.{p.name}": p.start for p in parameters}
         return replace(self, values={**self.values, **start}, effects=(*self.effects, effect))
 
     def without_effect(self, effect_id: str) -> Model:
@@ -104,7 +103,7 @@ class Model:
                 run: {k: v for k, v in values.items() if not k.startswith(prefix)}
                 for run, values in self.runs.items()
             },
-            heights=self.heights if any(e.has_random_heights for e in effects) else {},
+            heights=self.heights if any(isinstance(e, RandomHeights) for e in effects) else {},
         )
 
     def system(self, channels: Sequence[Channel], drive: Drive) -> System:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import interpolate, linalg
 
 from wheelhop.campaign import Averaging, Campaign, CampaignError, Run
-from wheelhop.effects import Effect, RunSetting
+from wheelhop.effects import Effect, RunSetting, TrackSurvey, WheelShape
 from wheelhop.simulate.model import Model
 from wheelhop.track import CannotClimb, Track, Wheel, WheelPath, make_track
 from wheelhop.vehicle import CORNERS, behind_m
@@ -129,7 +129,8 @@ def track_of(model: Model, run: Run, track: Track) -> Track:
     """The track under a run: as surveyed, or as an effect says that it really is."""
     spec = run.track
     for effect in model.effects:
-        spec = effect.surveyed(model.theta(effect), spec)
+        if isinstance(effect, TrackSurvey):
+            spec = effect.surveyed(model.theta(effect), spec)
     return track if spec is run.track else make_track(spec)
 
 
@@ -179,9 +180,8 @@ def rise(time_s: Array, height: Array, rate: Array) -> None:
 def wheel_path(model: Model, corner: int, wheel: Wheel) -> WheelPath:
     """What an effect makes of the wheel's path, else that of a rigid wheel."""
     for effect in model.effects:
-        path = effect.wheel_path(model.theta(effect), corner, wheel)
-        if path is not None:
-            return path
+        if isinstance(effect, WheelShape):
+            return effect.wheel_path(model.theta(effect), corner, wheel)
     return wheel.rigid()
 
 

@@ -12,7 +12,7 @@ from scipy import fft
 
 from wheelhop.campaign import Campaign, Channel
 from wheelhop.campaign.low_pass import LowPass, responses
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Ringing
 from wheelhop.effects.transfer import transferred
 from wheelhop.simulate.model import Values
 
@@ -35,9 +35,9 @@ def sensed(
     since_s = (np.arange(len(acceleration)) - before) / rate_hz
     for effect, theta in faults:
         acceleration = effect.sense(theta, acceleration, channels, rate_hz)
-        lingering = effect.lingering(theta, since_s, channels)
-        if lingering is not None:
-            acceleration = acceleration + lingering
+        if isinstance(effect, Ringing):
+            lingering = effect.lingering(theta, since_s, channels)
+            acceleration = acceleration if lingering is None else acceleration + lingering
     return acceleration
 
 

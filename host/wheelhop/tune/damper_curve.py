@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError, Channel
 from wheelhop.campaign.curves import FORCE, SPEED, read_curve
-from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects import Amplitude, Effect, Parameter, law
 from wheelhop.vehicle import Assembly, struts
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ class DamperCurve(Effect):
     def parameters_for(self, vehicle: Values, channels: Sequence[Channel]) -> Sequence[Parameter]:
         """The click of each axle."""
         return tuple(
-            Parameter(click_key(end), "1", f"click of the {end} dampers", 1.0, absent=clicks.now)
+            Amplitude(click_key(end), "1", f"click of the {end} dampers", 1.0, absent=clicks.now)
             for end, clicks in self.of.items()
         )
 

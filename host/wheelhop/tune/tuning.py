@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from wheelhop.campaign import CampaignError
+from wheelhop.effects import Amplitude, Switch
 from wheelhop.predict.case import Case
 from wheelhop.predict.drives import Chosen, Drive
 from wheelhop.predict.known_car import KnownCar, parameters
@@ -140,7 +141,7 @@ def tune_car(
     """
     chosen = car.effects
     if freedom.curves is not None:
-        standing = {p.name: p.absent for p in parameters(freedom.curves, car.vehicle.values)}
+        standing = {p.name: p.start for p in parameters(freedom.curves, car.vehicle.values)}
         chosen = (*chosen, Chosen(freedom.curves, standing))
     progress(f"preparing {len(drives)} runs")
     ends = [freedom.changes([share] * len(freedom.variables)) for share in (0.0, 1.0)]
@@ -236,11 +237,11 @@ def _costs(car: KnownCar, judge: Judge, now: Array) -> list[Cost]:
     """Of every effect of the car that can be there more or less."""
     found, settings = list[tuple[str, dict[str, float]]](), list[Values]()
     for one in car.effects:
-        own = [p for p in parameters(one.effect, car.vehicle.values) if not p.is_shape]
+        own = [p for p in parameters(one.effect, car.vehicle.values) if isinstance(p, Amplitude)]
         there = {
             p.name: one.values[p.name]
             for p in own
-            if not p.switch and one.values[p.name] != p.absent
+            if not isinstance(p, Switch) and one.values[p.name] != p.absent
         }
         absent = {p.name: p.absent for p in own}
         if there:

@@ -20,6 +20,9 @@ from wheelhop.logger.recording import CODE
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+INKS = ("#0b66a8", "#c8540a", "#1b1f24", "#7a6aa8", "#3f8f6b", "#5b6470", "#a33b5e", "#8a6d1d")
+"""Of the channels, in their order, over again if there are more."""
+
 
 def draw(comparison: Comparison, path: Path) -> None:
     """Write the picture, its format by the suffix of `path`. Raises InputError."""
@@ -30,14 +33,14 @@ def draw(comparison: Comparison, path: Path) -> None:
     (gain, rest), (phase, linear) = axes
     count = len(comparison.channels)
     for number, channel in enumerate(comparison.channels):
-        colour = f"C{number % 10}"
+        colour = INKS[number % len(INKS)]
         aside = 1 + 0.1 / count * (number - (count - 1) / 2)  # bars must not hide each other
         _draw_gain(gain, channel, colour)
         _draw_phase(phase, channel, colour)
         _draw_rest(rest, channel, colour, aside)
         _draw_linear(linear, channel, colour, aside)
     for number, channel in enumerate(comparison.channels):
-        _draw_unusable(gain, channel, f"C{number % 10}")
+        _draw_unusable(gain, channel, INKS[number % len(INKS)])
     raw = comparison.channels[0].unit == CODE
     gain.set_ylabel("response, static = 1" if raw else "sensor over reference")
     phase.set_ylabel("phase behind the reference, °")
@@ -53,10 +56,14 @@ def draw(comparison: Comparison, path: Path) -> None:
         axis.set_ylim(*_limits(comparison))
         axis.axhline(0, color="0.6", lw=0.8)
     linear.set_xlabel("amplitude, m/s²")
-    gain.set_title("Response; band: expanded uncertainty of the gain, k = 2", fontsize=10)
-    phase.set_title("Phase, clocks aligned", fontsize=10)
-    rest.set_title("Do the frequencies agree? Bars: k = 2", fontsize=10)
-    linear.set_title("Does the amplitude matter, at one frequency? Bars: k = 2", fontsize=10)
+    gain.set_title(
+        "Response; band: expanded uncertainty of the gain, k = 2", fontsize=10, loc="left"
+    )
+    phase.set_title("Phase, clocks aligned", fontsize=10, loc="left")
+    rest.set_title("Do the frequencies agree? Bars: k = 2", fontsize=10, loc="left")
+    linear.set_title(
+        "Does the amplitude matter, at one frequency? Bars: k = 2", fontsize=10, loc="left"
+    )
     for axis in axes.flat:
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
@@ -65,7 +72,7 @@ def draw(comparison: Comparison, path: Path) -> None:
             0.5, 0.7, "one amplitude at each frequency", ha="center", transform=linear.transAxes
         )
         linear.set_xticks([])
-    gain.legend(fontsize=8, ncols=2)
+    gain.legend(fontsize=8, ncols=2, frameon=False)
     write_picture(path, figure)
 
 

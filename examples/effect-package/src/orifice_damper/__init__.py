@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from wheelhop.campaign import Channel
-from wheelhop.effects import Effect, Parameter, law
+from wheelhop.effects import Amplitude, Effect, Parameter, law
 from wheelhop.vehicle import Assembly, ends, struts
 
 
@@ -28,7 +28,7 @@ class OrificeDamper(Effect):
     ) -> Sequence[Parameter]:
         """One amplitude for each axle; its scale is as much force as c v at 1 m/s."""
         return tuple(
-            Parameter(
+            Amplitude(
                 f"{end}_N_s2_m2",
                 "N·s²/m²",
                 f"quadratic damping of {strut.name}",

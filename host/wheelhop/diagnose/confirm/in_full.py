@@ -33,7 +33,7 @@ from wheelhop.diagnose.score import (
     unforeseen,
 )
 from wheelhop.diagnose.screen.first_order import Screened
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Misstatement, Switch
 from wheelhop.fit import CONVERGED_QUICK, Fit, RunFit, Workshop, effect_parameters, fit
 from wheelhop.simulate import Model
 
@@ -74,7 +74,7 @@ def worth_simulating(
     chosen = [
         s
         for i, s in enumerate(promising)
-        if i < at_least or (s.gain >= enough and not s.variant.effect.is_belief)
+        if i < at_least or (s.gain >= enough and not isinstance(s.variant.effect, Misstatement))
     ]
     if settled:
         return chosen
@@ -121,7 +121,7 @@ def confirm(
     rough = validate(workshop, replace(best, model=foreseeing), base.update)
     neglected = CONVERGED_QUICK * max(base.fit.cost, base.fit.size)
     worse = best.cost > base.fit.cost + neglected
-    switch = all(p.switch for p in screened.variant.amplitudes)
+    switch = all(isinstance(p, Switch) for p in screened.variant.amplitudes)
     if switch and worse and best.error < HOPELESS * base.fit.error:
         full = refit(workshop, rough, least_misfit(rough.model, [base.fit, *others]))
         return min(rough, full, key=lambda rung: rung.fit.misfit)

@@ -18,7 +18,7 @@ import numpy as np
 from wheelhop.diagnose.score import Rung, all_noise
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.diagnose.screen.signatures import with_variant
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Shape, Switch
 from wheelhop.fit import Bench, Fit, FitProbe, Free, Workshop, seek_again
 from wheelhop.simulate import Model
 
@@ -78,7 +78,7 @@ def starts(incumbent: Incumbent, screened: Screened, ended: Sequence[Fit]) -> It
         tried = all_noise(best, noise) or set(forms[i + 1 :]) <= set(forms[: i + 1])
         if best.error < ASTRAY * screened.error and believed and tried:
             break
-    if not believed and any(p.is_shape for p in screened.variant.parameters):
+    if not believed and any(isinstance(p, Shape) for p in screened.variant.parameters):
         yield from saturated(workshop, incumbent.rung, screened)
         best = max(ended, key=lambda one: one.evidence)
     if not all_noise(best, noise):
@@ -99,7 +99,7 @@ def _screened(workshop: Workshop, base: Rung, screened: Screened) -> list[tuple[
     likeliest."""
     by_variant, fitted = [], workshop.of_role("fit")
     for item in (screened, *screened.others):
-        switches = all(p.switch for p in item.variant.amplitudes)
+        switches = all(isinstance(p, Switch) for p in item.variant.amplitudes)
         models = list(at_shares(workshop, base, item, SHARES[:1] if switches else SHARES))
         order = np.argsort(misfits(workshop, models, fitted, base.fit.sigma), kind="stable")
         choice = item.variant.choice
@@ -126,7 +126,7 @@ def saturated(workshop: Workshop, base: Rung, screened: Screened) -> Iterator[St
             away = sum(
                 ((item.variant.shapes[p.name] - p.believed) / p.scale) ** 2
                 for p in item.variant.parameters
-                if p.is_shape and p.believed is not None
+                if isinstance(p, Shape) and p.believed is not None
             )
             found.append((misfit[same.index(True)] + away, models[same.index(True)]))
     if found:
@@ -149,7 +149,7 @@ def strong(incumbent: Incumbent, screened: Sequence[Screened]) -> list[tuple[Scr
         (item, next(at_shares(workshop, base, _as_strong(form), [1.0])))
         for item in screened
         for form in (item, *item.others)
-        if any(not p.switch for p in form.variant.amplitudes)
+        if any(not isinstance(p, Switch) for p in form.variant.amplitudes)
     ]
     models = [base.model, *(model for _, model in places)]
     without, *left = misfits(workshop, models, workshop.of_role("fit"), base.fit.sigma)
@@ -167,7 +167,7 @@ def _as_strong(screened: Screened) -> Screened:
     amplitudes = {
         p.name: p.absent + copysign(p.scale, screened.amplitudes[p.name] - p.absent)
         for p in screened.variant.amplitudes
-        if not p.switch
+        if not isinstance(p, Switch)
     }
     return replace(screened, amplitudes={**screened.amplitudes, **amplitudes})
 
@@ -200,7 +200,7 @@ def in_form(workshop: Workshop, found: Fit, form: Effect) -> Model:
     own = {name: p for name, p in parameters.items() if name not in values}
     if not own:
         return model
-    begins = product(*(p.starts if p.is_shape else (p.absent,) for p in own.values()))
+    begins = product(*(p.starts if isinstance(p, Shape) else (p.start,) for p in own.values()))
     models = [model.with_values(dict(zip(own, begin, strict=True))) for begin in begins]
     left = misfits(workshop, models, workshop.of_role("fit"), found.sigma)
     return models[int(np.argmin(left))]
@@ -261,7 +261,9 @@ def at_shares(
     for share in shares:
         amplitudes = {}
         for p in variant.amplitudes:
-            away = (screened.amplitudes[p.name] - p.absent) * (1.0 if p.switch else share)
+            away = (screened.amplitudes[p.name] - p.absent) * (
+                1.0 if isinstance(p, Switch) else share
+            )
             least = SMALLEST_START * p.scale
             away = away if abs(away) > least else least
             amplitudes[p.name] = min(max(p.absent + away, p.lower), p.upper)

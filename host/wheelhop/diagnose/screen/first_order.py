@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from wheelhop.diagnose.score import all_noise
 from wheelhop.diagnose.screen.signatures import Prepared, Variant, prepare, signatures, variants
 from wheelhop.diagnose.screen.table import Columns, Known, Table, beyond, run_table
-from wheelhop.effects import Effect, Parameter
+from wheelhop.effects import Amplitude, Effect, RandomHeights, Switch
 from wheelhop.fit import (
     Explained,
     Fit,
@@ -69,7 +69,7 @@ class Heights(NamedTuple):
     rss: float
 
 
-def screen_heights(workshop: Workshop, base: Fit, effect: Effect) -> Heights | None:
+def screen_heights(workshop: Workshop, base: Fit, effect: RandomHeights) -> Heights | None:
     """The heights that explain the base's residual best; None if no run rolls on a track."""
     if all(run.bench.simulator.series is None for run in base.runs):
         return None
@@ -114,7 +114,7 @@ def _spectra(workshop: Workshop, base: Fit, coherent: bool) -> list[Spectrum]:
 def _best(
     workshop: Workshop,
     base: Fit,
-    effect: Effect,
+    effect: RandomHeights,
     spectra: Sequence[Spectrum],
     kept: Sequence[NDArray[np.bool_]],
 ) -> _Density:
@@ -125,7 +125,7 @@ def _best(
     size = base.size - round(sum(bench.size * float((~mask).mean()) for bench, mask in gone))
     parameters = workshop.parameters_of(effect)
     given = sum(len(run.own) for run in base.runs) + len(base.shared)
-    start = {p.name: p.starts[0] for p in parameters}
+    start = {p.name: p.start for p in parameters}
     noise = Noise(rss, size - given, workshop.noise)
     without = noise.sigma
     theta, noise = find_density(effect, parameters, start, parts, noise)
@@ -212,8 +212,8 @@ def _screened(
     for variant, tables in tabulated(workshop, base, chosen):
         found.setdefault(variant.effect.id, []).append(solve(base, variant, tables, alone))
     best = {effect_id: _best_of(results) for effect_id, results in found.items()}
-    for effect in effects:
-        if effect.has_random_heights and (heights := _screened_heights(workshop, base, effect)):
+    for effect in (e for e in effects if isinstance(e, RandomHeights)):
+        if heights := _screened_heights(workshop, base, effect):
             best[effect.id] = heights
     return sorted(best.values(), key=lambda s: -s.score)
 
@@ -281,7 +281,7 @@ def _best_of(variants: Sequence[Screened]) -> Screened:
     return replace(best, others=tuple(others))
 
 
-def _screened_heights(workshop: Workshop, base: Fit, effect: Effect) -> Screened | None:
+def _screened_heights(workshop: Workshop, base: Fit, effect: RandomHeights) -> Screened | None:
     """An effect that adds unknown heights: its parameters are shapes, the price follows from
     the evidence."""
     heights = screen_heights(workshop, base, effect)
@@ -320,7 +320,7 @@ def solve(
     away = x[g:].tolist()
     amplitudes = {p.name: p.absent + d for p, d in zip(variant.amplitudes, away, strict=True)}
     own_price = sum(t.price for t in tables)
-    numbers = sum(not p.switch for p in variant.amplitudes) + len(variant.shapes)
+    numbers = sum(not isinstance(p, Switch) for p in variant.amplitudes) + len(variant.shapes)
     left = taken.rss / alone.rss if alone.rss > 0.0 else 1.0
     energy = sum(run.bench.energy for run in base.runs)
     return Screened(
@@ -343,7 +343,7 @@ def solve(
 
 
 def _taken(
-    base: Fit, amplitudes: Sequence[Parameter], tables: Sequence[Table]
+    base: Fit, amplitudes: Sequence[Amplitude], tables: Sequence[Table]
 ) -> tuple[Array, Taken]:
     """The step of shared parameters and amplitudes that takes most, and what it takes."""
     g, weight = len(base.shared), _weight(base)
@@ -377,12 +377,12 @@ def _information(matrix: Array, weight: Array, sigma: float) -> Array:
 
 
 def _bounded(
-    matrix: Array, gradient: Array, g: int, parameters: Sequence[Parameter]
+    matrix: Array, gradient: Array, g: int, parameters: Sequence[Amplitude]
 ) -> tuple[Array, float]:
     """Steps of shared parameters and amplitudes, those within their bounds, and the drop of the sum
     of squares: an amplitude that would leave its bounds is held there (switches at 1), until none
     does."""
-    held = {g + i: p.scale for i, p in enumerate(parameters) if p.switch}
+    held = {g + i: p.scale for i, p in enumerate(parameters) if isinstance(p, Switch)}
     while True:
         free = [i for i in range(len(gradient)) if i not in held]
         x = np.zeros(len(gradient))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.diagnose.screen.table import Columns
-from wheelhop.effects import Effect, Parameter, RunSetting
+from wheelhop.effects import Amplitude, Effect, Parameter, RunSetting, Shape, Switch
 from wheelhop.fit import Fit, FitProbe, Move, RunFit, Trial, Workshop, effect_run_parameters, moves
 from wheelhop.simulate import Model
 from wheelhop.vehicle import Drive, System
@@ -42,9 +42,9 @@ class Variant:
     strength: float = Effect.screened_at[0]
 
     @property
-    def amplitudes(self) -> tuple[Parameter, ...]:
+    def amplitudes(self) -> tuple[Amplitude, ...]:
         """The parameters that vanish with the effect."""
-        return tuple(p for p in self.parameters if not p.is_shape)
+        return tuple(p for p in self.parameters if isinstance(p, Amplitude))
 
 
 def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
@@ -60,10 +60,10 @@ def variants(workshop: Workshop, base: Fit, effect: Effect) -> list[Variant]:
         if not form.applies_to(workshop.nominal):
             continue
         parameters = tuple(workshop.parameters_of(form))
-        amplitudes = any(not p.is_shape for p in parameters)
+        amplitudes = any(isinstance(p, Amplitude) for p in parameters)
         if not amplitudes and not any(form.per_run(setting) for setting in settings):
             continue
-        starts = {p.name: p.starts for p in parameters if p.is_shape}
+        starts = {p.name: p.starts for p in parameters if isinstance(p, Shape)}
         first = {name: values[0] for name, values in starts.items()}
         grid = [dict(zip(starts, values, strict=True)) for values in product(*starts.values())]
         for shapes in [{**first, **start} for start in probe.shape_starts(form)] or grid:
@@ -80,7 +80,7 @@ def _run_shapes(
 ) -> Mapping[str, float]:
     """Where the shapes begin that an effect leaves free in a run: without them, amplitudes of the
     run would mean nothing."""
-    names = {p.name for p in effect.per_run(run) if p.is_shape}
+    names = {p.name for p in effect.per_run(run) if isinstance(p, Shape)}
     if not names:
         return {}
     start, *_ = probe.run_starts(effect, run, shapes)
@@ -113,7 +113,7 @@ def prepare(workshop: Workshop, model: Model, variant: Variant) -> Prepared:
     """The models in which each amplitude is switched on by itself, clearly visible."""
     steps, models = [], []
     for p in variant.amplitudes:
-        step = p.scale if p.switch else variant.strength * p.scale
+        step = p.scale if isinstance(p, Switch) else variant.strength * p.scale
         steps.append(step)
         models.append(with_variant(model, variant, {p.name: p.absent + step}))
     absent = with_variant(model, variant, {})
@@ -162,7 +162,9 @@ def _acts(run: RunFit, variant: Variant) -> bool:
 def _is_restored(variant: Variant) -> bool:
     """Whether an effect is a fault of the record that can be undone: a record set right keeps the
     model's derivatives, a model set wrong does not."""
-    return variant.effect.place == "sensor" and all(p.switch for p in variant.parameters)
+    return variant.effect.place == "sensor" and all(
+        isinstance(p, Switch) for p in variant.parameters
+    )
 
 
 def _restored(run: RunFit, variant: Variant) -> Array:

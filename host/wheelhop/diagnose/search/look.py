@@ -36,7 +36,7 @@ from wheelhop.diagnose.score import (
 )
 from wheelhop.diagnose.screen.first_order import Screened, screen
 from wheelhop.diagnose.search.scored import BASELINE, Candidate, Scored, Search, ids_of, remembered
-from wheelhop.effects import Effect, OwnValues
+from wheelhop.effects import Effect, OwnValues, RandomHeights, TiedRuns
 from wheelhop.files import Progress
 from wheelhop.files.words import percent
 from wheelhop.fit import Workshop
@@ -125,7 +125,7 @@ def summary_of(rung: Rung, effect: Effect) -> dict[str, float]:
 
 def contradicted(rung: Rung, effect: Effect) -> bool:
     """Whether what an effect leaves free per run came out against its nature."""
-    return effect.contradicted(_run_by_run(rung, effect))
+    return isinstance(effect, TiedRuns) and effect.contradicted(_run_by_run(rung, effect))
 
 
 def _run_by_run(rung: Rung, effect: Effect) -> list[OwnValues]:
@@ -266,7 +266,7 @@ def judged(incumbent: Incumbent, screened: Screened, rival: Rung, tried: int) ->
     odds = log_odds(base, rival, noise)
     effect, dropped = screened.variant.effect, power(base) - power(rival)
     of_the_first = effect.on_rig and of_a_law(dropped, base.by_laws)
-    if not screened.variant.parameters or effect.has_random_heights:
+    if not screened.variant.parameters or isinstance(effect, RandomHeights):
         # Free at every second of a run, it takes a part of whatever is left.
         of_the_first = dropped < LAW**2 * base.by_laws
     likely = holds_against(base, rival, odds, tried, noise) and not of_the_first

@@ -20,7 +20,7 @@ from wheelhop.diagnose.score import SIGNIFICANT, material
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.diagnose.screen.signatures import Variant
 from wheelhop.diagnose.search.scored import Scored
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Misstatement, Switch
 from wheelhop.fit import BROAD
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ def unseen(limits: Sequence[Limit], tried: int) -> float:
 def of_the_vehicle(limits: Sequence[Limit], effects: Sequence[Effect]) -> list[Limit]:
     """The limits of physics. What sensors and surveys do to none of these runs is not missing; a
     vehicle has its bar on other runs, too."""
-    physics = {e.id for e in effects if e.place != "sensor" and not e.is_belief}
+    physics = {e.id for e in effects if e.place != "sensor" and not isinstance(e, Misstatement)}
     return [one for one in limits if one.effect in physics]
 
 
@@ -64,15 +64,15 @@ def limit(variant: Variant, strength: float) -> Limit:
 
     Nothing is believed of amplitudes but that they lie within `BROAD` scales, one standard
     deviation. A switch is there or it is not."""
-    possible = all(
-        strength <= 1.0 if p.switch else p.lower <= p.absent + strength * p.scale <= p.upper
-        for p in variant.amplitudes
-    )
-    weaker = 0.0 if all(p.switch for p in variant.amplitudes) else erf(strength / BROAD / sqrt(2.0))
+    fitted = [p for p in variant.amplitudes if not isinstance(p, Switch)]
+    there = {p.name: p.absent + strength * p.scale for p in fitted}
+    possible = all(p.lower <= there[p.name] <= p.upper for p in fitted)
+    if len(fitted) < len(variant.amplitudes):
+        possible &= strength <= 1.0
+    weaker = erf(strength / BROAD / sqrt(2.0)) if fitted else 0.0
     weaker = weaker if possible else 1.0
-    found = {p.name: p.absent + strength * p.scale for p in variant.amplitudes if not p.switch}
     shown = weaker < CEILING
-    return Limit(variant.effect.id, variant.choice, found if shown else {}, shown, weaker)
+    return Limit(variant.effect.id, variant.choice, there if shown else {}, shown, weaker)
 
 
 def drop_needed(price: float, fitted: int, judging: int, tried: int, least: float) -> float:

@@ -15,7 +15,7 @@ from wheelhop.diagnose.score import SIGNIFICANT
 from wheelhop.diagnose.screen.first_order import Screened
 from wheelhop.diagnose.search.look import contradicted, summary_of
 from wheelhop.diagnose.search.scored import Candidate, Scored
-from wheelhop.effects import Effect
+from wheelhop.effects import Effect, Misstatement
 from wheelhop.files.words import chance, listed
 from wheelhop.fit import Fit
 from wheelhop.vehicle import Drive
@@ -215,7 +215,7 @@ def _of_what_is_expected(last: Step) -> str:
 
 
 def _law_command(step: Step) -> str:
-    known = [e.id for e in step.rung.model.effects if not e.is_belief]
+    known = [e.id for e in step.rung.model.effects if not isinstance(e, Misstatement)]
     return f"wheelhop law --with {' '.join(known)}" if known else "wheelhop law"
 
 
@@ -279,7 +279,8 @@ def explanation(
     elif steps[-1].comparison.floor.beside_noise:
         lines.append(_of_what_is_expected(steps[-1]))
     for effect in steps[-1].rung.model.effects:
-        if remedy := effect.remedy(steps[-1].rung.model.theta(effect)):
+        if isinstance(effect, Misstatement):
+            remedy = effect.remedy(steps[-1].rung.model.theta(effect))
             lines.append(f"What to correct in campaign.toml: {remedy}.")
     if not left_over and len(steps) > 1:
         lines.extend(caveats(steps[-1]))

@@ -1,15 +1,11 @@
-"""Figures 2.15-2.17, 2.20 and 5.24 of the thesis, drawn anew: 2.18 is a sketch, 2.19 a photo."""
+"""The cars of the thesis's figures 2.15-2.17, 2.20 and 5.24."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
-from wheelhop.files import made_folder
 from wheelhop.identify import published
 from wheelhop.identify.equivalent import equivalent_vehicle, wheels
-from wheelhop.identify.figure import draw_study
 from wheelhop.identify.quarter_car import Struts, Wheels, compliance, rigid_inertia
 from wheelhop.identify.study import Car, Variant, study
 from wheelhop.identify.synthetic import thesis_matrix
@@ -43,16 +39,3 @@ def stiffened() -> dict[str, list[Variant]]:
     car = Car(compliance(thesis_matrix(), old), old, on, rigid_inertia(positions, inertia))
     ends = {"front": 0, "rear": 2}
     return {end: study(car, "stiffness", (1.0, 1.2), corner) for end, corner in ends.items()}
-
-
-def draw_thesis(folder: Path) -> list[Path]:
-    """Draw all figures into a folder, which is made if need be. Raises InputError."""
-    drawn = []
-    with made_folder(folder):
-        for number, (varied, factors) in CHAPTER_2.items():
-            drawn.append(folder / f"figure-{number}.png")
-            draw_study(study(racing_car(), varied, factors), varied, drawn[-1])
-        for end, variants in stiffened().items():
-            drawn.append(folder / f"figure-5.24-{end}.png")
-            draw_study(variants, f"stiffness, {end} left", drawn[-1])
-    return drawn
