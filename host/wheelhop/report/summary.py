@@ -10,6 +10,7 @@ import numpy as np
 
 from wheelhop.campaign import Campaign
 from wheelhop.diagnose import Diagnosis
+from wheelhop.effects import Misstatement
 from wheelhop.files.words import listed, percent, significant
 from wheelhop.report import figures
 from wheelhop.report.cases import cases
@@ -100,7 +101,7 @@ def _next(diagnosis: Diagnosis) -> Iterator[str]:
     certain = [f for f in diagnosis.findings if f.severity == "certain" and f.fixes]
     if certain:
         yield f"{certain[0].remedy}"
-    if wrong := [effect.title for effect in effects if effect.is_belief]:
+    if wrong := [e.title for e in effects if isinstance(e, Misstatement)]:
         yield f"Correct the campaign: {listed(wrong)}."
     if diagnosis.verdict[-1] == "unknown":
         yield "Have the force that is missing found in free form, as a curve and as a formula."
