@@ -4,17 +4,20 @@ Sets of sensors, each as one kind of user has them. Prints for each, on surveyed
 roads that nobody described, from where on `wheelhop check` says that dry friction is seen, and told
 from a damper, at several noises of the potentiometers. With `--diagnose N` it makes N campaigns of
 a set with friction of `--friction` newtons at every strut, and N clean ones, and counts the
-verdicts.
+verdicts. With `--table` it hides each of ten causes at clear strength in one campaign of the set,
+and prints the verdicts as a row each, on roads that nobody described, or with `--surveyed`.
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from tests.diagnose.cases import CASES
 from tests.truth import Sensor, forget_tracks, make_campaign
 from wheelhop.api import detectable, diagnose
 
@@ -68,6 +71,43 @@ def driven(
     return folder
 
 
+TABLE = (
+    "clean",
+    "dry-friction",
+    "progressive-spring cubic",
+    "bump-stop",
+    "digressive-damper",
+    "asymmetric-damper",
+    "mount-bushing",
+    "anti-roll-bar",
+    "driver-seat",
+    "engine-vibration",
+)
+"""What is hidden, by the names of `tests.diagnose.cases`."""
+
+
+def told(name: str, noise_mm: float, seed: int, *, surveyed: bool) -> None:
+    """Print a row for each cause: what a diagnosis says, how sure, what is left over the floor and
+    what it took."""
+    for cause in TABLE:
+        with tempfile.TemporaryDirectory() as folder:
+            where, sensors = Path(folder), with_noise(name, noise_mm)
+            hidden = CASES[cause].hidden
+            make_campaign(where, seed=seed, effects=hidden, short=True, draft=True, sensors=sensors)
+            if not surveyed:
+                forget_tracks(where)
+            begun = time.process_time()
+            found = diagnose(where, jobs=1).diagnosis
+            spent = time.process_time() - begun
+        right = set(found.verdict) == set(CASES[cause].verdict)
+        print(
+            f"| {name} | {'surveyed' if surveyed else 'any road'} | {cause} |"
+            f" {'' if right else '**not** '}{', '.join(found.verdict)}"
+            f" | {100 * found.confidence:.0f} % | {spent:.0f} |",
+            flush=True,
+        )
+
+
 def foretold(name: str, noise_mm: float, seed: int, *, surveyed: bool) -> str:
     """From where on friction is seen, and told, at the front, N; or why nothing can be compared."""
     with tempfile.TemporaryDirectory() as folder:
@@ -92,7 +132,12 @@ def main() -> None:
     parser.add_argument("--pot-noise-mm", type=float, default=0.05, help="to diagnose")
     parser.add_argument("--friction", type=float, default=60.0, help="N at the wheel, to diagnose")
     parser.add_argument("--diagnose", type=int, default=0, metavar="N", help="so many of each")
+    parser.add_argument("--table", action="store_true", help="one campaign of each cause")
+    parser.add_argument("--surveyed", action="store_true", help="with the tracks described")
     given = parser.parse_args()
+    if given.table:
+        told(given.set, given.pot_noise_mm, given.seed, surveyed=given.surveyed)
+        return
     if not given.diagnose:
         for name in SETS:
             for surveyed in (True, False):

@@ -79,6 +79,7 @@ def _prepare(folder: Path) -> None:
         (folder / f"runs/{kind}.csv").touch()
     for name in ("file.csv", "vehicle.toml"):
         (folder / name).touch()
+    (folder / "rocker.csv").write_text("wheel_mm,sensor_mm\n-10,7\n0,0\n10,-6\n", encoding="utf-8")
     shutil.copy(ROOT / "examples/bushings/bushing-1-specimen-1.toml", folder / "specimen.toml")
     shutil.copy(ROOT / "examples/frame/baja.toml", folder / "frame.toml")
 

@@ -28,19 +28,25 @@ dash = [0.35, 0.0]
 imu = "body"
 pot = { quantity = "travel", corner = 1, per_wheel = 0.65, noise_rms_m = 0.0002 }
 gyro = { quantity = "rate", axis = "pitch", noise_rms_rad_s = 0.004, scale_uncertainty = 0.02 }
+rocker = { quantity = "travel", corner = 2, per_wheel = "rocker.csv" }
 rod = { quantity = "force", corner = 1, per_wheel = 1.4, noise_rms_N = 8.0 }
 hub = { quantity = "acceleration", position = "A3", noise_rms_m_s2 = 0.1 }
 gps = { quantity = "speed" }
 ax = { quantity = "acceleration", axis = "x", position = [0.1, 0.0] }
 seat = { quantity = "acceleration", on = "driver" }
 rpm = { quantity = "speed", of = "engine" }
+whl = { quantity = "speed", of = "wheel", corner = 3, radius_m = 0.27 }
+imu_z = { quantity = "acceleration", position = [0.0, 0.0], filter = OWN }
 [factors]
 B1 = -1.0
 """
 FILTERS = (
     'filter = { kind = "bessel", order = 4, corner_hz = 40.0, zero_phase = true, delay_ms = 1.0 }',
     'filter = { kind = "fir", taps = [0.5, 0.5], rate_hz = 200.0 }',
+    'filter = { acceleration = { kind = "none" }, travel = { kind = "none" } }',
 )
+OWN = tuple(each.removeprefix("filter = ") for each in FILTERS[:2])
+"""Of one channel."""
 VALUES = {
     **{"amplitude_mm": "15.0", "pitch_mm": "400.0", "side": '"left"', "file": '"file.csv"'},
     **{"seed": "1", "unevenness_m3": "4e-6", "waviness": "2.0", "angle_deg": "20.0"},
@@ -61,7 +67,9 @@ def campaigns() -> list[str]:
         track = "".join(f"track.{key} = {value}\n" for key, value in stated.items())
         run = f'[[run]]\nid = "{kind}"\nfile = "runs/{kind}.csv"\nrole = "fit"\nspeed_kmph = 9.0\n'
         runs.append(f'{run}track.kind = "{kind}"\n{track}')
-    vehicle = [HEAD + CHANNELS.replace("FILTER", each) + "\n".join(runs) for each in FILTERS]
+    own = zip(FILTERS, (*OWN, OWN[0]), strict=True)
+    channels = [CHANNELS.replace("FILTER", each).replace("OWN", one) for each, one in own]
+    vehicle = [HEAD + each + "\n".join(runs) for each in channels]
     return [*vehicle, HEAD + runs[0] + COURSE, HEAD.replace("averaging_ms = 10.0\n", "") + runs[0]]
 
 

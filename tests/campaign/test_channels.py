@@ -9,9 +9,10 @@ import pytest
 
 from tests.campaign.build import ROWS, csv_text, edit, write_campaign
 from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.campaign.channel import Channel
 from wheelhop.campaign.channels import read_channels
+from wheelhop.campaign.known import known_of
 from wheelhop.campaign.thin import thinned
-from wheelhop.campaign.types import Channel
 from wheelhop.campaign.write import NewRun, add_run, new_campaign
 from wheelhop.files import parse_toml
 from wheelhop.formats.table import BETWEEN
@@ -36,6 +37,9 @@ ax = { quantity = "acceleration", axis = "x", position = [0.1, 0.0] }
 rpm = { quantity = "speed", of = "engine" }
 """
 NAMES = ("rod", "B1", "dash", "rear", "pot_fl", "pot_rr", "nose", "seat", "gps", "ax", "rpm")
+
+RADIUS = ", radius_m = 0.3"
+WHEEL = f'gps = {{ quantity = "speed", of = "wheel", corner = 2{RADIUS} }}'
 
 
 @pytest.fixture
@@ -62,8 +66,9 @@ def test_every_quantity_is_read(folder):
             "pot_rr", "S4", **travel, noise_rms=2e-4, scale_uncertainty=0.02, gain_uncertainty=0.02
         ),
         Channel("nose", "pitch", quantity="rate", unit="rad/s", noise_rms=0.004),
+        Channel("seat", "driver"),
     )
-    assert [c.corner for c in campaign.channels] == [1, 0, None, 2, 0, 3, None]
+    assert [c.corner for c in campaign.channels] == [1, 0, None, 2, 0, 3, None, None]
     assert campaign.leading.name == "B1"
     assert (campaign.unit, campaign.noise_key, campaign.noise_rms) == (
         "m/s²",
@@ -76,16 +81,34 @@ def test_every_quantity_is_read(folder):
 def test_what_is_not_compared_is_kept_beside(folder):
     campaign = read_campaign(folder)
     assert {(c.name, c.quantity, c.unit) for c in campaign.known} == {
-        ("seat", "acceleration", "m/s²"),
         ("gps", "speed", "m/s"),
         ("ax", "acceleration", "m/s²"),
         ("rpm", "speed", "rad/s"),
     }
     run = campaign.runs[0]
-    assert run.record.shape == (ROWS, 7)
+    assert run.record.shape == (ROWS, 8)
     file = np.loadtxt(folder / "runs/slow.csv", delimiter=",", skiprows=1)
-    for name in ("seat", "gps", "ax", "rpm"):
+    for name in ("gps", "ax", "rpm"):
         np.testing.assert_array_equal(run.known[name], file[:, 1 + NAMES.index(name)])
+
+
+def test_a_wheel_tells_how_a_known_track_was_driven_where_nothing_else_does(folder):
+    """By the radius it rolls on; engine and wheels turn as they show, about their mean."""
+    edit(folder / "campaign.toml", 'gps = { quantity = "speed" }', WHEEL)
+    campaign = read_campaign(folder)
+    run = campaign.runs[0]
+    assert run.driven.channel == "gps"
+    assert run.speed_m_s == pytest.approx(0.3 * run.known["gps"].mean(), rel=1e-3)
+    both = np.concatenate([each.known["gps"] for each in campaign.runs])
+    turned = known_of(campaign, run).wheels
+    assert list(turned) == [1] and turned[1].stated_m_s == pytest.approx(both.mean())
+    assert known_of(campaign, run).engine is None  # it stands
+    assert list(known_of(campaign, run).pushed) == ["x"]
+
+
+def test_of_a_wheel_whose_radius_nobody_knows_no_speed_is_told(folder):
+    edit(folder / "campaign.toml", 'gps = { quantity = "speed" }', WHEEL.replace(RADIUS, ""))
+    assert read_campaign(folder).runs[0].driven is None
 
 
 def test_what_is_kept_is_made_lighter_with_the_rest(folder):
@@ -109,6 +132,7 @@ def test_pots_alone_are_a_campaign(folder):
     toml.write_text(text[:begin] + text[end:].replace("noise_rms_m_s2 = 0.12\n", ""))
     edit(toml, "noise_rms_m_s2 = 0.12\n", "")
     edit(toml, "rod = ", "# rod = ")
+    edit(toml, "seat = ", "# seat = ")
     campaign = read_campaign(folder)
     assert (campaign.unit, campaign.noise_key, campaign.noise_rms) == ("m", "noise_rms_m", 2e-4)
 
@@ -123,6 +147,7 @@ def test_noise_stated_of_every_channel_is_that_of_one_in_the_mean(folder):
     )
     edit(toml, "[0.35, 0.0] }", "[0.35, 0.0], noise_rms_m_s2 = 0.2 }")
     edit(toml, 'axis = "z" }', 'axis = "z", noise_rms_m_s2 = 0.2 }')
+    edit(toml, "seat = ", "# seat = ")
     campaign = read_campaign(folder)
     assert campaign.noise_rms == pytest.approx(np.sqrt((0.01 + 2 * 0.04) / 3))
     assert [c.noise_rms for c in campaign.channels[1:4]] == [0.1, 0.2, 0.2]
@@ -142,15 +167,30 @@ MISTAKES = {
     "no corner": ("corner = 4, ", "", r"\[channels.pot_rr\]: 'corner' is missing"),
     "a corner that no car has": ("corner = 4", "corner = 5", r"corner = 5 must be 1 \(front left"),
     "an axis that is not modelled": ('"pitch"', '"yaw"', r"axis = 'yaw' is not known"),
-    "a curve": (
+    "a curve that is not there": (
         "per_wheel = 0.65",
         'per_wheel = "rocker.csv"',
-        "a curve in a file is not read yet",
+        "per_wheel = 'rocker.csv': no such file",
+    ),
+    "a curve of a force": (
+        "per_wheel = -1.4",
+        'per_wheel = "rocker.csv"',
+        "a curve is of travel; of a force give a number",
     ),
     "a ratio of nothing": ("per_wheel = 0.65", "per_wheel = 0", "per_wheel = 0 would show nothing"),
     "no place": (", position = [0.35, 0.0] }", " }", r"\[channels.dash\]: 'position' is missing"),
     "an unknown place": ('position = "B3"', 'position = "B5"', "position: say where the sensor"),
     "two places": ('on = "driver" }', 'on = "driver", position = "B1" }', "on and position both"),
+    "a filter of what is only known": (
+        'gps = { quantity = "speed" }',
+        'gps = { quantity = "speed", filter = { kind = "none" } }',
+        "filter: this channel is not compared with the model: delete it",
+    ),
+    "a corner of the car": (
+        'gps = { quantity = "speed" }',
+        'gps = { quantity = "speed", corner = 1 }',
+        'corner is of a wheel: add of = "wheel", or delete it',
+    ),
     "nobody aboard": ('on = "driver"', 'on = "dog"', r"\[channels.seat\]: on = 'dog' is not known"),
     "noise in another unit": (
         "noise_rms_m = 0.001",
@@ -226,9 +266,19 @@ def test_a_campaign_is_made_of_what_was_recorded(tmp_path):
             ("nose", "rad/s"),
             ("gps", "m/s"),
             ("rpm", "rad/s"),
+            ("whl", "rad/s"),
+            ("along", "m/s²"),
+            ("cushion", "m/s²"),
         ]
     )
-    places = {"nose": "rate:pitch", "gps": "speed", "rpm": {"quantity": "speed", "of": "engine"}}
+    places = {
+        "nose": "rate:pitch",
+        "gps": "speed",
+        "rpm": {"quantity": "speed", "of": "engine"},
+        "whl": "speed:wheel:3:0.27",
+        "along": "along:x",
+        "cushion": "on:driver",
+    }
     new_campaign(tmp_path / "c", "of all kinds", recording, places)
     run = NewRun("slow", "fit", 9.0, {"kind": "washboard", "amplitude_mm": 15, "pitch_mm": 400})
     add_run(tmp_path / "c", recording, run)
@@ -237,8 +287,12 @@ def test_a_campaign_is_made_of_what_was_recorded(tmp_path):
         Channel("dash", "B1"),
         Channel("pot", "S3", quantity="travel", unit="m", per_wheel=0.65),
         Channel("nose", "pitch", quantity="rate", unit="rad/s"),
+        Channel("cushion", "driver"),
     )
-    assert [(c.name, c.unit) for c in campaign.known] == [("gps", "m/s"), ("rpm", "rad/s")]
+    *two, wheel, along = campaign.known
+    assert [(c.name, c.unit) for c in two] == [("gps", "m/s"), ("rpm", "rad/s")]
+    assert (wheel.point, wheel.unit, wheel.radius_m) == ("A3", "rad/s", 0.27)
+    assert (along.quantity, along.axis) == ("acceleration", "x")
     np.testing.assert_allclose(campaign.runs[0].record[:, 1], recording.values[:, 1], rtol=1e-5)
 
 
@@ -280,7 +334,7 @@ def test_the_page_on_channels_shows_a_campaign_that_reads():
     example, *_ = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     said = read_channels(parse_toml(example, Path("campaign.toml"), CampaignError))
     assert {c.quantity for c in said.compared} == {"acceleration", "travel", "rate", "force"}
-    assert [c.name for c in said.known] == ["gps", "ax", "seat", "rpm"]
+    assert [c.name for c in said.known] == ["gps", "ax", "rpm", "whl_rl"]
     assert [c.noise_rms for c in said.compared if c.name in ("pot_fl", "roll_rate", "rod_fl")] == [
         *(2e-4, 0.004, 8.0)
     ]

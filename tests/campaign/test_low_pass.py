@@ -5,7 +5,9 @@ import pytest
 
 from tests.campaign.build import edit, write_campaign
 from wheelhop.campaign import Averaging, CampaignError, read_campaign
-from wheelhop.campaign.low_pass import LowPass
+from wheelhop.campaign.channels import read_channels, with_filters
+from wheelhop.campaign.low_pass import LowPass, responses
+from wheelhop.files import parse_toml
 
 FREQUENCY = np.linspace(0.0, 200.0, 41)
 
@@ -87,10 +89,9 @@ def stated(folder, text):
 def test_it_is_read_as_it_is_stated(folder, text, meant):
     campaign = stated(folder, text)
     assert campaign.low_pass == meant
-    np.testing.assert_allclose(
-        campaign.recorded(FREQUENCY),
-        campaign.averaging.kept(FREQUENCY) * meant.response(FREQUENCY),
-    )
+    expected = campaign.averaging.kept(FREQUENCY) * meant.response(FREQUENCY)
+    found = campaign.recorded(FREQUENCY)
+    np.testing.assert_allclose(found, np.broadcast_to(expected[:, None], found.shape))
 
 
 @pytest.mark.parametrize(
@@ -116,3 +117,38 @@ def test_a_mistake_in_it_gets_a_line(folder, text, words):
     assert str(folder / "campaign.toml") in line
     for word in words:
         assert word in line, line
+
+
+CHANNELS = """filter = { travel = { kind = "bessel", order = 2, corner_hz = 40 } }
+[channels]
+B1 = { quantity = "acceleration", position = "B1", filter = FIR }
+B2 = "B2"
+pot = { quantity = "travel", corner = 1 }
+odd = { quantity = "travel", corner = 2, filter = { kind = "none" } }
+""".replace("FIR", '{ kind = "fir", taps = [0.5, 0.5], rate_hz = 200 }')
+BESSEL = LowPass("bessel", 2, 40.0)
+
+
+def test_channels_and_quantities_have_filters_of_their_own(tmp_path):
+    """A channel's own comes before that of its quantity, and "none" is none."""
+    top = parse_toml(CHANNELS, tmp_path / "campaign.toml", CampaignError)
+    channels, shared = with_filters(read_channels(top).compared, top)
+    fir, none = LowPass("fir", taps=(0.5, 0.5), rate_hz=200.0), LowPass("none")
+    assert shared is None
+    assert [c.low_pass for c in channels] == [fir, None, BESSEL, none]
+    gains = responses([c.low_pass for c in channels], FREQUENCY).T
+    for gain, expected in zip(gains, (fir, none, BESSEL, none), strict=True):
+        np.testing.assert_allclose(gain, expected.response(FREQUENCY))
+    assert str(none) == "no filter"
+
+
+def test_a_filter_of_what_nothing_measures_is_named(tmp_path):
+    toml = 'filter = { rate = { kind = "none" } }\n[channels]\nB1 = "B1"\n'
+    top = parse_toml(toml, tmp_path / "campaign.toml", CampaignError)
+    with pytest.raises(CampaignError, match=r"filter\.rate: no channel measures that: delete it"):
+        with_filters(read_channels(top).compared, top)
+
+
+def test_without_a_list_of_channels_a_filter_of_accelerations_is_that_of_all(folder):
+    campaign = stated(folder, '{ acceleration = { kind = "bessel", order = 2, corner_hz = 40 } }')
+    assert campaign.low_pass == BESSEL and "Bessel" in campaign.sampling

@@ -202,6 +202,9 @@ class Turning:
     def modelled(self, run_id, changes):
         return np.zeros((1024, 8))
 
+    def time_s(self, run_id):
+        return self.time
+
     def way_m(self, run_id):
         return np.repeat(float(run_id) * self.time[:, None], 4, axis=1)
 

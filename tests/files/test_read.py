@@ -13,6 +13,7 @@ import pytest
 from tests.formats.recordings import recording
 from wheelhop.calibration import read_constants
 from wheelhop.campaign import CampaignError
+from wheelhop.campaign.curves import read_curve
 from wheelhop.campaign.recordings import read_columns
 from wheelhop.effects import load_effects
 from wheelhop.files import InputError, read_text
@@ -29,7 +30,6 @@ from wheelhop.logger.flash import check_hex
 from wheelhop.material.read import read_rig_data
 from wheelhop.track.surveyed import read_survey
 from wheelhop.vehicle import read_vehicle
-from wheelhop.vehicle.curves import read_curve
 
 READERS = {
     "vehicle.toml": read_vehicle,

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wheelhop.formats.places import likely_point, likely_points
+from wheelhop.formats.places import likely_on_body, likely_point, likely_points
 from wheelhop.formats.table import Table, to_recording
 from wheelhop.logger.recording import Channel
 
@@ -68,3 +68,19 @@ def test_what_is_not_measured_upwards_is_at_no_place(name):
 def test_of_three_directions_the_upward_one_sits_there():
     assert likely_points(["hub FL x", "hub FL y", "hub FL z"]) == ["", "", "A1"]
     assert likely_points(["FL_X", "FL_Y", "FL_Z"]) == ["", "", "B1"]
+
+
+@pytest.mark.parametrize(
+    ("names", "places"),
+    [
+        ("Acc_Z", "body"),
+        ("ax ay az", "along:x along:y body"),
+        ("imu_z dash_z", "- -"),
+        ("acc_x long_acc acc_lat", "- - along:y"),
+        ("hub_z FL_z engine_z acc_-Z", "- - - -"),
+    ],
+)
+def test_of_accelerometers_on_the_body_a_lone_one_is_told(names, places):
+    """Two that seem to mean the same get no place, as nobody knows which is which."""
+    names = [name.replace("_", " ") for name in names.split()]
+    assert [place or "-" for place in likely_on_body(names)] == places.split()

@@ -12,11 +12,13 @@ import pytest
 import wheelhop as wh
 from tests import truth
 from tests.diagnose.cases import diagnosed
-from tests.simulate.setup import CHANNELS
+from tests.simulate.setup import ATV, CHANNELS, campaign_of
+from tests.simulate.test_recorder import RUN
+from tests.vehicle.test_layout import part_of
 from wheelhop.cli.main import main
 from wheelhop.diagnose.diagnosis import Limit
 from wheelhop.predict import detectable as module
-from wheelhop.predict.additions import Addition
+from wheelhop.predict.additions import Addition, additions
 from wheelhop.predict.detectable import Added
 from wheelhop.report.can_show import _said
 
@@ -195,3 +197,17 @@ def test_check_says_it_and_its_json_holds_it(tmp_path, capsys):
     assert 0.0 < friction["amplitudes"]["front_N"] < friction["told_from"]["front_N"] < 5.0
     assert friction["rival"] == "digressive-damper"
     assert found["best"]["less"]["driver-seat"] > 1.5
+
+
+@pytest.mark.parametrize(
+    ("model", "points"),
+    [
+        ("quarter-car", {"S1", "A1", "B1"}),
+        ("half-car", {"S1", "S3", "A1", "A3", "B1", "B3", "pitch"}),
+        ("half-car-roll", {"S1", "S2", "A1", "A2", "B1", "B2", "roll"}),
+    ],
+)
+def test_nothing_is_offered_that_a_smaller_car_does_not_have(model, points):
+    """Nor could it be measured: a half car of two axles does not roll."""
+    found = additions(replace(campaign_of(RUN), channels=()), part_of(ATV, model))
+    assert {channel.point for one in found for channel in one.channels} == points

@@ -40,6 +40,20 @@ def test_a_filter_acts_before_samples_are_taken(effect):
     assert relative(simulated(campaign_of(RUN), model)["run"][later], expected[later]) > 0.3
 
 
+def test_a_channel_of_its_own_filter_is_filtered_alone():
+    model, campaign = model_of(ATV, RUN), campaign_of(RUN)
+    own = replace(campaign.channels[0], low_pass=FILTERED.low_pass)
+    alone = replace(campaign, channels=(own, *campaign.channels[1:]))
+    found = simulated(alone, model)["run"]
+    np.testing.assert_allclose(found[:, 0], simulated(FILTERED, model)["run"][:, 0], atol=1e-9)
+    np.testing.assert_allclose(found[:, 1:], simulated(campaign, model)["run"][:, 1:], atol=1e-3)
+    but = replace(FILTERED, channels=(replace(own, low_pass=LowPass("none")), *alone.channels[1:]))
+    found = simulated(but, model)["run"]
+    np.testing.assert_allclose(found[:, 0], simulated(campaign, model)["run"][:, 0], atol=1e-3)
+    back = as_read(as_recorded(found, 200.0, alone, ATV), 200.0, alone, ATV)
+    np.testing.assert_allclose(back[100:-100, 1:], found[100:-100, 1:], atol=1e-9)
+
+
 def test_what_the_recorder_did_is_undone():
     """Up to half the corner, and but for the ends, where nobody knows how it went on."""
     rng, rate_hz = np.random.default_rng(4), 200.0

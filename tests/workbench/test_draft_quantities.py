@@ -18,6 +18,9 @@ COLUMNS = {  # heading: amplitude in its unit, what is guessed
     "Engine [rpm]": (100.0, "speed:engine"),
     "Acc body FL [g]": (0.2, "B1"),
     "Brake [bar]": (3.0, "not used"),
+    "Acc Z [g]": (0.2, "body"),
+    "Acc X [g]": (0.1, "along:x"),
+    "Wheel speed RL [rad/s]": (1.0, "speed:wheel:3"),
 }
 
 
@@ -67,10 +70,13 @@ def test_the_campaign_holds_them_in_si(draft, tmp_path):
     assert set(by_point) == {
         *(("travel", "S1"), ("travel", "S4"), ("rate", "pitch"), ("force", "S2")),
         ("acceleration", "B1"),
+        ("acceleration", "body"),
     }
     assert {(c.name, c.unit) for c in campaign.known} == {
         ("GPS speed", "m/s"),
         ("Engine", "rad/s"),
+        ("Wheel speed RL", "rad/s"),
+        ("Acc X", "m/s²"),
     }
     pot = campaign.channels.index(by_point["travel", "S1"])
     assert campaign.runs[0].record[:, pot].std() == pytest.approx(0.01 / np.sqrt(2), rel=0.1)

@@ -1,14 +1,12 @@
 """The campaign folder on disk, read strictly into a `Campaign`."""
 
 from wheelhop.campaign.averaging import Averaging
+from wheelhop.campaign.channel import AXLE_POINTS, BODY_POINTS, Channel
 from wheelhop.campaign.duplicates import Duplicate, find_duplicates
 from wheelhop.campaign.read import read_campaign
 from wheelhop.campaign.types import (
-    AXLE_POINTS,
-    BODY_POINTS,
     Campaign,
     CampaignError,
-    Channel,
     ComponentCampaign,
     RigRun,
     Run,

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from wheelhop.campaign.types import (
+from wheelhop.campaign.channel import (
+    ABOARD,
     ACCELERATION,
     AXLE_POINTS,
     BODY_POINTS,
+    ROTATION,
     STRUT_POINTS,
-    CampaignError,
     Channel,
 )
+from wheelhop.campaign.low_pass import LowPass, read_filters, read_low_pass
+from wheelhop.campaign.rocker import read_rocker
+from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table
 from wheelhop.files.words import ending_of
 
 POINTS = (*AXLE_POINTS, *BODY_POINTS)
-VERTICAL, ENGINE = "z", "engine"
-ABOARD = ("driver", ENGINE)
+VERTICAL, ENGINE, WHEEL = "z", "engine", "wheel"
 
 
 @dataclass(frozen=True)
@@ -40,10 +44,10 @@ QUANTITIES: Mapping[str, Quantity] = {
     "travel": Quantity("m", ("corner", "per_wheel"), 5.0, "is it in millimetres?"),
     "rate": Quantity("rad/s", ("axis",), 100.0, "is it in degrees per second?"),
     "force": Quantity("N", ("corner", "per_wheel"), 1e8),
-    "speed": Quantity("m/s", ("of",), 1e3, "is it in another unit?"),
+    "speed": Quantity("m/s", ("of", "corner", "radius_m"), 1e3, "is it in another unit?"),
 }
-ROTATION = "rad/s"
-"""Of an engine's speed."""
+ACCELERATIONS = {"on": ("on",), "along": ("axis", "position")}
+"""Words for accelerations that are not vertical ones of a point, and the keys that follow."""
 Place = str | Sequence[float] | Mapping[str, str | float]
 """What stands behind a channel's name: a point, x and y, or a table."""
 NOISE = "noise_rms"
@@ -60,14 +64,18 @@ NOISE_KEYS = tuple(noise_key(QUANTITIES[q].unit) for q in (ACCELERATION, "travel
 
 def place_of(word: str) -> Place:
     """The table that a word such as "travel:1:0.65", "rate:pitch" or "speed:engine" stands for, the
-    quantity and then its keys in order; any other word is itself.
+    quantity and then its keys in order; "on:driver" and "along:x" are accelerations there and so,
+    and any other word is itself.
 
     Raises CampaignError for more parts than the quantity has keys.
     """
     quantity, *parts = word.split(":")
-    if quantity not in QUANTITIES or quantity == ACCELERATION:
+    if quantity in ACCELERATIONS and parts:
+        keys, quantity = ACCELERATIONS[quantity], ACCELERATION
+    elif quantity in QUANTITIES and quantity != ACCELERATION:
+        keys = QUANTITIES[quantity].keys
+    else:
         return word
-    keys = QUANTITIES[quantity].keys
     if len(parts) > len(keys):
         raise CampaignError(f"{word}: {quantity} has only {' and '.join(keys)}")
     return {"quantity": quantity} | dict(zip(keys, map(_number_or_text, parts), strict=False))
@@ -93,6 +101,28 @@ def units_of(top: Table) -> dict[str, str]:
     said = read_channels(top)
     listed = said.compared or tuple(Channel(point, point) for point in POINTS)
     return {channel.name: channel.unit for channel in (*listed, *said.known)}
+
+
+def with_filters(
+    channels: Sequence[Channel], top: Table
+) -> tuple[tuple[Channel, ...], LowPass | None]:
+    """Channels with the filters that the top of campaign.toml states of their quantities, and the
+    one of all channels, None if there is none. Without channels accelerations are measured.
+
+    Raises CampaignError for a filter of a quantity that no channel measures.
+    """
+    if "filter" not in top:
+        return tuple(channels), None
+    stated = read_filters(top.table("filter"), [q for q in QUANTITIES if q != "speed"])
+    measured = {c.quantity for c in channels} or {ACCELERATION}
+    for quantity in stated:
+        if quantity and quantity not in measured:
+            raise top.error(f"filter.{quantity}: no channel measures that: delete it")
+    found = (
+        c if c.low_pass is not None else replace(c, low_pass=stated.get(c.quantity))
+        for c in channels
+    )
+    return tuple(found), stated.get("", None if channels else stated.get(ACCELERATION))
 
 
 @dataclass(frozen=True)
@@ -179,36 +209,42 @@ def _measured(table: Table, name: str) -> tuple[Channel, bool]:
     """What a channel's own table says of it."""
     quantity = table.text("quantity", choices=tuple(QUANTITIES))
     about = QUANTITIES[quantity]
-    is_engine = quantity == "speed" and "of" in table
-    unit = ROTATION if is_engine else about.unit
-    table.only(("quantity", *about.keys, noise_key(unit), "scale_uncertainty"))
+    turns = quantity == "speed" and "of" in table
+    unit = ROTATION if turns else about.unit
+    table.only(("quantity", *about.keys, noise_key(unit), "scale_uncertainty", "filter"))
     channel, is_known = Channel(name, "", quantity=quantity, unit=unit), True
-    if "corner" in about.keys:
+    if quantity == "speed":
+        channel = _speed(table, channel)
+    elif "corner" in about.keys:
         point = STRUT_POINTS[_corner(table) - 1]
-        channel = replace(channel, point=point, per_wheel=_per_wheel(table))
+        channel = replace(channel, point=point, **_ratio(table))
         is_known = False
     elif quantity == "rate":
         channel = replace(channel, point=table.text("axis", choices=("pitch", "roll")))
         is_known = False
     elif quantity == ACCELERATION:
         channel, is_known = _acceleration(table, channel)
-    elif is_engine:
-        table.text("of", choices=(ENGINE,))
     if noise_key(unit) in table:
         channel = replace(channel, noise_rms=table.number(noise_key(unit), above=0.0))
+    if "filter" in table:
+        if is_known:
+            raise table.error("filter: this channel is not compared with the model: delete it")
+        channel = replace(channel, low_pass=read_low_pass(table.table("filter")))
     scale = table.number("scale_uncertainty", 0.0, at_least=0.0, below=1.0)
     return replace(channel, scale_uncertainty=scale, gain_uncertainty=scale), is_known
 
 
 def _acceleration(table: Table, channel: Channel) -> tuple[Channel, bool]:
-    """An acceleration: vertical on body or axle it is compared; along x or y, or on what a mount
-    carries, it is only known."""
+    """An acceleration: vertical on body, axle or what a mount carries it is compared; along x or y
+    it is only known."""
     axis = table.text("axis", VERTICAL, choices=("x", "y", VERTICAL))
     if "on" in table:
         if "position" in table:
             raise table.error("on and position both say where the sensor sits: delete one")
-        table.text("on", choices=ABOARD)
-        return channel, True
+        on = table.text("on", choices=ABOARD)
+        return replace(channel, point=on, axis=axis), axis != VERTICAL
+    if "position" not in table and axis != VERTICAL:
+        return replace(channel, point="body", axis=axis), True
     if "position" not in table:
         raise table.error(
             f"'position' is missing: give position = [x, y] in metres from the centre of mass, a"
@@ -216,6 +252,18 @@ def _acceleration(table: Table, channel: Channel) -> tuple[Channel, bool]:
         )
     placed = _placed(table, "position", channel.name)
     return replace(placed, axis=axis), axis != VERTICAL
+
+
+def _speed(table: Table, channel: Channel) -> Channel:
+    """The speed of the vehicle, of its engine, or of a wheel."""
+    of = table.text("of", choices=(ENGINE, WHEEL)) if "of" in table else ""
+    if of != WHEEL:
+        for key in ("corner", "radius_m"):
+            if key in table:
+                raise table.error(f'{key} is of a wheel: add of = "{WHEEL}", or delete it')
+        return replace(channel, point=of)
+    radius = table.number("radius_m", above=0.0) if "radius_m" in table else 0.0
+    return replace(channel, point=AXLE_POINTS[_corner(table) - 1], radius_m=radius)
 
 
 def _corner(table: Table) -> int:
@@ -228,16 +276,17 @@ def _corner(table: Table) -> int:
     return int(corner)
 
 
-def _per_wheel(table: Table) -> float:
-    """What the sensor shows per what the strut does at the wheel."""
+def _ratio(table: Table) -> dict[str, Any]:
+    """What the sensor shows per what the wheel does: a number, or of travel a curve."""
     if isinstance(table.values.get("per_wheel"), str):
-        raise table.error(
-            "per_wheel: a curve in a file is not read yet: give a number, the ratio at ride height"
-        )
+        if table.values["quantity"] != "travel":
+            raise table.error("per_wheel: a curve is of travel; of a force give a number")
+        rocker = read_rocker(table, "per_wheel")
+        return {"per_wheel": rocker.per_wheel, "rocker": rocker}
     ratio = table.number("per_wheel", 1.0)
     if ratio == 0.0:
         raise table.error(
             "per_wheel = 0 would show nothing: give what the sensor shows per what the wheel does,"
             " below 0 if it counts the other way"
         )
-    return ratio
+    return {"per_wheel": ratio}

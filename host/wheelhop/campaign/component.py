@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.channel import Channel
 from wheelhop.campaign.common import (
     Entry,
     band,
@@ -19,14 +20,7 @@ from wheelhop.campaign.common import (
 from wheelhop.campaign.factors import read_factors, scaled
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
-from wheelhop.campaign.types import (
-    CampaignError,
-    Channel,
-    ComponentCampaign,
-    RigDrive,
-    RigRun,
-    TrackSpec,
-)
+from wheelhop.campaign.types import CampaignError, ComponentCampaign, RigDrive, RigRun, TrackSpec
 from wheelhop.files import Table
 from wheelhop.files.words import unit_of
 

@@ -8,7 +8,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.campaign.channels import NOISE_KEYS, POINTS, QUANTITIES, read_channels
+from wheelhop.campaign.channel import Channel
+from wheelhop.campaign.channels import NOISE_KEYS, POINTS, QUANTITIES, read_channels, with_filters
 from wheelhop.campaign.common import (
     Entry,
     band,
@@ -23,17 +24,10 @@ from wheelhop.campaign.course import Course
 from wheelhop.campaign.driven import Driven
 from wheelhop.campaign.duplicates import refuse_leaks
 from wheelhop.campaign.factors import read_factors, scaled
-from wheelhop.campaign.low_pass import read_low_pass
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.tracks import read_track
-from wheelhop.campaign.types import (
-    Campaign,
-    CampaignError,
-    Channel,
-    Run,
-    TrackSpec,
-)
+from wheelhop.campaign.types import Campaign, CampaignError, Run, TrackSpec
 from wheelhop.files import Table, did_you_mean, parse_toml, read_toml
 
 T = TypeVar("T")
@@ -102,6 +96,7 @@ def _read(
     _refuse_gaps(top)
     rate = top.number("sample_rate_hz", above=0.0)
     said = read_channels(top)
+    channels, low_pass = with_filters(said.compared, top)
     empty = Campaign(
         folder=folder,
         title=top.text("title"),
@@ -110,10 +105,10 @@ def _read(
         band_hz=band(top, rate),
         averaging_s=_averaging(top, rate),
         noise_rms=said.noise_rms,
-        channels=said.compared,
+        channels=channels,
         known=said.known,
         runs=(),
-        low_pass=read_low_pass(top.table("filter")) if "filter" in top else None,
+        low_pass=low_pass,
         factors=read_factors(top),
     )
     listed = top.tables("run", "id")
@@ -237,13 +232,34 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progres
         runs.append(_as_driven(run, known))
     if constants is not None:
         channels = _with_uncertainty(channels, constants)
-    return replace(campaign, channels=channels, runs=tuple(runs))
+    runs = _straightened(channels, runs)
+    known = tuple(replace(c, mean=_mean(runs, c.name)) if c.is_turning else c for c in known)
+    return replace(campaign, channels=channels, known=known, runs=tuple(runs))
+
+
+def _straightened(channels: Sequence[Channel], runs: list[Run]) -> list[Run]:
+    """The runs with the travel behind a rocker in proportion to the wheel's. Where a sensor rests
+    nobody says: in the mean over all runs the wheel is at ride height."""
+    for i, channel in enumerate(channels):
+        if channel.rocker is not None and runs:
+            rest = channel.rocker.rest_m(np.concatenate([run.record[:, i] for run in runs]))
+            for k, run in enumerate(runs):
+                record = run.record.copy()
+                record[:, i] = channel.rocker.straightened(record[:, i], rest)
+                runs[k] = replace(run, record=frozen(record))
+    return runs
+
+
+def _mean(runs: Sequence[Run], name: str) -> float:
+    """Of a channel that is only known, over all runs."""
+    return float(np.mean(np.concatenate([run.known[name] for run in runs]))) if runs else 0.0
 
 
 def _as_driven(run: Run, known: Sequence[Channel]) -> Run:
     """The run at the speed that the first channel of the vehicle's speed shows, if there is one and
     the run drives over something known."""
-    channel = next((c for c in known if (c.quantity, c.unit) == ("speed", "m/s")), None)
+    speeds = (c for c in known if c.quantity == "speed" and (not c.is_turning or c.radius_m > 0.0))
+    channel = min(speeds, key=lambda c: c.is_turning, default=None)
     if channel is None or run.track.kind == "unknown" or run.speed_m_s == 0.0:
         return run
     if run.course is not None:
@@ -251,7 +267,7 @@ def _as_driven(run: Run, known: Sequence[Channel]) -> Run:
             f'{run.file}: speed_along of run "{run.id}" and channel {channel.name} both say how'
             " fast it was: delete one of them"
         )
-    speed = run.known[channel.name]
+    speed = run.known[channel.name] * (channel.radius_m if channel.is_turning else 1.0)
     known_to = channel.scale_uncertainty, channel.noise_rms or 0.0
     driven = Driven(channel.name, run.time_s, speed, run.speed_m_s, *known_to)
     if driven.mean_m_s <= 0.0 or speed.min() < 0.0:

@@ -8,7 +8,7 @@ import numpy as np
 
 from wheelhop.calibration import Constants, nominal_constants, read_constants
 from wheelhop.calibration.constants import NOMINAL_CORNER_HZ, NOMINAL_CORNER_LIMITS
-from wheelhop.campaign.types import Channel
+from wheelhop.campaign.channel import Channel
 from wheelhop.files.units import is_measured
 from wheelhop.formats import read
 from wheelhop.formats.table import POINTS

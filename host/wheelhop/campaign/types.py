@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign.averaging import Averaging
+from wheelhop.campaign.channel import Channel
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.driven import Driven
-from wheelhop.campaign.low_pass import LowPass
-from wheelhop.files import InputError, dotted, shown
+from wheelhop.campaign.low_pass import LowPass, responses
+from wheelhop.files import InputError, shown
 from wheelhop.files.words import ending_of
 from wheelhop.logger.recording import Channel as Recorded
 from wheelhop.logger.recording import Recording
@@ -23,10 +24,6 @@ from wheelhop.logger.recording import Recording
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-AXLE_POINTS = ("A1", "A2", "A3", "A4")
-BODY_POINTS = ("B1", "B2", "B3", "B4")
-STRUT_POINTS = ("S1", "S2", "S3", "S4")
-ACCELERATION = "acceleration"
 Role = Literal["fit", "validate"]
 RigDrive = Literal["displacement", "force"]
 """What a rig imposes."""
@@ -34,76 +31,6 @@ RigDrive = Literal["displacement", "force"]
 
 class CampaignError(InputError):
     """The campaign's files, or what was asked of them."""
-
-
-@dataclass(frozen=True)
-class Channel:
-    """One measured signal: what of a vehicle (`wheelhop.campaign.channels`), or of a rig.
-
-    `point` is "A1".."A4" (wheel axles), "B1".."B4" (suspension-to-body points), "body-xy" (on the
-    sprung body at `x_m` ahead and `y_m` to the left of its centre of mass) or "body" (on the
-    sprung body, position unknown) for a vertical acceleration, "S1".."S4" (struts) for travel or
-    force, "pitch" or "roll" for a rate, or "rig". 1 front left, 2 front right, 3 rear left, 4 rear
-    right. A channel of a strut shows `per_wheel` times what the strut does at the wheel. An
-    acceleration along another `axis` than z, up, is known alone: x forward, y to the left.
-
-    `noise_rms` is the noise in band that is stated of this channel or its quantity, in `unit`,
-    None where the campaign's holds, or none is stated. `noise_scale` is its noise over the
-    campaign's: records are compared per that, so that every channel counts in units of its noise
-    (`wheelhop.compare.weights`).
-
-    `scale_uncertainty` is the standard uncertainty of what the channel shows, relative, as its
-    calibration states it, `gain_uncertainty` the gain's share in it; `corner_hz` that of the
-    sensor's low-pass, which was undone, `corner_uncertainty` how well it is known, relative. 0 if
-    nothing is stated.
-    """
-
-    name: str
-    point: str
-    x_m: float | None = None
-    y_m: float | None = None
-    quantity: str = "acceleration"
-    unit: str = "m/s²"
-    per_wheel: float = 1.0
-    noise_rms: float | None = None
-    noise_scale: float = 1.0
-    scale_uncertainty: float = 0.0
-    gain_uncertainty: float = 0.0
-    corner_hz: float = 0.0
-    corner_uncertainty: float = 0.0
-    axis: str = "z"
-
-    @property
-    def corner(self) -> int | None:
-        """0..3 for the points 1..4 of axle, body or strut, None for any other place."""
-        named = self.point in (*AXLE_POINTS, *BODY_POINTS, *STRUT_POINTS)
-        return int(self.point[1]) - 1 if named else None
-
-    @property
-    def key(self) -> str:
-        """What the names of its numbers in a model begin with, before another dot:
-        "channel.imu"."""
-        return f"channel.{dotted(self.name)}"
-
-    @property
-    def is_axle(self) -> bool:
-        """Whether it is an acceleration of a wheel axle."""
-        return self.point in AXLE_POINTS
-
-    @property
-    def is_body_point(self) -> bool:
-        """Whether it is an acceleration of a suspension-to-body point."""
-        return self.point in BODY_POINTS
-
-    @property
-    def is_on_body(self) -> bool:
-        """Whether it shows how the sprung body moves, whatever its struts do."""
-        return self.quantity == "rate" or (self.is_acceleration and not self.is_axle)
-
-    @property
-    def is_acceleration(self) -> bool:
-        """Whether it is a vertical acceleration, wherever it is measured."""
-        return self.quantity == ACCELERATION
 
 
 @dataclass(frozen=True)
@@ -178,7 +105,8 @@ class Campaign:
 
     `averaging_s` is the window over which each recorded sample is a mean (0: ideal sampling), and
     so many recorded samples in a row were made one of by their mean (`thinned`): `means`;
-    `low_pass` is what the recorder filtered every channel with before, None: nothing is stated;
+    `low_pass` is what the recorder filtered channels with before that state no filter of their own,
+    None: nothing is stated;
     `noise_rms` the noise floor of one channel of the `leading` quantity inside `band_hz`, None when
     it is not known; `noise_key` is its name in campaign.toml.
     `channels` stand in the column order of the first run's recording, without those that are
@@ -233,15 +161,23 @@ class Campaign:
         return Averaging(self.averaging_s, self.means, 1.0 / (self.means * self.sample_rate_hz))
 
     @property
+    def filters(self) -> tuple[LowPass | None, ...]:
+        """What each channel passed before it was sampled, None: nothing is stated."""
+        return tuple(c.low_pass or self.low_pass for c in self.channels)
+
+    @property
     def sampling(self) -> str:
         """The sample rate and what each sample is, in words."""
         said = f"{self.sample_rate_hz:g} Hz"
         if self.averaging_s:
             said += f", each the mean over {self.averaging_s * 1e3:g} ms"
-        return said if self.low_pass is None else f"{said}, after a {self.low_pass}"
+        if self.low_pass is not None:
+            said += f", after a {self.low_pass}"
+        own = {c.low_pass: c.name for c in self.channels if c.low_pass not in (None, self.low_pass)}
+        return said + "".join(f"; {name} and its like: {each}" for each, name in own.items())
 
     def recorded(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """What the recorder, its filter and averaging, makes of sines.
+        """What the recorder, its filters and averaging, makes of sines.
 
         Parameters
         ----------
@@ -251,10 +187,10 @@ class Campaign:
         Returns
         -------
         array
-            (f,) complex gains, with exp(+iωt).
+            (f, c) complex gains of every channel, with exp(+iωt).
         """
-        kept = self.averaging.kept(frequency_hz).astype(np.complex128)
-        return kept if self.low_pass is None else kept * self.low_pass.response(frequency_hz)
+        kept = self.averaging.kept(frequency_hz).astype(np.complex128)[:, None]
+        return np.asarray(kept * responses(self.filters, frequency_hz))
 
     @property
     def fit_runs(self) -> tuple[Run, ...]:

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
+from wheelhop.campaign.channel import AXLE_POINTS, BODY_POINTS
 from wheelhop.campaign.channels import QUANTITIES, Place, place_of, units_of, with_noise
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE, check_run
 from wheelhop.campaign.sample import VEHICLE
-from wheelhop.campaign.types import AXLE_POINTS, BODY_POINTS, CampaignError
+from wheelhop.campaign.types import CampaignError
 from wheelhop.files import (
     locked,
     make_folder,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, find_duplicates
+from wheelhop.campaign.known import asked_by
 from wheelhop.gate import Finding
 from wheelhop.gate import to_json as findings_to_json
 
@@ -22,8 +23,12 @@ def campaign_to_json(campaign: Campaign, findings: Sequence[Finding]) -> dict[st
         "averaging_s": campaign.averaging_s,
         "channels": [
             {"name": c.name, "quantity": c.quantity, "unit": c.unit, "place": c.point}
-            | {"noise_rms": _noise(campaign, c)}
-            for c in campaign.channels
+            | {"noise_rms": _noise(campaign, c), "filter": "" if of is None else str(of)}
+            for c, of in zip(campaign.channels, campaign.filters, strict=True)
+        ],
+        "known": [
+            {"name": c.name, "quantity": c.quantity, "unit": c.unit, "asked_by": asked_by(c)}
+            for c in campaign.known
         ],
         "runs": [
             {

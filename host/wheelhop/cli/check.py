@@ -19,6 +19,8 @@ from wheelhop.campaign import (
     find_duplicates,
     read_campaign,
 )
+from wheelhop.campaign.channel import ABOARD
+from wheelhop.campaign.known import asked_by
 from wheelhop.campaign.sample import SAMPLE, marked_numbers
 from wheelhop.cli.campaign_json import campaign_to_json
 from wheelhop.cli.detectable import print_detectable
@@ -80,7 +82,7 @@ def _print_known(campaign: Campaign, console: Console) -> None:
         console.print(Text(f"speed     as {driven[0]} shows it, in {runs}"))
     kept = ", ".join(f"{c.name} ({_known(c)})" for c in campaign.known if c.name not in driven)
     if kept:
-        console.print(Text(f"kept      {kept}: read and checked, not used yet"))
+        console.print(Text(f"kept      {kept}: not compared"))
 
 
 def _print_marked(campaign: Campaign, console: Console, said: bool) -> None:
@@ -100,6 +102,8 @@ def _place(channel: Channel) -> str:
         return f"{channel.name} (body, x {channel.x_m:g} m, y {channel.y_m:g} m)"
     if channel.point == "body":
         return f"{channel.name} (body, place unknown)"
+    if channel.point in ABOARD:
+        return f"{channel.name} (on the {channel.point})"
     if channel.quantity == "rate":
         return f"{channel.name} (rate of {channel.point})"
     if channel.corner is not None and not channel.is_acceleration:
@@ -130,8 +134,10 @@ def _noise(campaign: Campaign) -> str:
 
 
 def _known(channel: Channel) -> str:
-    """What is measured of a channel that is only kept, in a word or two."""
-    return f"{channel.quantity}, {channel.unit}"
+    """What is measured of a channel that is only kept, and which effect asks for it."""
+    effect = asked_by(channel)
+    used = f", for {effect}" if effect else ""
+    return f"{channel.quantity}, {channel.unit}{used}"
 
 
 def _tested(nominal: Vehicle) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.compare.breakdown import Breakdown, Grid, Slice
 from wheelhop.compare.locking import Line
 from wheelhop.compare.thirds import third_octaves
@@ -24,6 +25,7 @@ PLACES = (  # named sets of points, small ones first
     ("the body's rear end", {"B3", "B4"}),
     ("the axles", {"A1", "A2", "A3", "A4"}),
     ("the body", {"B1", "B2", "B3", "B4", "body", "body-xy"}),
+    ("what mounts carry", set(ABOARD)),
     ("the struts", {"S1", "S2", "S3", "S4"}),
     ("the left side", {"A1", "A3", "B1", "B3", "S1", "S3"}),
     ("the right side", {"A2", "A4", "B2", "B4", "S2", "S4"}),

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import Channel
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.driven import Driven
+from wheelhop.campaign.known import NOTHING, Known
 from wheelhop.effects.parameters import Parameter
 from wheelhop.vehicle.assembly import Assembly, Law
 from wheelhop.vehicle.component import is_component
@@ -100,7 +101,8 @@ class RunSetting:
     and the record begin and the record ends, whether the track under it is known, and whether it
     is no vehicle that runs but a component on a rig, or one that measured travel of its struts
     moves; the speed along the track, where it changes, or in time, where it was recorded; and
-    whether a spring is believed to hold a component about its rest."""
+    whether a spring is believed to hold a component about its rest; and what else is known of it.
+    """
 
     run_id: str
     speed_m_s: float
@@ -113,6 +115,7 @@ class RunSetting:
     course: Course | None = None
     driven: Driven | None = None
     is_held: bool = False
+    known: Known = NOTHING
 
 
 class OwnValues(NamedTuple):

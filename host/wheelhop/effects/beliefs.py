@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import Campaign, Channel, ComponentCampaign, TrackSpec
+from wheelhop.campaign.channel import BODY_POINTS
 from wheelhop.campaign.low_pass import LowPass
-from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.effects.base import Array, Effect, RunSetting, Values
 from wheelhop.effects.parameters import Amplitude, Parameter
 from wheelhop.effects.special import Misstatement
@@ -240,7 +240,7 @@ def beliefs(campaign: Campaign, vehicle: Vehicle) -> Mapping[str, Effect]:
         if len(runs) > 1 and quantity.instead:
             runs[ALL] = [run_id for of_kind in runs.values() for run_id in of_kind]
         found += [TrackSurvey(kind, quantity, frozenset(ids)) for kind, ids in runs.items()]
-    if campaign.low_pass is None and campaign.averaging_s == 0.0:
+    if not any(campaign.filters) and campaign.averaging_s == 0.0:
         found.append(RecorderFilter(campaign.band_hz[1]))
     places = {c.name: place for c in campaign.channels if (place := _place(c, vehicle))}
     fields = np.array([(1.0, *place) for place in places.values()])

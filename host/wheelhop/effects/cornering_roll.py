@@ -20,5 +20,5 @@ class CorneringRoll(AccelerationMoment):
         "load transfer, e.g. T. D. Gillespie, Fundamentals of Vehicle Dynamics (SAE 1992), ch. 6;"
         " roll axis on the road, as vertical suspensions have it"
     )
-    direction = "to the left"
+    direction, axis = "to the left", "y"
     turns = ((1.0, Coordinate("roll")),)  # right side down

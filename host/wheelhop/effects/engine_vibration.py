@@ -39,7 +39,11 @@ STARTS = 3
 
 class EngineVibration(Effect):
     """A harmonic vertical force at the engine. Its phase and strength differ from run to run, as
-    does the engine's speed, which also wanders within a run: the force turns with the engine."""
+    does the engine's speed, which also wanders within a run: the force turns with the engine.
+
+    Where a channel shows the engine's speed, the force turns as that does: its frequency, that at
+    the mean speed of all runs, is the order times that speed, and no run has one of its own.
+    """
 
     id = "engine-vibration"
     place = "body"
@@ -63,15 +67,21 @@ class EngineVibration(Effect):
         return (Shape("freq_hz", "Hz", "frequency of the force", scale, lower=1.0, starts=(20.0,)),)
 
     def per_run(self, run: RunSetting) -> Sequence[Parameter]:
-        """Cosine and sine part of the force; by how much the engine runs faster, and its wander."""
-        history = self._history(run)
-        # A wander of period T and relative size w gains a time of w T / 2π; T about 5 s.
-        scale = WANDER * 5.0 / (2 * pi)
-        return (
+        """Cosine and sine part of the force; unless that is recorded, by how much the engine runs
+        faster, and its wander."""
+        force = (
             Amplitude("cos_m_s2", "m/s²", "cosine part of the force per mass of the body",
                       EXPECTED_M_S2),
             Amplitude("sin_m_s2", "m/s²", "sine part of the force per mass of the body",
                       EXPECTED_M_S2),
+        )  # fmt: skip
+        if run.known.engine is not None:
+            return force
+        history = self._history(run)
+        # A wander of period T and relative size w gains a time of w T / 2π; T about 5 s.
+        scale = WANDER * 5.0 / (2 * pi)
+        return (
+            *force,
             Shape("excess", "1", "frequency over that of all runs, less one", SPREAD,
                       lower=-0.5, upper=0.5, starts=(0.0,)),
             *history.parameters("s", "time gained by a faster engine", scale, is_shape=True),
@@ -80,9 +90,12 @@ class EngineVibration(Effect):
     def shape_starts(self, probe: Probe) -> Sequence[Values]:
         """The strongest lines of the residual's spectrum, near one frequency in all runs, whatever
         the vehicle's speed."""
-        grid = np.exp(LOGARITHMS)
-        runs = [strength(*_residual(probe, run), grid) for run in probe.settings]
-        total = shared(np.array(runs), LOGARITHMS[1] - LOGARITHMS[0], SPREAD, REACH)
+        grid, step, total = np.exp(LOGARITHMS), LOGARITHMS[1] - LOGARITHMS[0], np.array(0.0)
+        for known in (False, True):
+            alike = [run for run in probe.settings if (run.known.engine is not None) == known]
+            runs = [strength(*_turning(probe, run), grid) for run in alike]
+            if runs:
+                total = total + shared(np.array(runs), step, step if known else SPREAD, REACH)
         lines = []
         for _ in range(STARTS):
             best = int(np.argmax(total))
@@ -92,6 +105,8 @@ class EngineVibration(Effect):
 
     def run_starts(self, probe: Probe, run: RunSetting, shapes: Values) -> Sequence[Values]:
         """The run's line near the shared frequency, and its phase as far as noise lets see it."""
+        if run.known.engine is not None:
+            return ({},)
         time, residual = _residual(probe, run)
         middle, near = (run.record_start_s + run.end_s) / 2, shapes["freq_hz"]
         excess = np.linspace(-REACH * SPREAD, REACH * SPREAD, 301)
@@ -118,11 +133,19 @@ class EngineVibration(Effect):
         found = {"force_N": float(np.sqrt(np.mean(forces)))}
         wanders = []
         for run, theta, _ in runs:
+            if run.known.engine is not None:
+                continue
             time = np.linspace(run.record_start_s, run.end_s, 400)
             gained = self._history(run).at(theta, time)
             wanders.append(0.0 if gained is None else float(np.var(gained[1])))
-        found["spread_fraction"] = float(np.std([theta.get("excess", 0.0) for _, theta, _ in runs]))
-        found["wander_fraction"] = float(np.sqrt(np.mean(wanders)))
+        shown = [(r.known.engine, theta) for r, theta, _ in runs if r.known.engine is not None]
+        if shown and shown[0][0].stated_m_s > 0.0:
+            engine, theta = shown[0]
+            found["order"] = 2 * pi * theta["freq_hz"] / engine.stated_m_s
+        if wanders:
+            excess = [theta.get("excess", 0.0) for run, theta, _ in runs]
+            found["spread_fraction"] = float(np.std(excess))
+            found["wander_fraction"] = float(np.sqrt(np.mean(wanders)))
         return found
 
     def modify(self, theta: Values, vehicle: Values, parts: Assembly) -> None:
@@ -133,15 +156,18 @@ class EngineVibration(Effect):
         self, theta: Values, run: RunSetting, time_s: Array, way_m: Array, speed_m_s: Array
     ) -> Sequence[Array]:
         """History of the force per mass of the body."""
-        turned_s = (1.0 + theta.get("excess", 0.0)) * (
-            time_s - (run.record_start_s + run.end_s) / 2
-        )
-        gained = self._history(run).at(theta, time_s)
-        if gained is not None:
-            turned_s = turned_s + gained[0]
-        angle = 2 * pi * theta["freq_hz"] * turned_s
+        angle = 2 * pi * theta["freq_hz"] * self._turned_s(theta, run, time_s)
         cosine, sine = theta.get("cos_m_s2", 0.0), theta.get("sin_m_s2", 0.0)
         return (cosine * np.cos(angle) + sine * np.sin(angle),)
+
+    def _turned_s(self, theta: Values, run: RunSetting, time_s: Array) -> Array:
+        """Angle of the engine since mid-record over its speed in all runs."""
+        if run.known.engine is not None:
+            return _as_shown(run, time_s)
+        middle = (run.record_start_s + run.end_s) / 2
+        turned_s = (1.0 + theta.get("excess", 0.0)) * (time_s - middle)
+        gained = self._history(run).at(theta, time_s)
+        return turned_s if gained is None else turned_s + gained[0]
 
     def _history(self, run: RunSetting) -> History:
         return History(run, KNOTS_S, "s")
@@ -151,3 +177,23 @@ def _residual(probe: Probe, run: RunSetting) -> tuple[Array, Array]:
     """Times (n,), and what the model leaves of the record (n, c)."""
     left = probe.measured(run.run_id) - probe.modelled(run.run_id, {})
     return probe.time_s(run.run_id), left
+
+
+def _turning(probe: Probe, run: RunSetting) -> tuple[Array, Array]:
+    """The same over the engine's angle, which goes on by equal steps, where that is known."""
+    time, left = _residual(probe, run)
+    if run.known.engine is None:
+        return time, left
+    turned = _as_shown(run, time)
+    even = np.linspace(turned[0], turned[-1], len(turned))
+    then = np.interp(even, turned, time)
+    return even, np.stack([np.interp(then, time, channel) for channel in left.T], axis=1)
+
+
+def _as_shown(run: RunSetting, time_s: Array) -> Array:
+    """Angle since mid-record, as a channel shows it, over the mean speed of all runs, s."""
+    engine = run.known.engine
+    assert engine is not None
+    middle = (run.record_start_s + run.end_s) / 2
+    pace = engine.mean_m_s / (engine.stated_m_s or engine.mean_m_s)
+    return np.asarray(pace * (engine.gone(time_s) - engine.gone(middle)))

@@ -20,5 +20,5 @@ class LongitudinalPitch(AccelerationMoment):
         "load transfer, e.g. T. D. Gillespie, Fundamentals of Vehicle Dynamics (SAE 1992), ch. 1;"
         " no anti-dive geometry"
     )
-    direction = "forward"
+    direction, axis = "forward", "x"
     turns = ((-1.0, Coordinate("pitch")),)  # nose up

@@ -45,8 +45,9 @@ between the loaded and the free one."""
 
 
 class WheelImbalance(TiedRuns):
-    """The force follows from the wheel's own way; how the wheel stands when the record begins
-    differs from run to run, and cosine and sine part of the imbalance are free in each."""
+    """The force follows from the wheel's own way, or from how a channel shows the wheel to turn;
+    how the wheel stands when the record begins differs from run to run, and cosine and sine part of
+    the imbalance are free in each."""
 
     id = "wheel-imbalance"
     place = "axle"
@@ -123,10 +124,11 @@ class WheelImbalance(TiedRuns):
             if not run.on_road or run.speed_m_s <= 0:
                 continue
             residual = probe.measured(run.run_id) - probe.modelled(run.run_id, {})
-            way = probe.way_m(run.run_id)
+            time, way = probe.time_s(run.run_id), probe.way_m(run.run_id)
             for end in power:
                 wheels = [i for i in CORNERS if axle_name(i) == end]
-                turned = way[:, wheels].mean(axis=1) / probe.values[f"wheel.{end}.radius_m"]
+                rolled = [_rolled(run, i, time, way[:, i], way[:, i])[0] for i in wheels]
+                turned = np.mean(rolled, axis=0) / probe.values[f"wheel.{end}.radius_m"]
                 lines = np.exp(-1j * turned / ROLLING[:, None]) @ residual
                 power[end] += (np.abs(lines) ** 2).sum(axis=1) / (residual**2).sum()
         start = {}
@@ -167,11 +169,27 @@ class WheelImbalance(TiedRuns):
         histories = []
         for i in self.wheels:
             radius = theta[f"{axle_name(i)}_m"]
-            angle = (way_m[:, i] - np.interp(middle_s, time_s, way_m[:, i])) / radius
+            way, speed = _rolled(run, i, time_s, way_m[:, i], speed_m_s[:, i])
+            angle = (way - np.interp(middle_s, time_s, way)) / radius
             cosine, sine = _parts(theta, i)
             turning = cosine * np.cos(angle) + sine * np.sin(angle)
-            histories.append((speed_m_s[:, i] / radius) ** 2 * turning)
+            histories.append((speed / radius) ** 2 * turning)
         return histories
+
+
+def _rolled(
+    run: RunSetting, corner: int, time_s: Array, way_m: Array, speed_m_s: Array
+) -> tuple[Array, Array]:
+    """Way (T,), m, that a wheel rolled, and its rate: in the record as far as the vehicle came,
+    within it as a channel shows the wheel to turn, if one does."""
+    turned = run.known.wheels.get(corner)
+    if turned is None:
+        return way_m, speed_m_s
+    ends = np.array([run.record_start_s, run.end_s])
+    first, last = np.interp(ends, time_s, way_m)
+    since, until = turned.gone(ends)
+    mean = (last - first) / (until - since)
+    return first + mean * (turned.gone(time_s) - since), mean * turned.faster(time_s)
 
 
 def _exponent(speed: Array, force: Array, uncertainty: Array) -> float | None:

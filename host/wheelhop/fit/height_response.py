@@ -68,7 +68,7 @@ class Ground:
         frequency = wave_number_rad_m * self.speed_m_s / (2 * np.pi)
         campaign = self.bench.simulator.campaign
         wheel = frequency_response(self._system, frequency)[:, self.bench.predicted]
-        wheel = wheel * campaign.recorded(frequency)[:, None, None]
+        wheel = wheel * campaign.recorded(frequency)[:, self.bench.predicted, None]
         if not self._coherent:
             return self._sensed(wheel, frequency)
         later = np.exp(-1j * wave_number_rad_m * self._behind_m)[:, None]

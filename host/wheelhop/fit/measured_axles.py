@@ -72,7 +72,11 @@ def _input_power(campaign: Campaign, run: Run, frequency_hz: Array) -> Array:
     columns = _columns(campaign, run)
     moved = run.record[:, columns] / per_strut(campaign, columns)
     noise, rate_hz = _noise(campaign, run), campaign.sample_rate_hz
-    return noise**2 + folded_power(moved, rate_hz, campaign.recorded, noise, frequency_hz)
+
+    def recorded(f: Array) -> NDArray[np.complex128]:
+        return campaign.recorded(f)[:, columns]
+
+    return noise**2 + folded_power(moved, rate_hz, recorded, noise, frequency_hz)
 
 
 def _columns(campaign: Campaign, run: Run) -> list[int]:

@@ -177,7 +177,7 @@ def _match_harmonics(
         line = kernel[inside] @ measured[:, predicted]
         wheel = shape[k] * 2 / samples * np.exp(-2j * np.pi * k * _behind(model) / period)
         response = _shown(campaign, system, frequency[inside])[:, predicted] @ wheel
-        response *= campaign.recorded(frequency[inside])[:, None]
+        response *= campaign.recorded(frequency[inside])[:, predicted]
         turn = np.exp(2j * np.pi * k * phases)
         cross[inside] += (np.einsum("fc,fc->f", response, line.conj())[:, None] * turn).real
         power[inside] += np.einsum("fc,fc->f", response, response.conj()).real[:, None]
@@ -228,7 +228,7 @@ def _match_shape(
     frequency = fft.rfftfreq(n, step)
     inside = (campaign.band_hz[0] <= frequency) & (frequency <= campaign.band_hz[1])
     response = _shown(campaign, system, frequency[inside])[:, predicted]
-    response *= campaign.recorded(frequency[inside])[:, None, None]
+    response *= campaign.recorded(frequency[inside])[:, predicted, None]
     sought = [fft.rfft(measured[rows], n, axis=0)[inside].conj() for rows, _ in pieces]
     held = float((measured**2).sum())
     best = (-np.inf, run.speed_m_s, 0.0)

@@ -18,7 +18,9 @@ AXLE = ("axle", "wheel", "hub", "upright", "unsprung", "knuckle", "rad", "achse"
 BODY = ("body", "chassis", "frame", "sprung", "strut", "tower", "aufbau", "rahmen", "top", "bdy")
 
 
-OTHER_WAYS = frozenset(("x", "y", "ax", "ay", "lat", "lateral", "long", "longitudinal"))
+ALONG = {"x": {"x", "ax", "long", "longitudinal"}, "y": {"y", "ay", "lat", "lateral"}}
+OTHER_WAYS = frozenset().union(*ALONG.values())
+ABOARD = {"driver", "engine", "motor", "battery", "payload"}
 DOWN = re.compile(r"-\s*[zZ]\b|(?i:\bdown)")
 """What sits at a place is measured upwards: along x and y, or downwards, it is something else."""
 
@@ -57,6 +59,22 @@ def likely_point(name: str) -> str:
     return f"{'A' if axle else 'B'}{corner + 1}"
 
 
+def likely_on_body(names: Sequence[str]) -> list[str]:
+    """Where on the body the accelerometers sit whose names tell no point, each "" if unknown: along
+    x and y one each, "along:x", and upwards "body", the place unknown, if there is but one."""
+    found = []
+    for name in names:
+        words = {*_words(name)}
+        ways = [way for way, known in ALONG.items() if words & known]
+        elsewhere = _corner(_words(name)) is not None or words & {*AXLE, *ABOARD}
+        if elsewhere or len(ways) > 1 or DOWN.search(name):
+            found.append("")
+        else:
+            found.append(f"along:{ways[0]}" if ways else "body")
+    count = Counter(found)
+    return [place if count[place] == 1 else "" for place in found]
+
+
 def likely_quantity(name: str, si_unit: str) -> str:
     """The word for a channel of another quantity, as `wheelhop.campaign.channels.place_of` takes
     it, that its unit and its name seem to mean: "travel:1", "rate:pitch"; "" if they do not say."""
@@ -66,8 +84,11 @@ def likely_quantity(name: str, si_unit: str) -> str:
         return f"{'travel' if si_unit == 'm' else 'force'}:{corner + 1}"
     if si_unit == "rad/s":
         axes = [axis for axis in ("pitch", "roll") if axis in words]
-        engine = {"rpm", "engine", "motor"} & {*words}
-        return f"rate:{axes[0]}" if len(axes) == 1 else "speed:engine" if engine else ""
+        if len(axes) == 1:
+            return f"rate:{axes[0]}"
+        if corner is not None and {"wheel", "whl"} & {*words}:
+            return f"speed:wheel:{corner + 1}"
+        return "speed:engine" if {"rpm", "engine", "motor"} & {*words} else ""
     return "speed" if si_unit == "m/s" else ""
 
 

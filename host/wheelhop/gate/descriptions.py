@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import BODY_POINTS, Campaign, Channel
-from wheelhop.campaign.types import ACCELERATION
+from wheelhop.campaign.channel import ACCELERATION
 from wheelhop.files.units import SPELT
 from wheelhop.gate.drive import Drive, speeds_about
 from wheelhop.gate.match import Match, Places

@@ -71,7 +71,7 @@ class Nominal:
         }
         system = Model(values={**self.values, **unknown}).system(campaign.channels, "road")
         response = frequency_response(system, self.grid_hz) / campaign.noise_scale[:, None]
-        self._response = response * campaign.recorded(self.grid_hz)[:, None, None]
+        self._response = response * campaign.recorded(self.grid_hz)[:, :, None]
         self._paths: dict[tuple[object, ...], ComplexArray] = {}
 
     def at(self, frequency_hz: Array) -> ComplexArray:

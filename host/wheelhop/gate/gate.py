@@ -10,6 +10,8 @@ from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.campaign.thin import thinned
 from wheelhop.compare import weighed
 from wheelhop.gate.drive import Nominal, drive_of
+from wheelhop.gate.driving import driving_findings
+from wheelhop.gate.filtered import filter_findings
 from wheelhop.gate.finding import Finding
 from wheelhop.gate.identities import identity_findings
 from wheelhop.gate.numbers import number_findings
@@ -54,9 +56,11 @@ def gate(campaign: Campaign, vehicle: Vehicle) -> Gated:
     findings, sound = sensor_findings(campaign, symptoms)
     findings += gravity_findings(sound)
     findings += speed_findings(sound)
+    findings += driving_findings(sound)
     copies = list(find_copies(campaign))
     findings += copy_findings(copies)
     findings += same_signal_findings(sound)
+    findings += filter_findings(sound)
     numbers = list(number_findings(vehicle))
     findings += numbers
     counted = weighed(sound)

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, ComponentCampaign, RigRun, Run
+from wheelhop.campaign.channel import BODY_POINTS
 from wheelhop.campaign.channels import noise_key
-from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.compare import weighed
 from wheelhop.compare.quantisation import step_of
 from wheelhop.gate.finding import Finding, needed

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign
-from wheelhop.campaign.types import ACCELERATION
+from wheelhop.campaign.channel import ACCELERATION
 from wheelhop.files.units import SPELT, STANDARD_GRAVITY_M_S2
 from wheelhop.gate.descriptions import OTHER_UNITS
 from wheelhop.gate.drive import REACH, OnWaves

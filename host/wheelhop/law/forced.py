@@ -75,7 +75,7 @@ class ForcedRun:
         self._long = self._short * moves.stride
         omega = 2 * np.pi * fft.rfftfreq(self._long, self.step_s)
         self._omega = omega
-        self._accelerated = -(omega**2) * campaign.recorded(omega / (2 * np.pi))
+        self._accelerated = -(omega**2)[:, None] * campaign.recorded(omega / (2 * np.pi))
         jw = 1j * omega[:, None, None]
         dynamic = system.stiffness + jw * (system.damping + jw * system.mass)
         self._inverse = np.linalg.inv(dynamic)
@@ -136,9 +136,9 @@ class ForcedRun:
 
     def _sampled(self, motion: ComplexArray) -> Array:
         """Acceleration at the samples of the record, the mean over their window, of the outputs'
-        motion (f, …)."""
+        motion (f, c, …)."""
         half = self._short // 2 + 1
-        weight = self._accelerated[:half].reshape(-1, *[1] * (motion.ndim - 1))
+        weight = self._accelerated[:half].reshape(half, -1, *[1] * (motion.ndim - 2))
         found = (
             fft.irfft(motion[:half] * weight.astype(motion.dtype), self._short, axis=0)
             / self._stride

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wheelhop.campaign import Campaign, Channel
+from wheelhop.campaign.channel import ACCELERATION
 from wheelhop.campaign.channels import QUANTITIES
-from wheelhop.campaign.types import ACCELERATION
-from wheelhop.vehicle import wheels
+from wheelhop.vehicle import motions, wheels
 
 USUAL_NOISE = {ACCELERATION: 0.1, "travel": 1e-4, "rate": 0.004}
 """In band, of a channel of a quantity of which the campaign has none: an accelerometer as the
@@ -32,7 +32,7 @@ def additions(campaign: Campaign, values: Mapping[str, float]) -> list[Addition]
     is_road = all(run.track.kind != "unknown" for run in campaign.runs)
     there = {(c.quantity, c.point) for c in campaign.channels}
     found = []
-    for words, quantity, points in _offered(set(wheels(values)), is_road):
+    for words, quantity, points in _offered(values, is_road):
         new = [point for point in points if (quantity, point) not in there]
         if new:
             channels = tuple(_channel(campaign, quantity, point) for point in new)
@@ -40,17 +40,20 @@ def additions(campaign: Campaign, values: Mapping[str, float]) -> list[Addition]
     return found
 
 
-def _offered(rolling: set[int], is_road: bool) -> Iterator[tuple[str, str, list[str]]]:
+def _offered(values: Mapping[str, float], is_road: bool) -> Iterator[tuple[str, str, list[str]]]:
+    rolling = set(wheels(values))
     for end, corners in (("front", (0, 1)), ("rear", (2, 3))):
         here = [corner + 1 for corner in corners if corner in rolling]
+        if not here:
+            continue
         if is_road:
             yield f"a potentiometer at each {end} corner", "travel", [f"S{i}" for i in here]
             yield f"an accelerometer on each {end} hub", ACCELERATION, [f"A{i}" for i in here]
         words = f"an accelerometer on the body above each {end} wheel"
         yield words, ACCELERATION, [f"B{i}" for i in here]
-    if len(rolling) > 1:
-        yield "a gyro of the pitch rate", "rate", ["pitch"]
-        yield "a gyro of the roll rate", "rate", ["roll"]
+    for axis in ("pitch", "roll"):
+        if axis in motions(values):
+            yield f"a gyro of the {axis} rate", "rate", [axis]
 
 
 def _channel(campaign: Campaign, quantity: str, point: str) -> Channel:

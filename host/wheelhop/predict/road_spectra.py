@@ -181,7 +181,7 @@ def _compared(campaign: Campaign, model: Model, run: Run, road: RoadSpectrum) ->
         heights = ground_spectra(road, model.values, speed, at)
     except CannotClimb as error:
         raise CampaignError(f"run {run.id}: a road as rough as that: {error}") from None
-    kept_share = campaign.recorded(at)[:, None, None]
+    kept_share = campaign.recorded(at)[:, :, None]
     response = np.asarray(frequency_response(system, at) * kept_share)
     predicted = response @ heights @ np.conj(np.swapaxes(response, 1, 2))
     if campaign.noise_rms is not None:

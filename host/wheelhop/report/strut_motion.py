@@ -146,18 +146,24 @@ def _modelled(campaign: Campaign, step: Step) -> dict[str, list[StrutRun]]:
     found = {}
     for bench, motion in zip(benches, strut_motion(step.rung.model, simulators), strict=True):
         band = bench.band
-        travel, force = (_filtered(campaign, band, band.coefficients(part)) for part in motion)
+        travel, force = (
+            _filtered(campaign, quantity, band, band.coefficients(part))
+            for quantity, part in zip(("travel", "force"), motion, strict=True)
+        )
         columns = zip(travel.T, force.T, strict=True)
         found[bench.run.id] = [_strut_run(band, *column) for column in columns]
     return found
 
 
-def _filtered(campaign: Campaign, band: InBand, coefficients: Array) -> Array:
-    """Coefficients (2 n_bins, c) behind the recorder's filter, if one is stated."""
-    if campaign.low_pass is None:
+def _filtered(campaign: Campaign, quantity: str, band: InBand, coefficients: Array) -> Array:
+    """Coefficients (2 n_bins, c) behind the filter of the channels of a quantity, if one is
+    stated."""
+    own = (c.low_pass for c in campaign.channels if c.quantity == quantity and c.low_pass)
+    low_pass = next(own, campaign.low_pass)
+    if low_pass is None:
         return coefficients
     real, imaginary = np.split(coefficients, 2)
-    passed = campaign.low_pass.response(band.frequency_hz)[:, None] * (real + 1j * imaginary)
+    passed = low_pass.response(band.frequency_hz)[:, None] * (real + 1j * imaginary)
     return np.concatenate([passed.real, passed.imag])
 
 

@@ -42,8 +42,8 @@ def folded_power(
     white noise of that variance would have it at `frequency_hz` (f,).
 
     ``record`` (n, c) is sampled at ``rate_hz``, with sensor noise of ``noise_rms``, of all or of
-    each (c,), in its unit; ``recorded`` is what the recorder made of sines before
-    (`Campaign.recorded`). The spectrum of the upper octave, freed of the noise and of what the
+    each (c,), in its unit; ``recorded`` is what the recorder made of sines before, (f,) of all or
+    (f, c) of each. The spectrum of the upper octave, freed of the noise and of what the
     recorder took, is continued as a power of the frequency up to one and a half times the rate. It
     holds what is folded near half the rate, too: where spectra fall the answer is too high, by less
     than two.
@@ -58,13 +58,17 @@ def folded_power(
         part = (frequency >= edges[i]) & (frequency < edges[i + 1])
         levels[i] = power[part].mean(axis=0) - noise_rms**2
     middle = np.sqrt(edges[:-1] * edges[1:])
-    levels = np.maximum(levels / np.abs(recorded(middle)[:, None]) ** 2, SURE)
+
+    def kept(f: Array) -> Array:
+        return np.asarray(np.abs(recorded(f)).reshape(len(f), -1) ** 2)
+
+    levels = np.maximum(levels / kept(middle), SURE)
     slope = np.polyfit(np.log(middle), np.log(levels), 1)[0].clip(STEEPEST, 0.0)
     level = levels.mean(axis=0)
 
     def above(f: Array) -> Array:
         trend = level * (f[:, None] / middle.mean()) ** slope
-        return np.asarray(trend * np.abs(recorded(f)[:, None]) ** 2)
+        return np.asarray(trend * kept(f))
 
     return above(rate_hz - frequency_hz) + above(rate_hz + frequency_hz)
 

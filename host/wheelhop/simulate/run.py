@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from wheelhop.campaign import Campaign, Run
+from wheelhop.campaign.known import known_of
 from wheelhop.effects import Effect, RunSetting
 from wheelhop.simulate.abreast import Sampling, integrate_jobs
 from wheelhop.simulate.frequency import ForceResponse
@@ -60,7 +61,6 @@ FARTHEST_M = 1e9
 """So far along a track places are still told apart by a micrometre."""
 
 KEPT_MOTIONS = 2
-
 AT_ONCE = 4 * LANES
 """Of hundreds of starts so many models, each with its motion of the ground, are held at once."""
 
@@ -117,6 +117,7 @@ class RunSimulator:
             by_travel=self.drive == "travel",
             course=run.course,
             driven=run.driven,
+            known=known_of(campaign, run),
         )
         self._track = make_track(run.track) if self.drive == "road" else None
         self.series = self._series()
@@ -144,8 +145,8 @@ class RunSimulator:
         """Integration steps per sample: what the wheel's path asks for, and what the effects do."""
         if self._step_s is None:
             self._step_s = KINKED_STEP_S if self._kinked(model) else STEP_S
-        steps = (effect.longest_step_s for effect in model.effects)
-        return self._per_sample(model, system, [self._step_s, *steps])
+        steps = [self._step_s, *(effect.longest_step_s for effect in model.effects)]
+        return self._per_sample(model, system, steps)
 
     def _change_stride(self, model: Model, system: System) -> int:
         """The same for the difference of two records. Kinks of the path get no shorter steps here:
@@ -253,7 +254,7 @@ class RunSimulator:
     def job(self, model: Model, system: System, stride: int, known: Sequence[Job] = ()) -> Job:
         """The job that a model asks for, or one of those `known` that does."""
         # Sensors' faults and filters act before a sample is taken: on every step.
-        finely = self.campaign.low_pass or any(e.place == "sensor" for e in model.effects)
+        finely = any(self.campaign.filters) or any(e.place == "sensor" for e in model.effects)
         per_sample = stride if finely else 1
         key = (stride, per_sample, without_sensors(model, self.run.id, self.campaign.channels))
         same = next((job for job in known if job.key == key), None)
@@ -388,8 +389,7 @@ class RunSimulator:
 
     def _initial(self, model: Model, system: System) -> Array:
         """State (2 n,) at the first step: rest, or what a run on measured axles leaves free."""
-        n = len(system.mass)
-        state = np.zeros(2 * n)
+        n, state = len(system.mass), np.zeros(2 * len(system.mass))
         free = model.runs.get(self.run.id, {})
         for i, name in enumerate(motions(model.values)):
             state[i] = free.get(f"initial_{name}", 0.0)

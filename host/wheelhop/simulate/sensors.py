@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from wheelhop.campaign import Campaign, Channel
-from wheelhop.campaign.low_pass import LowPass
+from wheelhop.campaign.low_pass import LowPass, responses
 from wheelhop.effects import Effect, Ringing
 from wheelhop.effects.transfer import transferred
 from wheelhop.simulate.model import Values
@@ -42,20 +42,20 @@ def sensed(
 
 
 def as_recorded(readings: Array, rate_hz: float, campaign: Campaign, values: Values) -> Array:
-    """Readings (n, c) as they come out of the recorder's filter and of the calibration."""
-    if (low_pass := campaign.low_pass) is not None:
-        readings = transferred(readings, rate_hz, partial(_response, low_pass))
+    """Readings (n, c) as they come out of the recorder's filters and of the calibration."""
+    if any(filters := campaign.filters):
+        readings = transferred(readings, rate_hz, partial(_response, filters))
     return miscalibrated(readings, rate_hz, campaign.channels, values)
 
 
 def as_read(record: Array, rate_hz: float, campaign: Campaign, values: Values) -> Array:
     """What the sensors read, of what came out (n, c): the opposite of `as_recorded`."""
     readings = recalibrated(record, rate_hz, campaign.channels, values)
-    if (low_pass := campaign.low_pass) is None:
+    if not any(filters := campaign.filters):
         return readings
 
     def inverse(frequency_hz: Array) -> ComplexArray:
-        gain = _response(low_pass, frequency_hz)
+        gain = _response(filters, frequency_hz)
         return np.asarray(gain.conj() / np.maximum(np.abs(gain) ** 2, UNDONE**2))
 
     return transferred(readings, rate_hz, inverse)
@@ -88,14 +88,16 @@ def recalibrated(
     return np.asarray(fft.irfft(spectrum, len(readings), axis=0) / (1.0 + gain))
 
 
-def _response(low_pass: LowPass, frequency_hz: Array) -> ComplexArray:
-    """A filter's gain (f, 1) at the frequencies of a transform; the last few are kept."""
-    return _on_grid(low_pass, len(frequency_hz), float(frequency_hz[-1]))
+def _response(filters: tuple[LowPass | None, ...], frequency_hz: Array) -> ComplexArray:
+    """Gains (f, c) of the channels' filters at the frequencies of a transform; the last few are
+    kept. What all have in common stands there once (f, 1)."""
+    shared = filters[:1] if len(set(filters)) == 1 else filters
+    return _on_grid(shared, len(frequency_hz), float(frequency_hz[-1]))
 
 
 @lru_cache(maxsize=32)
-def _on_grid(low_pass: LowPass, count: int, highest_hz: float) -> ComplexArray:
-    return low_pass.response(np.linspace(0.0, highest_hz, count))[:, None]
+def _on_grid(filters: tuple[LowPass | None, ...], count: int, highest_hz: float) -> ComplexArray:
+    return responses(filters, np.linspace(0.0, highest_hz, count))
 
 
 def _errors(channels: Sequence[Channel], values: Values) -> tuple[Array, Array]:

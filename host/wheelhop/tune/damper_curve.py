@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError, Channel
+from wheelhop.campaign.curves import FORCE, SPEED, read_curve
 from wheelhop.effects import Amplitude, Effect, Parameter, law
 from wheelhop.vehicle import Assembly, struts
-from wheelhop.vehicle.curves import FORCE, SPEED, read_curve
 
 Array = NDArray[np.float64]
 Values = Mapping[str, float]

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from wheelhop.campaign import CampaignError
+from wheelhop.campaign.curves import read_curve
 from wheelhop.files import did_you_mean
 from wheelhop.predict.drives import Word
 from wheelhop.predict.known_car import KnownCar
 from wheelhop.tune.damper_curve import Clicks, DamperCurve, click_key, read_clicks
 from wheelhop.vehicle import axles, changed
-from wheelhop.vehicle.curves import read_curve
 
 OPTION = Path("--vary")
 SHORT = {

@@ -1,6 +1,7 @@
 """Vehicles: their numbers and their equations of motion."""
 
-from wheelhop.vehicle.aboard import ABOARD, node_of, on_mounts, place_of
+from wheelhop.campaign.channel import ABOARD
+from wheelhop.vehicle.aboard import node_of, on_mounts, place_of
 from wheelhop.vehicle.assembly import (
     Assembly,
     Body,

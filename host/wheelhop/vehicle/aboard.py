@@ -10,11 +10,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Node, between
+from wheelhop.campaign.channel import ABOARD
+from wheelhop.vehicle.assembly import Aboard, Assembly, Body, Coordinate, Node, between
 from wheelhop.vehicle.layout import body_inertia, motions
-
-ABOARD = ("driver", "engine", "battery", "payload")
-"""Tables of vehicle.toml: mass, place, and, if it has one, stiffness and damping of the mount."""
 
 
 def on_mounts(values: Mapping[str, float]) -> tuple[str, ...]:
@@ -31,6 +29,12 @@ def place_of(values: Mapping[str, float], name: str) -> Body:
 def node_of(values: Mapping[str, float], name: str) -> Node:
     """What moves with one of `ABOARD`: itself on its mount, or the body where it stands."""
     return Coordinate(name) if name in on_mounts(values) else place_of(values, name)
+
+
+def sensor_on(values: Mapping[str, float], name: str) -> Aboard:
+    """Where a sensor on one of `ABOARD` moves: with it on a mount, of the vehicle or of an effect,
+    else with the body where it stands."""
+    return Aboard(name, place_of(values, name))
 
 
 def add_aboard(parts: Assembly, values: Mapping[str, float]) -> None:

@@ -51,7 +51,16 @@ class Coordinate:
     name: str
 
 
-Node = Body | Coordinate
+@dataclass(frozen=True)
+class Aboard:
+    """What may be on a mount of its own: the free coordinate of this name if some part adds it,
+    else the body's point `place`."""
+
+    name: str
+    place: Body
+
+
+Node = Body | Coordinate | Aboard
 Row = tuple[tuple[float, Node], ...]
 """A relative displacement: the sum of coefficient × vertical displacement of the node."""
 
@@ -264,7 +273,8 @@ class Assembly:
         along it pushes."""
         index = {name: i for i, name in enumerate((*self._free, *self.prescribed))}
         vector = np.zeros(len(index))
-        for coefficient, node in row:
+        for coefficient, said in row:
+            node = self._moves(said)
             if isinstance(node, Coordinate) and node.name in self._carried:
                 if not of_force:
                     vector += coefficient * self._vector(self._carried[node.name])
@@ -279,6 +289,12 @@ class Assembly:
             for name, shape in self._modes:
                 vector[index[name]] += coefficient * shape(node.x_m, node.y_m)
         return vector
+
+    def _moves(self, node: Node) -> Body | Coordinate:
+        """The point or coordinate that a node moves with."""
+        if isinstance(node, Aboard):
+            return Coordinate(node.name) if node.name in self._free else node.place
+        return node
 
     def _stack(self, rows: list[Row], *, of_force: bool = False) -> Array:
         n = len(self._free) + len(self.prescribed)

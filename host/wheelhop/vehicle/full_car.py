@@ -18,7 +18,8 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from wheelhop.campaign import Channel
-from wheelhop.vehicle.aboard import add_aboard
+from wheelhop.campaign.channel import ABOARD
+from wheelhop.vehicle.aboard import add_aboard, sensor_on
 from wheelhop.vehicle.assembly import Assembly, Body, Coordinate, Reading, Row, between
 from wheelhop.vehicle.frame_modes import add_modes
 from wheelhop.vehicle.layout import axle_name, corner_position, motions, wheels
@@ -116,6 +117,8 @@ def _output(values: Mapping[str, float], channel: Channel, drive: Drive) -> Row 
         if not channel.is_axle:
             return ((1.0, body_corner(values, corner)),)
         return ((1.0, axle(corner)),)
+    if channel.point in ABOARD:
+        return ((1.0, sensor_on(values, channel.point)),)
     if channel.x_m is not None and channel.y_m is not None:
         return ((1.0, Body(channel.x_m, channel.y_m)),)
     key = channel.key

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from wheelhop.campaign import Campaign, CampaignError, Channel, ComponentCampaign, RigRun
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.vehicle.layout import motions, wheels
 from wheelhop.vehicle.motion import Motion
 from wheelhop.vehicle.mount import mount_values
@@ -43,15 +44,23 @@ def read_nominal(campaign: Campaign) -> Vehicle:
     for channel in campaign.channels:
         if missing := _missing(channel, vehicle):
             raise CampaignError(
-                f"{campaign.folder / 'campaign.toml'}: channel {channel.name} {missing}: list the"
-                " channels that are there under [channels]"
+                f"{campaign.folder / 'campaign.toml'}: channel {channel.name} {missing}"
             )
     return vehicle
 
 
 def _missing(channel: Channel, vehicle: Vehicle) -> str:
-    """What the vehicle lacks for a channel, in words; empty if nothing."""
+    """What the vehicle lacks for a channel, and what cures it, in words; empty if nothing."""
+    lacks = _lacks(channel, vehicle)
+    if channel.point in ABOARD and lacks:
+        return f"{lacks}: say there what it weighs and where it is, or leave the channel out"
+    return f"{lacks}: list the channels that are there under [channels]" if lacks else ""
+
+
+def _lacks(channel: Channel, vehicle: Vehicle) -> str:
     rolling = wheels(vehicle.values)
+    if channel.point in ABOARD and f"{channel.point}.mass_kg" not in vehicle.values:
+        return f"sits on the {channel.point}, and vehicle.toml has no [{channel.point}]"
     if channel.quantity == "rate" and channel.point not in motions(vehicle.values):
         return f"is a rate of {channel.point}, and the vehicle does not {channel.point}"
     if channel.corner is None or channel.corner in rolling:

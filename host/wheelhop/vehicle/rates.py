@@ -17,18 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from wheelhop.campaign.curves import FEWEST, FORCE, LENGTH, SPEED, read_curve, read_names
 from wheelhop.campaign.types import CampaignError
-from wheelhop.vehicle.curves import (
-    FEWEST,
-    FORCE,
-    LENGTH,
-    SPEED,
-    Array,
-    Slope,
-    read_curve,
-    read_names,
-    slope_of,
-)
+from wheelhop.vehicle.curves import Array, Slope, slope_of
 
 LEAST_RATIO, LARGEST_RATIO = 0.1, 3.0
 """A motion ratio beyond these is none: the inverse of one perhaps, or in other units."""

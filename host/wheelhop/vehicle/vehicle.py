@@ -8,12 +8,13 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelhop.campaign.channel import ABOARD
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.types import CampaignError
 from wheelhop.files import Table, did_you_mean, read_toml, shown
 from wheelhop.files.words import significant, unit_of
 from wheelhop.frame import read_corner_modes
-from wheelhop.vehicle.aboard import ABOARD, more_than_there_is, on_mounts
+from wheelhop.vehicle.aboard import more_than_there_is, on_mounts
 from wheelhop.vehicle.frame_modes import mode_values
 from wheelhop.vehicle.layout import FULL_CAR, MODELS
 from wheelhop.vehicle.measured import MEASURED, Measured, measurable

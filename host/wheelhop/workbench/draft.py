@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from wheelhop.campaign import CampaignError
 from wheelhop.campaign.activity import stretches
-from wheelhop.campaign.channels import QUANTITIES, ROTATION, place_of
+from wheelhop.campaign.channel import ROTATION
+from wheelhop.campaign.channels import QUANTITIES, place_of
 from wheelhop.campaign.recorded import accelerations, read_recording
 from wheelhop.campaign.tracks import KINDS, is_steady
 from wheelhop.campaign.write import NewRun, add_runs, cut, new_campaign
@@ -23,7 +24,7 @@ from wheelhop.files import InputError, remove
 from wheelhop.files.units import to_si
 from wheelhop.formats import Map, Pick, read, understand
 from wheelhop.formats.columns import Question
-from wheelhop.formats.places import likely_quantity
+from wheelhop.formats.places import likely_on_body, likely_quantity
 from wheelhop.logger.recording import ACCELERATION, Recording
 from wheelhop.vehicle.estimate import SPRING, Number, vehicle_toml
 from wheelhop.vehicle.vehicle import read_vehicle
@@ -41,7 +42,9 @@ NOT_USED = "not used"
 POINTS = tuple(f"{place}{i}" for place in "AB" for i in (1, 2, 3, 4))
 PER_WHEEL = tuple(f"{quantity}:{i}" for quantity in ("travel", "force") for i in (1, 2, 3, 4))
 """Places at a strut, whose sensor shows so much per what happens at the wheel."""
-OTHERS = (*PER_WHEEL, "rate:pitch", "rate:roll", "speed", "speed:engine")
+WHEELS = tuple(f"speed:wheel:{i}" for i in (1, 2, 3, 4))
+ON_BODY = ("along:x", "along:y", "on:driver", "on:engine")
+OTHERS = (*ON_BODY, *PER_WHEEL, "rate:pitch", "rate:roll", "speed", "speed:engine", *WHEELS)
 PLACES = (*POINTS, "body", *OTHERS, NOT_USED)
 TRACKS = tuple(kind for kind in KINDS if kind not in ("profile", "iso8608", "cobblestone"))
 """Kinds of track that need no file and no drawing of lots."""
@@ -176,6 +179,9 @@ class Draft:
         self._map = found.mapping()
         points = {column.name: column.point for column in found.columns}
         self.columns = [_column(pick, points.get(pick.name, "")) for pick in self._map.picks]
+        felt = [c for c in self.columns if c.place == NOT_USED and to_si(c.unit)[0] == ACCELERATION]
+        for column, place in zip(felt, likely_on_body([c.name for c in felt]), strict=True):
+            column.place = place or NOT_USED
 
     def units(self, column: Column) -> list[str]:
         """What may be chosen as the unit of a column: what its file says, and those of what it

@@ -100,12 +100,19 @@ PLACE_WORDS = {
     **{f"A{i}": f"A{i}: axle, {corner}" for i, corner in enumerate(CORNERS, start=1)},
     **{f"B{i}": f"B{i}: body, {corner}" for i, corner in enumerate(CORNERS, start=1)},
     "body": "body, place not known",
+    "along:x": "body, acceleration forward",
+    "along:y": "body, acceleration to the left",
+    "on:driver": "driver, upwards",
+    "on:engine": "engine, upwards",
     **{f"travel:{i}": f"travel of strut, {corner}" for i, corner in enumerate(CORNERS, start=1)},
     **{f"force:{i}": f"force in strut, {corner}" for i, corner in enumerate(CORNERS, start=1)},
     "rate:pitch": "pitch rate, positive nose down",
     "rate:roll": "roll rate, positive left side up",
-    "speed": "speed of travel, GPS or wheel",
+    "speed": "speed of travel, GPS",
     "speed:engine": "speed of the engine",
+    **{
+        f"speed:wheel:{i}": f"speed of wheel, {corner}" for i, corner in enumerate(CORNERS, start=1)
+    },
 }
 """Where a column sits, or what it measures, by the word a campaign is made of."""
 

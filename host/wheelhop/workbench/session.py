@@ -82,7 +82,7 @@ def made_of(campaign: Campaign, choice: Choice, effects_file: Source | None = No
         files += [campaign.mount_file] if campaign.mount_file else []
     else:
         files += _beside(campaign.vehicle_file)
-    recorder = campaign.sample_rate_hz, campaign.averaging_s, campaign.low_pass
+    recorder = campaign.sample_rate_hz, campaign.averaging_s, campaign.filters
     turned = (sorted(campaign.factors.items()),) if campaign.factors else ()
     settings = (*recorder, campaign.band_hz, campaign.noise_rms, *turned)
     own = None if effects_file is None else effects_file.digest
