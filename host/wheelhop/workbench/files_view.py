@@ -44,6 +44,8 @@ CELL = r"""<q-td :props="props">
     }">
 </q-td>"""
 
+CHOOSE = '<q-checkbox v-model="props.selected" dense :aria-label="\'select \' + {name}"/>'
+
 
 class FilesView:
     """One form for each file; nothing is written before the change was seen."""
@@ -139,6 +141,8 @@ class FilesView:
         )
         table.props("dense flat").classes("bench-table").bind_filter_from(search, "value")
         table.add_slot("body-cell", CELL)
+        table.add_slot("header-selection", CHOOSE.format(name="'all runs'"))
+        table.add_slot("body-selection", CHOOSE.format(name="props.row.id"))
         table.on("cell", self._cell)
         table.on("pasted", self._pasted)
         return table
