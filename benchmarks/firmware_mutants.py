@@ -1,10 +1,11 @@
 """Mutants of the firmware: python -m benchmarks.firmware_mutants [--count N] [--seed N]
 
-Small mistakes are planted, one at a time, in the parts that carry samples (ring, sdcard, logfile,
-block, link): a comparison that is off by one, a sign, a condition turned round, another number,
-a statement left out. Each mutant is compiled into the native tests with the sanitizers
-watching. One that fails them, or does not come to an end, is caught; the others are listed.
-`--part ring` draws from one part alone, `--all` takes every mutation there is.
+Small mistakes are planted, one at a time, in every part that is not the chip's own (`board`) and
+has tests without a board (all but `console`): a comparison that is off by one, a sign, a condition
+turned round, another number, a statement left out. Each mutant is compiled into the native tests
+with the sanitizers watching; what stands in a header, into everything that includes it. One that
+fails them, or does not come to an end, is caught; the others are listed. `--part ring` draws from
+one part alone, `--all` takes every mutation there is. Ctrl-C ends it with the table so far.
 
 A change that no compiler takes, or that leaves the machine code of both boards as it was, is no
 mistake: another is drawn in its place.
@@ -21,13 +22,17 @@ import subprocess
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from tools.firmware_build import CPP_ONLY, ROOT, compiler_flags, native_command, read_ini, sources
-from tools.firmware_fatfs import fetch
 
-PARTS = ("ring", "sdcard", "logfile", "block", "link")
+PARTS = (
+    *("ring", "sdcard", "logfile", "block", "link", "session", "sampler", "beside", "config"),
+    *("panel", "text", "crc"),
+)
+"""All but `console`, which the tests on the simulated board hold, and `board` itself."""
 TESTS = ROOT / "tests/firmware/native/test_parts"
 
 RULES = (
@@ -133,7 +138,8 @@ def is_no_boundary(code: str, at: int) -> bool:
 
 def mutations(part: str) -> Iterator[Mutant]:
     """Every mutation of a part."""
-    for file in sorted((ROOT / "firmware/lib" / part).glob("*.cpp")):
+    folder = ROOT / "firmware/lib" / part
+    for file in sorted([*folder.glob("*.cpp"), *folder.glob("*.h")]):
         for number, line in enumerate(file.read_text(encoding="utf-8").split("\n"), start=1):
             code = line.partition("//")[0]
             if not code.strip() or code.lstrip().startswith(("#", "/*", "*", "static_assert")):
@@ -161,6 +167,47 @@ def drawn(parts: tuple[str, ...], seed: int) -> Iterator[Mutant]:
         yield from [pool.pop() for pool in pools if pool]
 
 
+class Sources:
+    """A copy of the firmware's sources, in which mistakes are planted, and what includes what."""
+
+    def __init__(self, folder: Path, tests: Path) -> None:
+        self.root = folder / "firmware"
+        shutil.copytree(ROOT / "firmware", self.root)
+        command = [self._moved(part) for part in native_command(tests, folder / "unused")]
+        command = command[: command.index("-o")]
+        self.files = [(ROOT / part).resolve() for part in command if part.endswith((".cpp", ".c"))]
+        self.flags = [part for part in command if not part.endswith((".cpp", ".c"))] + ["-O1"]
+        self.includes = {file: self._includes(file) for file in self.files}
+
+    def _moved(self, part: str) -> str:
+        return part.replace(str(ROOT / "firmware"), str(self.root))
+
+    def _includes(self, file: Path) -> set[Path]:
+        command = [*self.flags, "-MM", str(file)]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        words = done.stdout.replace("\\\n", " ").split()[1:]
+        return {(ROOT / word).resolve() for word in words}
+
+    def place(self, mutant: Mutant) -> Path:
+        """Where the file that a mutant changes stands in the copy."""
+        return Path(self._moved(str(mutant.file)))
+
+    def dependent(self, mutant: Mutant) -> list[Path]:
+        """The files to be compiled with it."""
+        place = self.place(mutant)
+        return [file for file in self.files if file == place or place in self.includes[file]]
+
+    @contextmanager
+    def planted(self, mutant: Mutant) -> Iterator[None]:
+        """The copy has the mistake while the block runs."""
+        place = self.place(mutant)
+        place.write_text(mutant.source, encoding="utf-8")
+        try:
+            yield
+        finally:
+            shutil.copyfile(mutant.file, place)
+
+
 class Boards:
     """The machine code that the boards run, one source file at a time.
 
@@ -168,62 +215,62 @@ class Boards:
     equivalence (Papadakis and others, ICSE 2015).
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, tree: Sources) -> None:
         ini = read_ini()
-        self.folder = folder
-        self.includes = [f"-I{path}" for path in sources(ini).folders]
+        self.tree = tree
+        self.includes = [
+            f"-I{tree.root / path.relative_to(ROOT / 'firmware')}" for path in sources(ini).folders
+        ]
         self.flags = []
         for env in ("nano", "mega"):
             flags = [flag for flag in compiler_flags(ini, env) if flag != "-flto"]
             self.flags.append([[*flags, "-w"], [*flags, "-w", "-O3"]])
 
-    def code(self, file: Path, source: str, flags: list[str]) -> bytes:
-        """The object file."""
-        copy, target = self.folder / file.name, self.folder / "board.o"
-        copy.write_text(source, encoding="utf-8")
-        command = ["avr-g++", *shlex.split(CPP_ONLY), *flags, *self.includes, "-c"]
-        subprocess.run([*command, copy, "-o", target], cwd=ROOT, check=True)
-        return target.read_bytes()
+    def code(self, mutant: Mutant, flags: list[str]) -> list[bytes]:
+        """The object files of what a mutant may change."""
+        target = self.tree.root / "board.o"
+        ours = [f for f in self.tree.dependent(mutant) if f.is_relative_to(self.tree.root / "lib")]
+        codes = []
+        for file in ours:
+            command = ["avr-g++", *shlex.split(CPP_ONLY), *flags, *self.includes, "-c"]
+            subprocess.run([*command, file, "-o", target], cwd=ROOT, check=True)
+            codes.append(target.read_bytes())
+        return codes
 
     def run_the_same(self, mutant: Mutant) -> bool:
         """Whether a mutant changes nothing, on either board."""
-        text = mutant.file.read_text(encoding="utf-8")
 
         def same(flags: list[str]) -> bool:
-            unchanged = self.code(mutant.file, text, flags)
-            return self.code(mutant.file, mutant.source, flags) == unchanged
+            unchanged = self.code(mutant, flags)
+            with self.tree.planted(mutant):
+                return self.code(mutant, flags) == unchanged
 
         return all(any(same(flags) for flags in board) for board in self.flags)
 
 
 class Workbench:
-    """The native tests, compiled once; a mutant replaces one object."""
+    """The native tests, compiled once; a mutant replaces the objects that depend on it."""
 
     def __init__(self, folder: Path) -> None:
-        command = native_command(TESTS, folder / "unused")
-        command = command[: command.index("-o")]
-        self.sources = [Path(a) for a in command if a.endswith((".cpp", ".c"))]
-        self.flags = [a for a in command if not a.endswith((".cpp", ".c"))] + ["-O1"]
         self.folder = folder
+        self.tree = Sources(folder, TESTS)
         self.order: list[str] = []
-        self.objects = {}
-        for i, source in enumerate(self.sources):
-            whole = (ROOT / source).resolve()
-            self.objects[whole] = folder / f"{i}.o"
-            self._compile(whole, self.objects[whole])
+        self.objects = {file: folder / f"{i}.o" for i, file in enumerate(self.tree.files)}
+        for file, target in self.objects.items():
+            self._compile(file, target)
         self.image = folder / "card.img"
         vfat = shutil.which("mkfs.vfat", path="/usr/sbin:/sbin:/usr/bin") or "mkfs.vfat"
         empty = [vfat, "--invariant", "-F", "16", "-s", "1", "-C", str(self.image), "8192"]
         subprocess.run(empty, check=True, capture_output=True)
 
     def _compile(self, source: Path, target: Path, check: bool = True) -> bool:
-        command = [*self.flags, "-c", str(source), "-o", str(target)]
+        command = [*self.tree.flags, "-c", str(source), "-o", str(target)]
         done = subprocess.run(command, check=check, cwd=ROOT, capture_output=True)
         return done.returncode == 0
 
     def _run(self, objects: dict[Path, Path]) -> subprocess.CompletedProcess[str]:
         program = self.folder / "parts"
-        link = [self.flags[0], "-fsanitize=address,undefined", *map(str, objects.values())]
+        link = [self.tree.flags[0], "-fsanitize=address,undefined", *map(str, objects.values())]
         subprocess.run([*link, "-o", str(program)], check=True, capture_output=True)
         return subprocess.run(
             [program, self.image, *self.order], capture_output=True, text=True, errors="replace"
@@ -239,13 +286,14 @@ class Workbench:
 
     def outcome(self, mutant: Mutant) -> str:
         """The test that fails with it; "survived", or "no program" where it does not compile."""
-        source = self.folder / mutant.file.name
-        source.write_text(mutant.source, encoding="utf-8")
-        changed = self.folder / "mutant.o"
-        if not self._compile(source, changed, check=False):
-            return "no program"
+        changed = dict(self.objects)
+        with self.tree.planted(mutant):
+            for number, file in enumerate(self.tree.dependent(mutant)):
+                changed[file] = self.folder / f"mutant{number}.o"
+                if not self._compile(file, changed[file], check=False):
+                    return "no program"
         try:
-            done = self._run({**self.objects, mutant.file: changed})
+            done = self._run(changed)
         except subprocess.CalledProcessError:
             return "no program"
         if not done.returncode:
@@ -265,12 +313,12 @@ def main() -> None:
     arguments = parser.parse_args()
     parts = tuple(arguments.part or PARTS)
     count = 10**6 if arguments.all else arguments.count
-    fetch(ROOT)
     caught: Counter[str] = Counter()
     survived: Counter[str] = Counter()
     redrawn = 0
-    with tempfile.TemporaryDirectory() as name:
-        boards, bench = Boards(Path(name)), Workbench(Path(name))
+    with tempfile.TemporaryDirectory() as name, suppress(KeyboardInterrupt):
+        bench = Workbench(Path(name))
+        boards = Boards(bench.tree)
         bench.prepare()
         if "ring" in parts:
             print(f"{REMEMBERED}: {bench.outcome(REMEMBERED)}", flush=True)

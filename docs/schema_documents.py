@@ -34,6 +34,8 @@ gps = { quantity = "speed" }
 ax = { quantity = "acceleration", axis = "x", position = [0.1, 0.0] }
 seat = { quantity = "acceleration", on = "driver" }
 rpm = { quantity = "speed", of = "engine" }
+[factors]
+B1 = -1.0
 """
 FILTERS = (
     'filter = { kind = "bessel", order = 4, corner_hz = 40.0, zero_phase = true, delay_ms = 1.0 }',
@@ -74,6 +76,9 @@ damping_N_s_m = 900.0
 damping_N_s_m_uncertainty = 90.0
 relative_uncertainty = 0.2
 mount = "specimen.toml"
+
+[factors]
+force_N = -1.0
 
 [[run]]
 id = "sine"

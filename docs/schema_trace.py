@@ -26,7 +26,7 @@ KINDS = {
     list: "array",
     dict: "object",
 }
-ANY_NAME = frozenset((("channels",), ("sensors",)))
+ANY_NAME = frozenset((("channels",), ("factors",), ("sensors",)))
 """Tables whose keys are names that users choose."""
 
 

@@ -64,6 +64,7 @@ READ_OWN_WAY = {
     "report": "of the package, or what was just printed",
     "workbench/app.py": "of the package",
     "workbench/sessions.py": "a picture that it has drawn",
+    "workbench/theme.py": "of the package",
 }
 TEXT = {".py", ".toml", ".md", ".sh", ".html", ".css", ".js", ".cpp", ".h", ".yml", ".yaml", ""}
 FOLDERS = ("host", "calibration", "hil_sim", "firmware", "tests", "benchmarks", "docs", "tools")
@@ -72,14 +73,19 @@ MODULES = sorted(path for portion in PORTIONS for path in portion.rglob("*.py"))
 
 
 def texts() -> Iterator[Path]:
-    """Every text file of ours; recordings and what tools leave behind are not."""
+    """Every text file of ours; recordings, others' sources and what tools leave behind are not."""
     top = [path for path in ROOT.iterdir() if path.is_file()]
     below = [path for name in (*FOLDERS, ".ci", "examples") for path in (ROOT / name).rglob("*")]
     for path in (*top, *below):
         hidden = any(
             part.startswith(".") and part != ".ci" for part in path.relative_to(ROOT).parts
         )
-        if path.is_file() and path.suffix in TEXT and not hidden and path.name != "LICENSE":
+        foreign = path.is_relative_to(ROOT / "firmware/foreign")
+        if (
+            path.is_file()
+            and path.suffix in TEXT
+            and not (hidden or foreign or path.name == "LICENSE")
+        ):
             yield path
 
 

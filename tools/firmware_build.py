@@ -108,7 +108,8 @@ def compile_one(source: Path, target: Path, flags: list[str], includes: list[str
         command = ["avr-gcc", *shlex.split(C_ONLY)]
     else:
         command = ["avr-gcc", "-x", "assembler-with-cpp"]
-    quiet = ["-w"] if not source.is_relative_to(ROOT / "firmware") else []
+    ours = source.is_relative_to(ROOT / "firmware") and "foreign" not in source.parts
+    quiet = [] if ours else ["-w"]
     subprocess.run(
         [*command, *flags, *quiet, *includes, "-c", str(source), "-o", str(target)], check=True
     )
@@ -119,8 +120,8 @@ def is_fresh(target: Path) -> bool:
     """Tell whether nothing that a file is made from is newer than it."""
     if not target.exists():
         return False
-    inputs = [ROOT / "platformio.ini", Path(__file__), ROOT / "build/firmware/lib/fatfs/ff.c"]
-    inputs += [path for path in (ROOT / "firmware").rglob("*") if path.suffix in (".cpp", ".h")]
+    inputs = [ROOT / "platformio.ini", Path(__file__)]
+    inputs += [path for path in (ROOT / "firmware").rglob("*") if path.suffix in CODE | {".h"}]
     return all(path.stat().st_mtime < target.stat().st_mtime for path in inputs)
 
 
@@ -178,7 +179,6 @@ def main(envs: list[str]) -> int:
                 )
         if not CORE.exists():
             raise BuildError(f"{CORE} is missing: apt-get install arduino-core-avr")
-        subprocess.run([sys.executable, str(ROOT / "tools/firmware_fatfs.py")], check=True)
         ini = read_ini()
         for env in envs or ini["platformio"]["default_envs"].replace(",", " ").split():
             if not ini.has_section(f"env:{env}") or not ini.has_option(f"env:{env}", "board"):

@@ -1,6 +1,6 @@
 #pragma once
 // Configuration of FatFs R0.16 (elm-chan.org/fsw/ff/doc/config.html), for 2 KB of RAM. FatFs's
-// sources are fetched at build time (tools/firmware_fatfs.py).
+// sources are in firmware/foreign/fatfs, as they were released.
 #define FFCONF_DEF 80386
 
 #define FF_FS_READONLY 0

@@ -1,2 +1,2 @@
 #pragma once
-#define FIRMWARE_VERSION "1.3.0"
+#define FIRMWARE_VERSION "1.4.0"

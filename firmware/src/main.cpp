@@ -6,6 +6,7 @@
 // (session, sdcard), sends scans to the host (stream) and does what the host asks for (console).
 // What is written and sent: SPEC.md; why so: DESIGN.md.
 #include "avr.h"
+#include "beside.h"
 #include "console.h"
 #include "panel.h"
 #include "report.h"
@@ -47,6 +48,14 @@ void tell_trouble() {
     shown = trouble;
 }
 
+// Whoever presses the button for marks sees that it was seen.
+void tell_mark() {
+    static uint8_t told;
+    const uint8_t marks = session.running() ? board::beside.marks() : 0;
+    if (marks && marks != told) console.say_mark(marks);
+    told = marks;
+}
+
 void show_light() {
     const bool losing = session.lost() || session.trouble();
     const Light light = !session.running() ? Light::Ready
@@ -76,6 +85,7 @@ void loop() {
         session.running() ? console.stop(End::Button) : console.start();
     }
     tell_trouble();
+    if (board::kHasBeside) tell_mark();
     show_light();
     board::sleep();
 }

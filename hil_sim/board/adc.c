@@ -1,6 +1,7 @@
-// Sources: ATmega48A/PA/88A/PA/168A/PA/328/P data sheet, section 24 "Analog-to-Digital Converter":
-// 24.3 (auto triggering), 24.4 (timing, table 24-1), 24.5 (when the multiplexer is latched),
-// 24.9.2 (register bits); 16.11.9 for TIFR1.
+// Sources: ATmega48A/PA/88A/PA/168A/PA/328/P data sheet, section 24
+// "Analog-to-Digital Converter": 24.3 (auto triggering), 24.4 (timing, table
+// 24-1), 24.5 (when the multiplexer is latched), 24.9.2 (register
+// bits); 16.11.9 for TIFR1.
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -19,7 +20,10 @@ static uint32_t adc_clock(uint8_t adcsra) {
 static uint16_t code_of(Board* board, avr_adc_mux_t mux, double time_s) {
     double code = 0;
     if (mux.kind == ADC_MUX_SINGLE && mux.src < CHANNELS)
-        code = signals_at(&board->signals, mux.src, time_s);
+        code = signals_at(&board->signals, mux.src, time_s) +
+               (board->adc.self_test_on ? board->adc.self_test[mux.src] : 0);
+    else if (mux.kind == ADC_MUX_SINGLE && mux.src == CHANNELS)
+        code = board->adc.temperature;
     else if (mux.kind == ADC_MUX_REF)
         code = (double)mux.src / board->adc.reference_mV * CODES;
     else if (mux.kind == ADC_MUX_TEMP)
@@ -29,9 +33,10 @@ static uint16_t code_of(Board* board, avr_adc_mux_t mux, double time_s) {
 
 static avr_cycle_count_t conversion_done(avr_t* avr, avr_cycle_count_t when, void* context);
 
-// Latch the multiplexer and sample. Triggered, the sample is held 2 ADC clocks and 3 CPU cycles
-// after the edge and the result is there after 13.5; started by hand, after 1.5 and 13. The start
-// lies `ago` cycles back: simavr's timers fire at the end of an instruction.
+// Latch the multiplexer and sample. Triggered, the sample is held 2 ADC clocks
+// and 3 CPU cycles after the edge and the result is there after 13.5; started
+// by hand, after 1.5 and 13. The start lies `ago` cycles back: simavr's timers
+// fire at the end of an instruction.
 static void start_conversion(Board* board, bool triggered, uint32_t ago) {
     avr_t* avr = board->avr;
     Adc* adc = &board->adc;

@@ -9,10 +9,12 @@
 
 static const struct {
     const char* mcu;
-    Pin card_select, button, led;
+    Pin card_select, button, led, self_test, mark, wheel;
 } WIRING[] = {
-    {"atmega328p", {'B', 2}, {'D', 2}, {'B', 1}},  // Nano: D10, D2, D9
-    {"atmega2560", {'B', 0}, {'E', 4}, {'H', 6}},  // Mega: D53, D2, D9
+    // Nano: D10, D2, D9, D8
+    {"atmega328p", {'B', 2}, {'D', 2}, {'B', 1}, {'B', 0}, {0, 0}, {0, 0}},
+    // Mega: D53, D2, D9, D8, D3, D4
+    {"atmega2560", {'B', 0}, {'E', 4}, {'H', 6}, {'H', 5}, {'E', 5}, {'G', 5}},
 };
 enum { REGISTERS = 32, RAM_NOISE_SEED = 0x1f35, INTERRUPT_ENTRY_CYCLES = 4 };
 
@@ -60,6 +62,11 @@ static void on_led(avr_irq_t* irq, uint32_t level, void* context) {
     board->led_on = on;
 }
 
+static void on_self_test(avr_irq_t* irq, uint32_t level, void* context) {
+    (void)irq;
+    ((Board*)context)->adc.self_test_on = level & 1;
+}
+
 static avr_irq_t* pin_irq(const Board* board, Pin pin) {
     return avr_io_getirq(board->avr, AVR_IOCTL_IOPORT_GETIRQ(pin.port), pin.bit);
 }
@@ -97,8 +104,12 @@ bool board_open(Board* board, const char* mcu, const char* elf) {
     board->card_select = WIRING[known].card_select;
     board->button = WIRING[known].button;
     board->led = WIRING[known].led;
+    board->self_test = WIRING[known].self_test;
+    board->mark = WIRING[known].mark;
+    board->wheel = WIRING[known].wheel;
     avr_irq_register_notify(pin_irq(board, board->card_select), on_card_select, board);
     avr_irq_register_notify(pin_irq(board, board->led), on_led, board);
+    avr_irq_register_notify(pin_irq(board, board->self_test), on_self_test, board);
     avr_irq_register_notify(avr->interrupts.irq + AVR_INT_IRQ_RUNNING, on_interrupt, board);
     adc_attach(board);
     spi_attach(board);
@@ -121,6 +132,21 @@ void board_set_boot_loader(Board* board, uint8_t* code, uint32_t size) {
     avr->reset_pc = start;
 }
 
+// A line that a pull-up holds up; simavr passes on changes of level only.
+static void put_line(Board* board, Pin pin, bool low) {
+    if (pin.port == 0) return;
+    avr_raise_irq(pin_irq(board, pin), low);
+    avr_raise_irq(pin_irq(board, pin), !low);
+}
+
+static avr_cycle_count_t turn_wheel(avr_t* avr, avr_cycle_count_t when, void* context) {
+    (void)avr;
+    Board* board = context;
+    board->wheel_low = !board->wheel_low;
+    put_line(board, board->wheel, board->wheel_low);
+    return when + board->wheel_half;
+}
+
 // Bring the parts of this program behind the MCU's reset.
 static void follow_reset(Board* board) {
     board->was_reset = false;
@@ -128,9 +154,11 @@ static void follow_reset(Board* board) {
     spi_reset(board);
     uart_reset(board);
     sdcard_select(&board->card, false);
-    // The pin reads 0 now, and simavr passes on changes of level only.
-    avr_raise_irq(pin_irq(board, board->button), board->button_pressed);
-    avr_raise_irq(pin_irq(board, board->button), !board->button_pressed);
+    board->adc.self_test_on = false;
+    put_line(board, board->button, board->button_pressed);  // the pins read 0 now
+    put_line(board, board->mark, board->mark_pressed);
+    put_line(board, board->wheel, board->wheel_low);
+    board_turn_wheel(board, 2 * board->wheel_half);
     trace_add(&board->trace, board_now(board), TRACE_RESET, 0, 0);
 }
 
@@ -180,6 +208,17 @@ void board_press(Board* board, bool pressed) {
     avr_raise_irq(pin_irq(board, board->button), !pressed);
 }
 
+void board_press_mark(Board* board, bool pressed) {
+    board->mark_pressed = pressed;
+    put_line(board, board->mark, pressed);
+}
+
+void board_turn_wheel(Board* board, uint32_t period) {
+    avr_cycle_timer_cancel(board->avr, turn_wheel, board);
+    board->wheel_half = period / 2;
+    if (board->wheel_half) board_schedule(board, board->wheel_half, turn_wheel);
+}
+
 uint32_t board_untouched(const Board* board, uint16_t address) {
     uint32_t count = 0;
     while (address + count <= board->avr->ramend &&
@@ -192,7 +231,8 @@ uint32_t board_eeprom_size(const Board* board) { return board->avr->e2end + 1; }
 
 void board_read_eeprom(const Board* board, uint8_t* bytes) {
     avr_eeprom_desc_t all = {.size = board_eeprom_size(board)};
-    avr_ioctl(board->avr, AVR_IOCTL_EEPROM_GET, &all);  // without a buffer: where it is
+    avr_ioctl(board->avr, AVR_IOCTL_EEPROM_GET,
+              &all);  // without a buffer: where it is
     memcpy(bytes, all.ee, all.size);
 }
 
@@ -208,8 +248,9 @@ static bool stands_still(const Board* board) {
     return false;
 }
 
-// While the main program is to stand still it sleeps between interrupts, wherever it is. Steps are
-// single instructions then: it must not go on behind an interrupt.
+// While the main program is to stand still it sleeps between interrupts,
+// wherever it is. Steps are single instructions then: it must not go on behind
+// an interrupt.
 static void hold_program(Board* board) {
     avr_t* avr = board->avr;
     const bool still = board->hold_count && stands_still(board);

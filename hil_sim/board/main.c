@@ -1,9 +1,10 @@
 // board MCU ELF: the simulated board, driven over standard input and output.
 //
-// A request is one line of words, where a word `+N` announces N bytes that follow the line. Every
-// request is answered by one line: "ok" and values, or "error" and a sentence; `+N` as the last
-// value announces N bytes. Numbers are decimal; times are CPU cycles of board time; integers in
-// the bytes are little-endian. hil_sim/wheelhop/hil_sim/process.py is the other end.
+// A request is one line of words, where a word `+N` announces N bytes that
+// follow the line. Every request is answered by one line: "ok" and values, or
+// "error" and a sentence; `+N` as the last value announces N bytes. Numbers are
+// decimal; times are CPU cycles of board time; integers in the bytes are
+// little-endian. hil_sim/wheelhop/hil_sim/process.py is the other end.
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -70,6 +71,27 @@ static void hold(const Request* request) {
 
 static void press(const Request* request) {
     board_press(&board, number(request, 1));
+    ok();
+}
+
+static void press_mark(const Request* request) {
+    board_press_mark(&board, number(request, 1));
+    ok();
+}
+
+static void turn_wheel(const Request* request) {
+    board_turn_wheel(&board, (uint32_t)number(request, 1));
+    ok();
+}
+
+static void set_self_test(const Request* request) {
+    if (request->payload_length == sizeof board.adc.self_test)
+        memcpy(board.adc.self_test, request->payload, sizeof board.adc.self_test);
+    ok();
+}
+
+static void set_temperature(const Request* request) {
+    board.adc.temperature = strtod(request->words[1], NULL);
     ok();
 }
 
@@ -268,6 +290,10 @@ static const struct {
     {"boot-loader", set_boot_loader},
     {"hold", hold},
     {"press", press},
+    {"press-mark", press_mark},
+    {"wheel", turn_wheel},
+    {"self-test", set_self_test},
+    {"temperature", set_temperature},
     {"send", send_serial},
     {"take-serial", take_serial},
     {"signals", set_signals},

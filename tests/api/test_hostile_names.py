@@ -1,8 +1,10 @@
 """Channels, runs and titles may be called anything that prints: a name is a label, and another name
 changes no number, breaks no file and ends in no traceback."""
 
+import io
 import json
 import tomllib
+import zipfile
 
 import pandas
 import pytest
@@ -11,8 +13,10 @@ import wheelhop as wh
 from tests.report.small import write_small_campaign
 from wheelhop.cli.main import main
 from wheelhop.files.toml import to_toml
-from wheelhop.workbench.export import write_figures, write_tables
+from wheelhop.formats import read
+from wheelhop.workbench.export import write_figures, write_mdf, write_tables, write_workbook
 from wheelhop.workbench.session import Choice, Session, read_session, write_session
+from wheelhop.workbench.takeaway import packed
 
 CHANNELS = {
     **{"B1": "a/b", "B2": "a", "B3": "b", "B4": "a.b"},
@@ -130,6 +134,18 @@ def test_reports_figures_and_tables_show_them_as_they_are(both, hostile, tmp_pat
     signals = pandas.read_parquet(tmp_path / "tables/signals.parquet")
     assert {f"{name}_measured_m_s2" for name in CHANNELS.values()} <= set(signals.columns)
     assert set(signals["run"]) == set(RUNS.values())
+    write_workbook(tmp_path / "tables.xlsx", result)
+    sheets = pandas.read_excel(tmp_path / "tables.xlsx", sheet_name=None)
+    csv = pandas.read_csv(tmp_path / "tables/parameters.csv")
+    assert sheets["parameters"]["value"].tolist() == pytest.approx(csv["value"].tolist())
+    write_mdf(tmp_path / "mdf", result)
+    files = sorted((tmp_path / "mdf").glob("*.mf4"))
+    assert len(files) == len(RUNS)
+    first = signals[signals["run"] == signals["run"].iloc[0]]
+    own = read(files[0]).values[:, 0]
+    assert own == pytest.approx(first.iloc[:, 2].to_numpy(), abs=1e-9)
+    with zipfile.ZipFile(io.BytesIO(packed(tmp_path / "mdf"))) as archive:
+        assert sorted(archive.namelist()) == [f"mdf/{file.name}" for file in files]
 
 
 def test_the_commands_take_them(hostile, tmp_path, capsys):

@@ -1,5 +1,6 @@
 """The files around the code: version and licence are the same everywhere."""
 
+import hashlib
 import re
 import tomllib
 from pathlib import Path
@@ -12,6 +13,12 @@ ROOT = Path(__file__).parents[2]
 SETUP = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = SETUP["project"]
 WORKFLOW = ".github/workflows/ci.yml"
+FATFS = {
+    "ff.c": "dbeae3d7d22dbc070983e31af897fa5e43d29c726a0a240fe9589ffe2ec0ef1e",
+    "ff.h": "42920ae4d6080bfc2a72d92a9969b5e94eeaff070e5e71d90da9ab6d7d8e158e",
+    "diskio.h": "1c2b29f53e061c55d43b2e412c3a61320b2621bac7561a05e275514baa44785a",
+}
+"""SHA-256 of FatFs's files as they were released: ours is what is around them."""
 BOUND = re.compile(r"([\w-]+)>=([\d.]+)(,<[\d.]+)?")
 
 
@@ -57,7 +64,11 @@ def test_what_is_linked_into_the_firmware_has_a_licence_beside_it():
     names = {one["name"] for one in shipped}
     assert {one["name"] for one in shipped if "text" not in one} == {"libgcc"} and "FatFs" in names
     (fatfs,) = (one["version"] for one in shipped if one["name"] == "FatFs")
-    assert f"fatfs-ng==0.1.{fatfs.removeprefix('R0.')}" in text_of("firmware/fatfs.txt")
+    foreign = ROOT / "firmware/foreign/fatfs"
+    assert f"Filesystem Module  {fatfs} " in (foreign / "ff.c").read_text(encoding="ascii")
+    assert (foreign / "LICENSE.txt").read_bytes() == (ROOT / "licenses/FatFs.txt").read_bytes()
+    sums = {name: hashlib.sha256((foreign / name).read_bytes()).hexdigest() for name in FATFS}
+    assert sums == FATFS
 
 
 def test_the_sbom_holds_what_an_installation_takes_along():

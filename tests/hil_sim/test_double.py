@@ -186,7 +186,7 @@ def test_the_line_goes_and_comes_back_under_its_name(port):
     with SerialDouble(factor=10, port=port) as one:
         for _ in range(2):
             with connect(one.url) as link:
-                assert link.info()["firmware"] == "1.3.0"
+                assert link.info()["firmware"] == "1.4.0"
                 one.tear(3.0)
                 with pytest.raises(PortLost):
                     for _ in range(3):

@@ -205,7 +205,7 @@ def test_a_forged_gap_does_not_fill_the_memory():
         (b"", "empty"),
         (b"time_s,A1\n", "less than one block"),
         (bytes(2048), "no session"),
-        (b"HOP2" + bytes(1020), "format version 2"),
+        (b"HOP3" + bytes(1020), "format version 3"),
     ],
     ids=["nothing", "short", "zeros", "newer"],
 )

@@ -198,7 +198,7 @@ def test_one_program_at_a_time():
     with SerialDouble() as double, connect(double.url) as link:
         with pytest.raises(LoggerError, match="another program uses the port: close it"):
             connect(double.url)
-        assert link.info()["firmware"] == "1.3.0"
+        assert link.info()["firmware"] == "1.4.0"
 
 
 @pytest.mark.parametrize(

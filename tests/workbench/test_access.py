@@ -6,7 +6,7 @@ from axe_playwright_python.sync_playwright import Axe
 from tests.workbench.conftest import CHROMIUM, PATIENCE_MS, settle
 
 RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]}
-TABS = ("Overview", "Record", "Compare", "What is missing", "Vehicle", "Take away")
+TABS = ("Overview", "Record", "Compare", "What is missing", "Vehicle", "Files", "Take away")
 NARROW = ((1280, 720), (390, 844))
 
 

@@ -99,7 +99,14 @@ def test_an_address_of_several_runs_and_channels_is_drawn(small_open, open_page,
     page.wait_for_function(f"({WINDOWS})()?.length === 4")
     for window in page.evaluate(WINDOWS):
         assert window == pytest.approx([1.0, 2.0])
-    for kind, panels in (("Spectrum", 2), ("Transfer function", 1), ("XY", 2), ("Histogram", 2)):
+    for kind, panels in (
+        ("Distance", 2),
+        ("Spectrogram", 4),
+        ("Spectrum", 2),
+        ("Transfer function", 1),
+        ("XY", 2),
+        ("Histogram", 2),
+    ):
         page.get_by_role("button", name=kind, exact=True).click()
         page.wait_for_function(f"({WINDOWS})()?.length === {panels}")
         settle(page)

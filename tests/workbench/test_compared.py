@@ -15,8 +15,11 @@ from wheelhop.workbench import kinds
 from wheelhop.workbench.charts import MOST, WHOLE, Line, Panel, chart
 from wheelhop.workbench.compared import (
     CLOSEST_S,
+    DISTANCE,
     KINDS,
+    OVERLAY,
     PAIRED,
+    SPECTROGRAM,
     SPECTRUM,
     TIME,
     XY,
@@ -32,6 +35,7 @@ from wheelhop.workbench.kinds import Look, picture, readings
 from wheelhop.workbench.session import Session, read_session, write_session
 from wheelhop.workbench.shown import Rung, Signals
 from wheelhop.workbench.spectra import power_density, spectra
+from wheelhop.workbench.spectrogram import power_over_time
 
 CAMPAIGN = read_campaign(Path(__file__).parents[2] / "examples/clean")
 CHANNELS = tuple(channel.name for channel in CAMPAIGN.channels)
@@ -291,3 +295,46 @@ def test_a_gain_and_its_coherence_are_those_of_a_noisy_amplifier():
     apart = spectra([a for a, _ in pieces], [b for _, b in pieces], RATE_HZ)
     assert apart.segments == 4 * 3
     assert np.mean(apart.coherence > apart.by_chance) == pytest.approx(0.05, abs=0.04)
+
+
+# Runs over one another, and power over time.
+
+
+def test_runs_at_other_speeds_lie_together_by_distance():
+    """Two runs over one bump 10 m ahead, at 2 and 4 m/s."""
+    rows = []
+    for run, speed in (("slow", 2.0), ("fast", 4.0)):
+        place = speed * np.arange(1000) / RATE_HZ
+        bump = Curve("measured", "#000", np.exp(-((place - 10.0) ** 2)))
+        rows.append(Row(run, "A1", "", "m/s²", RATE_HZ, (bump,), place_m=place))
+    look = Look(WHOLE, None, (0.5, 30.0))
+    by_place, by_time = (
+        picture(kind, rows, look).options["series"] for kind in (DISTANCE, OVERLAY)
+    )
+    tops = [
+        [max(one["data"], key=lambda p: p[1])[0] for one in each] for each in (by_place, by_time)
+    ]
+    assert tops == [pytest.approx([10.0, 10.0], abs=0.05), pytest.approx([5.0, 2.5], abs=0.05)]
+    assert len({one["itemStyle"]["color"] for one in by_place}) == 2
+    on_rig = [replace(row, place_m=None) for row in rows]
+    assert picture(DISTANCE, on_rig, look).options["xAxis"][0]["name"] == "time, s"
+
+
+def test_a_spectrogram_follows_a_sweep():
+    """5 to 25 Hz in 60 s: the strongest line rises with time; pieces are a tenth of the band's top
+    times four waves long, and a fourth of that apart; a long record has no more of them."""
+    time = np.arange(6000) / RATE_HZ
+    sweep = np.sin(2 * np.pi * (5.0 * time + 20.0 / 60 / 2 * time**2))
+    middle, frequency, power = power_over_time(sweep, RATE_HZ, (0.5, 30.0))
+    strongest = frequency[power.argmax(axis=1)]
+    assert strongest == pytest.approx(5.0 + 20.0 / 60 * middle, abs=1.0)
+    assert frequency[1] - frequency[0] == pytest.approx(30.0 / 10 / 4, rel=0.01)
+    assert middle[1] - middle[0] == pytest.approx(4 * 10 / 30.0 / 4, rel=0.1)
+    assert 120 < len(middle) < 180
+    assert 120 < len(power_over_time(np.tile(sweep, 10), RATE_HZ, (0.5, 30.0))[0]) < 180
+    weak = sweep * np.where(time > 30.0, 10.0 ** (-40.0 / 20), 1.0)  # 40 dB down, still shown
+    row = Row("r", "A1", "", "m/s²", RATE_HZ, (Curve("measured", "#000", weak),))
+    (one,) = picture(SPECTROGRAM, [row], Look(WHOLE, None, (0.5, 30.0))).options["series"]
+    levels = [cell[2] for cell in one["data"]]
+    assert max(levels) == 0.0 and min(levels) >= -50.0
+    assert max(cell[2] for cell in one["data"] if cell[0] > len(middle) * 0.6) < -35.0

@@ -13,7 +13,7 @@ from tests.workbench.test_names import spoil
 
 TABS = (
     *("Record", "Overview", "Compare", "Where it fails", "Struts", "What is missing"),
-    *("Axle to body", "The model", "Vehicle", "Take away"),
+    *("Axle to body", "The model", "Vehicle", "Files", "Take away"),
 )
 FORCED = """([html, click]) => new Promise((resolve) => {
   const told = (event) => resolve(event.violatedDirective);

@@ -21,6 +21,7 @@ from wheelhop.workbench.shown import (
     AxleToBody,
     Concluded,
     Done,
+    Found,
     Law,
     Ranking,
     Refused,
@@ -32,7 +33,7 @@ from wheelhop.workbench.shown import (
 EXAMPLES = Path(__file__).parents[2] / "examples"
 HEADLINE = "Something is missing: bump-stop"
 VERDICT = Verdict(("bump-stop",), 0.9, HEADLINE, ("It is.",), "")
-FINDINGS = (("warning", "The speed of one run is off. Measure it."),)
+FINDINGS = (Found("warning", "The speed of one run is off. Measure it."),)
 BEFORE_SEVERAL = f"""\
 format = 1
 added = []

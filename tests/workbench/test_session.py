@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wheelhop.campaign import CampaignError, read_campaign
+from wheelhop.campaign.change import Change, Proposal
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.session import (
     MOST_RUNS,
@@ -20,7 +21,7 @@ from wheelhop.workbench.session import (
     read_session,
     write_session,
 )
-from wheelhop.workbench.shown import Diagnosed, Row, Verdict
+from wheelhop.workbench.shown import Diagnosed, Found, Row, Verdict
 
 CLEAN = Path(__file__).parents[2] / "examples/clean"
 CAMPAIGN = read_campaign(CLEAN)
@@ -33,7 +34,11 @@ error = st.none() | st.floats(0, 10)
 rows = st.builds(
     Row, line, line, error, error, error, st.none() | st.floats(-1e6, 1e6), error, lines, line
 )
-verdicts = st.builds(Verdict, lines, st.floats(0, 1), line, lines, st.just("") | line, lines)
+changes = st.builds(Change, line, lines, st.just("") | line)
+fixes = st.lists(st.builds(Proposal, line, st.tuples(changes)), max_size=2).map(tuple)
+verdicts = st.builds(
+    Verdict, lines, st.floats(0, 1), line, lines, st.just("") | line, lines, st.just(""), fixes
+)
 choices = st.builds(
     Choice,
     lines,
@@ -43,7 +48,7 @@ choices = st.builds(
 )
 
 
-findings = st.lists(st.tuples(line, line), max_size=2).map(tuple)
+findings = st.lists(st.builds(Found, line, line, fixes), max_size=2).map(tuple)
 diagnoses = st.builds(Diagnosed, verdicts, st.lists(rows, max_size=3).map(tuple), findings)
 
 

@@ -1,6 +1,8 @@
 #pragma once
 #include <stdint.h>
 
+#include "traits.h"
+
 // A 512-byte block of a log file, as SPEC.md lays it out ("Log file").
 struct Block {
     static const uint16_t kPayload = 486;
@@ -22,8 +24,10 @@ struct Block {
 };
 static_assert(sizeof(Block) == 512, "a block is one sector");
 
-// Bytes that a scan of `channels` 13-bit sums takes.
-inline uint8_t scan_size(uint8_t channels) { return static_cast<uint8_t>((13 * channels + 7) / 8); }
+// Bytes that a scan of `channels` sums takes.
+inline uint8_t scan_size(uint8_t channels) {
+    return static_cast<uint8_t>((board::kSumBits * channels + 7) / 8);
+}
 
-// Pack the sums whose bit in `mask` is set, 13 bits each, lowest first; returns the size in bytes.
-uint8_t pack_scan(const uint16_t sums[8], uint8_t mask, uint8_t* packed);
+// Pack the sums whose bit in `mask` is set, kSumBits each, lowest first; returns the size in bytes.
+uint8_t pack_scan(const board::Sum sums[board::kInputs], uint8_t mask, uint8_t* packed);

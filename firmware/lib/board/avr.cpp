@@ -9,6 +9,7 @@
 #include <avr/wdt.h>
 #include <util/atomic.h>
 
+#include "beside.h"
 #include "crc16.h"
 
 // Registers are named as in the ATmega328P's data sheet; the 2560 has the same ones. Sampling:
@@ -24,12 +25,16 @@ uint32_t unfinished __attribute__((section(".noinit")));
 
 namespace {
 
-// Bits of ports: button D2, LED D9, card select and SPI where the board has them.
+// Bits of ports: button D2, sensors' self-test D8, LED D9, card select and SPI where the board has
+// them.
 #ifdef __AVR_ATmega2560__
 #define BUTTON_PORT PORTE
 #define BUTTON_PIN PINE
 #define LED_PORT PORTH
 #define LED_DDR DDRH
+#define TEST_PORT PORTH
+#define TEST_DDR DDRH
+const uint8_t kTest = _BV(5);
 const uint8_t kButton = _BV(4), kLed = _BV(6);
 const uint8_t kSelect = _BV(0), kSck = _BV(1), kMosi = _BV(2), kMiso = _BV(3);
 #else
@@ -37,6 +42,9 @@ const uint8_t kSelect = _BV(0), kSck = _BV(1), kMosi = _BV(2), kMiso = _BV(3);
 #define BUTTON_PIN PIND
 #define LED_PORT PORTB
 #define LED_DDR DDRB
+#define TEST_PORT PORTB
+#define TEST_DDR DDRB
+const uint8_t kTest = _BV(0);
 const uint8_t kButton = _BV(2), kLed = _BV(1);
 const uint8_t kSelect = _BV(2), kSck = _BV(5), kMosi = _BV(3), kMiso = _BV(4);
 #endif
@@ -44,12 +52,29 @@ const uint8_t kSelect = _BV(2), kSck = _BV(5), kMosi = _BV(3), kMiso = _BV(4);
 const uint16_t kEarliestEnd = 1728;          // a conversion ends 13.5 × 128 clocks after its start
 const uint8_t kConverterOn = _BV(ADEN) | 7;  // its clock: F_CPU/128
 
+const uint8_t kTriggeredByTimer = _BV(ADTS2) | _BV(ADTS0);  // by Timer1's compare match B
+
 #ifdef __AVR_ATmega2560__
+// Beside the eight: mark button D3, pulses D4, both to ground, and a temperature at A8.
+const uint8_t kMarkAndPulses = _BV(5);  // of ports E and G
+const uint8_t kTemperature = 0x20;
+
+// The input that is selected: the highest bit stands in another register.
+uint8_t selected() { return static_cast<uint8_t>(ADMUX | (ADCSRB & _BV(MUX5)) << 2); }
+
+void select(uint8_t input) {
+    ADMUX = input & 0x1F;
+    ADCSRB = static_cast<uint8_t>(kTriggeredByTimer | (input & 0x20) >> 2);
+}
+
 #define USART_UDRE_vect USART0_UDRE_vect
 #define USART_RX_vect USART0_RX_vect
 #define read_flash_byte pgm_read_byte_far
 const uint8_t kBandgap = 0x1E;
 #else
+uint8_t selected() { return ADMUX; }
+void select(uint8_t input) { ADMUX = input; }
+
 #define read_flash_byte pgm_read_byte
 const uint8_t kBandgap = 0x0E;
 #endif
@@ -103,6 +128,9 @@ namespace board {
 
 Sampler sampler;
 Link serial;
+#ifdef __AVR_ATmega2560__
+Beside beside;
+#endif
 
 void begin() {
     TCCR0A = _BV(WGM01);  // Timer0 counts 250 times 64 clocks: a millisecond
@@ -111,6 +139,7 @@ void begin() {
     TIMSK0 = _BV(OCIE0A);
     BUTTON_PORT |= kButton;  // pull-up
     LED_DDR |= kLed;
+    TEST_DDR |= kTest;
     PORTB |= kSelect | kMiso;  // pull-up: an empty socket reads as 0xFF
     DDRB |= kSelect | kSck | kMosi;
 
@@ -120,6 +149,11 @@ void begin() {
     UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
 
     DIDR0 = 0x3F;
+#ifdef __AVR_ATmega2560__
+    DIDR2 = _BV(ADC8D);
+    PORTE |= kMarkAndPulses;  // pull-ups
+    PORTG |= kMarkAndPulses;
+#endif
     ADMUX = 0;  // reference: the AREF pin, to which the sensors' 3.3 V are tied
     sample(0);
     set_sleep_mode(SLEEP_MODE_IDLE);
@@ -201,15 +235,24 @@ void eeprom_write(uint8_t address, const void* data, uint8_t size) {
     eeprom_update_block(data, reinterpret_cast<void*>(address), size);
 }
 
+void self_test(bool on) {
+    if (on) {
+        TEST_PORT |= kTest;
+    } else {
+        TEST_PORT &= static_cast<uint8_t>(~kTest);
+    }
+}
+
 void sample(uint8_t conversions) {
+    self_test(false);
     TCCR1B = 0;  // no more triggers
     ADCSRA = 0;
     if (!conversions) return;
     sampler.start(conversions);
-    ADMUX = Sampler::input(0);
+    select(Sampler::input(0));
     ADCSRA = kConverterOn;
     convert();  // the first one after switching on takes longer than the timer's round
-    ADCSRB = _BV(ADTS2) | _BV(ADTS0);  // trigger: Timer1 compare match B
+    ADCSRB = kTriggeredByTimer;
     TCCR1A = 0;
     TCNT1 = 0;
     OCR1A = OCR1B = Sampler::kClocks - 1;
@@ -220,7 +263,7 @@ void sample(uint8_t conversions) {
 
 uint16_t reference_code() {
     ADCSRA = kConverterOn;
-    ADMUX = kBandgap;
+    select(kBandgap);
     uint16_t code = 0;
     for (uint8_t k = 0; k < 8; ++k)
         code = convert();  // the reference needs a millisecond to settle
@@ -245,9 +288,14 @@ void sleep() { sleep_mode(); }
 }  // namespace board
 
 ISR(ADC_vect) {
-    const uint8_t ended = ADMUX;
+    const uint8_t ended = selected();
     const uint8_t next = board::sampler.advance();
-    ADMUX = next == Sampler::kSupply ? kBandgap : next;
+#ifdef __AVR_ATmega2560__
+    const uint8_t reference = board::sampler.temperature_next() ? kTemperature : kBandgap;
+#else
+    const uint8_t reference = kBandgap;
+#endif
+    select(next == Sampler::kSupply ? reference : next);
     set_round(board::sampler.clocks());
     // While this flag is up a trigger starts nothing: no conversion of the old input, and none at
     // the end of the old round (data sheet, "Changing Channel or Reference Selection"). If the
@@ -256,6 +304,16 @@ ISR(ADC_vect) {
     TIFR1 = _BV(OCF1B);
     const uint16_t clocks = TCNT1;
     if (clocks < kEarliestEnd && !(ADCSRA & _BV(ADSC))) board::sampler.note_late_trigger();
+#ifdef __AVR_ATmega2560__
+    if (ended == kTemperature) {
+        board::beside.note_temperature(ADC);
+        return;
+    }
+#endif
+#ifdef __AVR_ATmega2560__
+    const bool pulse = !(PING & kMarkAndPulses), mark = !(PINE & kMarkAndPulses);
+    if (ended < Sampler::kSupply) board::beside.look(pulse, mark, board::sampler.due());
+#endif
     board::sampler.collect(ended == kBandgap ? Sampler::kSupply : ended, ADC);
 }
 

@@ -2,12 +2,16 @@
 #include <stdint.h>
 
 #include "flash.h"
+#include "traits.h"
 
+class Beside;
 class Link;
 class Sampler;
+class TogetherSampler;
 
-// What the hardware-independent parts need of the board. avr.cpp implements it for the
-// ATmega328P and 2560; the tests on a PC bring an implementation of their own.
+// What the hardware-independent parts need of the board, traits.h its numbers. avr.cpp implements
+// it for the ATmega328P and 2560; the tests on a PC bring implementations of their own, one of them
+// for a board whose converter is another.
 namespace board {
 
 // Time and life
@@ -29,9 +33,17 @@ void eeprom_read(uint8_t address, void* data, uint8_t size);
 void eeprom_write(uint8_t address, const void* data, uint8_t size);
 
 // Converter; its interrupt's end is the board's
-extern Sampler sampler;
-void sample(uint8_t conversions);  // of each input in a scan; 0 stops
-uint16_t reference_code();         // of the internal reference; only while nothing is sampled
+#ifdef BOARD_SIMULTANEOUS
+using Converter = TogetherSampler;
+#else
+using Converter = Sampler;
+#endif
+extern Converter sampler;
+void sample(
+    uint8_t conversions);   // of each input in a scan; 0 stops. The sensors' self-test is off
+void self_test(bool on);    // of all sensors, until something else is sampled
+uint16_t reference_code();  // of the internal reference; only while nothing is sampled
+extern Beside beside;       // where traits.h says that there is such a thing
 
 // Serial line; its interrupts' ends are the board's: they fetch bytes from Link::transmit() until
 // there are none

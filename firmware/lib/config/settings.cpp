@@ -2,7 +2,12 @@
 
 #include <string.h>
 
+#include "beside.h"
+#include "board.h"
+
 namespace {
+
+const uint32_t kMostPulsesPerKm = 1000000;
 
 char* trimmed(char* text) {
     while (*text == ' ') ++text;
@@ -71,7 +76,7 @@ const FlashChar* Settings::apply(const char* key, const char* value) {
     bool good = true;
     if (same(key, FLASH("rate"))) {
         good = read_number(value, 400, number) && (number == 100 || number == 200 || number == 400);
-        if (good) conversions = static_cast<uint8_t>(800 / number);
+        if (good) conversions = static_cast<uint8_t>(board::kConversionsHz / number);
     } else if (same(key, FLASH("channels"))) {
         char parsed[8][kChannelSize];
         good = parse_channels(value, parsed);
@@ -88,6 +93,9 @@ const FlashChar* Settings::apply(const char* key, const char* value) {
     } else if (same(key, FLASH("size_mb"))) {
         good = read_number(value, 4095, number) && number;
         if (good) size_mb = static_cast<uint16_t>(number);
+    } else if (board::kHasBeside && same(key, FLASH("pulses_per_km"))) {
+        good = read_number(value, kMostPulsesPerKm, number);
+        if (good) board::beside.pulses_per_km = number;
     } else {
         return FLASH("unknown key");
     }

@@ -3,6 +3,7 @@
 
 #include "flash.h"
 #include "text.h"
+#include "traits.h"
 
 // What the user chooses, by HOP.CFG or by the command `set` (SPEC.md, "HOP.CFG").
 struct Settings {
@@ -13,7 +14,7 @@ struct Settings {
                                       {'A', '1'}, {'A', '2'}, {'A', '3'}, {'A', '4'}};
     char name[kNameSize] = {};
     uint16_t size_mb = 128;
-    uint8_t conversions = 8;  // of each input in a scan: 800 / rate
+    uint8_t conversions = board::kConversionsHz / 100;  // of each input in a scan
     bool start_at_power = false;
     bool stream = false;
     bool resume = true;  // go on in another file after a reset, and when the file is full

@@ -100,6 +100,13 @@ void Console::say(char type, const FlashChar* line) {
     board::serial.send(type, static_cast<uint8_t>(text.length()));
 }
 
+void Console::say_mark(uint8_t number) {
+    Text text = compose();
+    text.put(FLASH("mark "));
+    text.number(number);
+    board::serial.send('M', static_cast<uint8_t>(text.length()));
+}
+
 void Console::say_config_problem(uint16_t line_number, const FlashChar* problem) {
     Text text = compose();
     text.put(FLASH("HOP.CFG line "));
@@ -150,6 +157,9 @@ const FlashChar* Console::carry_out(char* line) {
     } else if (same(line, FLASH("stream on")) || same(line, FLASH("stream off"))) {
         session_.settings.stream = line[8] == 'n';
         if (!session_.running()) sample_for_stream();
+    } else if (begins_with(line, FLASH("test o"))) {  // on, off
+        if (session_.running()) return not_now();
+        board::self_test(line[6] == 'n');
     } else if (begins_with(line, FLASH("set "))) {
         return set(line + 4);
     } else if (begins_with(line, FLASH("time "))) {

@@ -18,6 +18,7 @@ class Console {
     void sample_for_stream();  // without a session, sampling follows the setting
 
     void say(char type, const FlashChar* text);
+    void say_mark(uint8_t number);
     void say_config_problem(uint16_t line_number, const FlashChar* problem);
 
   private:

@@ -14,12 +14,12 @@ namespace {
 const BYTE kModified = 0x40;  // FatFs's mark for a changed directory entry
 
 // Of a large card not every small piece is looked for: reading its whole table takes too long. A
-// piece of a 512th is met in some 512 readings of 2 to 4 ms.
-const uint8_t kPieces = 9;  // as a power of two
+// piece of a 448th is met in some 448 readings of 2 to 4 ms.
+const uint16_t kPieces = 448;
 
 // Of small clusters a large file's chain takes too long to write: its end is at so many. They are
-// 128 sectors of a FAT32's table, 8 MiB of clusters of 512 bytes, and 512 MiB of 32 kB.
-const uint32_t kMostClusters = 16384;
+// 64 sectors of a FAT32's table, 4 MiB of clusters of 512 bytes, and 256 MiB of 32 kB.
+const uint32_t kMostClusters = 8192;
 
 // Not inlined, so that its memory is not on the stack below FatFs's deepest calls, which are those
 // of f_open() when the directory has to grow.
@@ -27,7 +27,7 @@ __attribute__((noinline)) FRESULT choose_place(FATFS& volume, uint16_t size_mb,
                                                logfile::Place& place) {
     // One cluster more than wanted: the directory may take one.
     const uint32_t per_mb = BLOCKS_PER_MB / volume.csize;
-    const uint32_t part = volume.n_fatent >> kPieces;
+    const uint32_t part = volume.n_fatent / kPieces;
     uint32_t wanted = size_mb * per_mb;
     if (wanted > kMostClusters) wanted = kMostClusters;
     logfile::Run run;

@@ -36,8 +36,8 @@ Trouble mount(FATFS& volume);
 uint16_t newest(Work& work);
 
 // Create the file of the first session after `number` that has none, and allocate a place for it:
-// one piece of `size_mb`, or of as much as there is, at least 1 MiB and a 512th of the card, at
-// most 16384 clusters. It stays open in `work`, and empty in the directory: an empty file is no
+// one piece of `size_mb`, or of as much as there is, at least 1 MiB and a 448th of the card, at
+// most 8192 clusters. It stays open in `work`, and empty in the directory: an empty file is no
 // session's yet, and is taken by the next attempt.
 Trouble create(FATFS& volume, Work& work, uint16_t& number, uint16_t size_mb, Place& place)
     __attribute__((noinline));  // its caller's registers need not be saved on FatFs's deepest calls

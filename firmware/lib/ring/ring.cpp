@@ -97,3 +97,4 @@ void RingOf<blocks>::hand_over() {
 
 template class RingOf<2>;
 template class RingOf<8>;
+template class RingOf<32>;

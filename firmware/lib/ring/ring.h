@@ -2,6 +2,7 @@
 #include <stdint.h>
 
 #include "block.h"
+#include "traits.h"
 
 // Blocks between sampling and card: one is being filled while others wait to be written.
 //
@@ -59,8 +60,4 @@ class RingOf {
     uint8_t waiting_ = 0;  // blocks
 };
 
-#ifdef __AVR_ATmega2560__
-using Ring = RingOf<8>;
-#else
-using Ring = RingOf<2>;
-#endif
+using Ring = RingOf<board::kRingBlocks>;

@@ -1,5 +1,6 @@
 #include "report.h"
 
+#include "beside.h"
 #include "board.h"
 #include "identity.h"
 #include "version.h"
@@ -37,6 +38,36 @@ const FlashChar* end_text(End end) {
     }
 }
 
+// What the headers of some boards say besides: before their last line, by which a listener knows
+// that it has all of them.
+const uint8_t kBesideLines = board::kHasBeside ? 2 : 0;
+const uint8_t kBoardLines = kBesideLines + (board::kFormat == '1' ? 0 : 4);
+const uint8_t kLastLine = 12;
+
+void board_line(uint8_t index, Text& text) {
+    if (board::kHasBeside && index < 2) {
+        if (index) {
+            put(text, FLASH("pulses_per_km="), board::beside.pulses_per_km);
+        } else {
+            text.put(FLASH("beside=mark pulses temperature"));
+        }
+        return;
+    }
+    switch (index - kBesideLines) {
+        case 0:
+            text.put(FLASH("order=together"));
+            break;
+        case 1:
+            put(text, FLASH("sum_bits="), board::kSumBits);
+            break;
+        case 2:
+            put(text, FLASH("code_bits="), board::kCodeBits);
+            break;
+        default:
+            put(text, FLASH("conversions_hz="), board::kConversionsHz);
+    }
+}
+
 using Line = bool (*)(const Session& session, uint8_t index, Text& text);
 
 void put_lines(const Session& session, Line line, Block& block) {
@@ -51,6 +82,13 @@ namespace report {
 bool header_line(const Session& session, uint8_t index, Text& text) {
     const Settings& settings = session.settings;
     char calibration[identity::kCalibrationSize];
+    if (kBoardLines && index >= kLastLine) {
+        if (index < kLastLine + kBoardLines) {
+            board_line(index - kLastLine, text);
+            return true;
+        }
+        index -= kBoardLines;
+    }
     switch (index) {
         case 0:
             text.put(FLASH("firmware=" FIRMWARE_VERSION));
@@ -68,7 +106,7 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
             text.put(settings.name);
             break;
         case 4:
-            put(text, FLASH("rate_hz="), 800 / settings.conversions);
+            put(text, FLASH("rate_hz="), board::kConversionsHz / settings.conversions);
             break;
         case 5:
             put(text, FLASH("conversions="), settings.conversions);
@@ -93,7 +131,7 @@ bool header_line(const Session& session, uint8_t index, Text& text) {
         case 11:
             put(text, FLASH("config_errors="), session.config_errors);
             break;
-        case 12:
+        case kLastLine:
             text.put(FLASH("continues="));
             if (session.continues) text.hex(session.continues, 8);
             break;

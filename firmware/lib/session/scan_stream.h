@@ -49,7 +49,7 @@ class ScanStream {
         board::serial.send('B', sizeof counts + sizeof shorts + sizeof bytes);
     }
 
-    uint8_t scan_[8 + 13] = {};
+    uint8_t scan_[8 + board::kScanBytes] = {};
     uint8_t scan_size_ = 0;  // 0: none waits
     bool block_is_safe_ = false;
 };

@@ -2,24 +2,26 @@
 
 #include <string.h>
 
+#include "beside.h"
 #include "board.h"
 #include "identity.h"
 #include "report.h"
+#include "sampler.h"
 #include "sdcard.h"
+#include "together.h"
 
 namespace {
 
 const uint16_t kWakeEveryMs = 500;
 const uint16_t kFlushLimitMs = 5000;
 const uint8_t kTries = 3;
-const uint8_t kMostTries = 3;  // that lengthen the pause before the next: 0.5, 1, 2, 4 s
-const uint16_t kBandgapMv = 1100;
+const uint8_t kMostTries = 3;       // that lengthen the pause before the next: 0.5, 1, 2, 4 s
 const uint16_t kSupplyStepMv = 50;  // a larger change goes into the file
 const uint8_t kSoon = 8;            // scans
 
 // Of the converter's reference, from the code of the internal one; 0 if that makes no sense.
 uint16_t supply_from(uint16_t code) {
-    const uint32_t mv = code ? 1023ul * kBandgapMv / code : 0;
+    const uint32_t mv = code ? board::kReferenceMv * board::kLargestCode / code : 0;
     return mv < 10000 ? static_cast<uint16_t>(mv) : 0;
 }
 
@@ -34,9 +36,7 @@ namespace memory {
 
 First first;
 Second second;
-#ifdef __AVR_ATmega2560__
 Block more[Ring::kBlocks - 2];
-#endif
 
 }  // namespace memory
 
@@ -134,6 +134,10 @@ Trouble Session::begin_file(uint16_t number) {
     in_flight_ = sealed_ = gone_ = false;
     tries_ = 0;
     running_ = known_card_ = true;
+    const uint16_t rate_hz = board::kConversionsHz / settings.conversions;
+    if (board::kHasBeside) {
+        board::beside.start(static_cast<uint8_t>(rate_hz / Beside::kPerSecond));
+    }
     board::sample(settings.conversions);
     return kNoTrouble;
 }
@@ -161,13 +165,14 @@ Trouble Session::stop(End end) {
 }
 
 bool Session::take(Scan& scan) {
-    uint16_t sums[Sampler::kInputs];
+    board::Sum sums[board::kInputs];
     if (!board::sampler.take(sums, scan.number, scan.late)) return false;
     scan.size = pack_scan(sums, settings.mask(), scan.packed);
     if (running_) {
         ring_.add(scan.number, scan.packed, scan.late);
         tally.late = scan.late;
-        if (Sampler::reads_supply(scan.number)) read_supply(scan.number);
+        if (board::Converter::reads_supply(scan.number)) read_supply(scan.number);
+        if (board::kHasBeside) board::beside.keep();
     }
     return true;
 }
@@ -178,7 +183,11 @@ bool Session::poll() {
     if (in_flight_) return settle_block();
     Block* block = ring_.waiting();
     if (!block) {
-        if (untold_mv_) tell_supply();
+        if (untold_mv_) {
+            tell_supply();
+        } else if (board::kHasBeside && board::beside.count() >= Beside::kSoon) {
+            tell_beside();
+        }
         return false;
     }
     if (card.state() != SdCard::Ready || card.id() != card_id_) {
@@ -221,6 +230,11 @@ void Session::tell_supply() {
     report::put_supply(ring_.insert('V'), untold_mv_, untold_scan_);
     told_mv_ = untold_mv_;
     untold_mv_ = 0;
+}
+
+void Session::tell_beside() {
+    if (card.state() != SdCard::Ready || ring_.depth() >= kSoon) return;
+    board::beside.put(ring_.insert('I'));
 }
 
 void Session::set_clock_ppm(int16_t ppm) {
@@ -312,8 +326,9 @@ bool Session::flush() {
         board::feed_watchdog();
         ring_.finish(board::sampler.due());
         poll();
-        if (!ring_.waiting() && !ring_.depth() && !in_flight_ && !untold_mv_)
-            return card.state() == SdCard::Ready;
+        if (ring_.waiting() || ring_.depth() || in_flight_ || untold_mv_) continue;
+        if (!board::kHasBeside || !board::beside.count()) return card.state() == SdCard::Ready;
+        tell_beside();
     }
     ring_.finish(board::sampler.due());
     if (in_flight_) ring_.lose(scans_in_flight_);

@@ -5,14 +5,14 @@
 #include "logfile.h"
 #include "panel.h"
 #include "ring.h"
-#include "sampler.h"
 #include "settings.h"
+#include "traits.h"
 
 struct Scan {
     uint32_t number;
     uint16_t late;
     uint8_t size;
-    uint8_t packed[13];
+    uint8_t packed[board::kScanBytes];
 };
 
 enum class End : uint8_t { Command, Button, Full, Gone };
@@ -34,11 +34,7 @@ extern First first;
 extern Second second;
 
 // A board with more RAM has blocks that are the ring's alone.
-#ifdef __AVR_ATmega2560__
-extern Block more[Ring::kBlocks - 2];
-#else
-constexpr Block* more = nullptr;
-#endif
+extern Block more[];
 
 }  // namespace memory
 
@@ -92,9 +88,7 @@ class Session {
     // A reset, or the end of its file, has ended a session that shall go on.
     bool interrupted() const;
     // The file takes no more: it is full, or no longer on the card.
-    bool over() const {
-        return running_ && (gone_ || tally.blocks + Ring::kBlocks + 3 > place_.blocks);
-    }
+    bool over() const { return running_ && (gone_ || tally.blocks + kReserve > place_.blocks); }
 
     // Fetch a finished scan from the sampler; while a session runs it is kept for the card.
     bool take(Scan& scan);
@@ -126,6 +120,10 @@ class Session {
     uint16_t supply_mv = 0;  // the last reading; 0: no sensible one
 
   private:
+    // Blocks of a file that are left for what may still come: the ring's, one of the supply, one of
+    // inputs beside the eight, and the summary.
+    static const uint8_t kReserve = Ring::kBlocks + 3 + board::kHasBeside;
+
     Trouble begin_file(uint16_t number) __attribute__((noinline));
     void find_newest() __attribute__((noinline));  // these save memory on the stack
     uint16_t last_number() const __attribute__((noinline));
@@ -139,6 +137,7 @@ class Session {
     void store_clock();
     void read_supply(uint32_t scan);
     void tell_supply();
+    void tell_beside();
     static void take_config_line(void* session, uint16_t number, Line::State state, char* text);
 
     ConfigProblem config_problem_;

@@ -13,7 +13,7 @@ from wheelhop.hil_sim.card import CardImage
 from wheelhop.hil_sim.faults import BLOCK_SIZE, Faults
 from wheelhop.hil_sim.process import Process
 from wheelhop.hil_sim.program import read_elf
-from wheelhop.hil_sim.signals import Signals, constant
+from wheelhop.hil_sim.signals import SELF_TEST, Signals, constant
 from wheelhop.hil_sim.trace import CPU_HZ, Trace
 
 MIDDLE = 512.0  # code of a sensor at rest
@@ -106,11 +106,13 @@ class Board(Closing):
         self._process = Process(self._program.mcu, Path(elf))
         self._cycle = 0
         self.state: State = "off"
+        self._wheel_hz = self._temperature_code = 0.0
         self.serial = Serial(self._process)
         try:
             self._process.ask(f"record {trace:d} {journal:d}")
             self.reference_volts = reference_volts
             self.signals = signals or constant(MIDDLE)
+            self.self_test = constant(SELF_TEST)
             self.faults = faults or Faults()
             self.insert(card)
             if eeprom is not None:
@@ -148,6 +150,36 @@ class Board(Closing):
         table = np.ascontiguousarray(signals.codes, dtype="<f8").tobytes()
         self._process.ask(f"signals {signals.rate_hz!r} {signals.repeat:d}", table)
         self._signals = signals
+
+    @property
+    def self_test(self) -> Signals:
+        """Codes by which the sensors' self-test shifts what they put out, in one row."""
+        return self._self_test
+
+    @self_test.setter
+    def self_test(self, codes: Signals) -> None:
+        self._process.ask("self-test", np.ascontiguousarray(codes.codes[0], dtype="<f8").tobytes())
+        self._self_test = codes
+
+    @property
+    def wheel_hz(self) -> float:
+        """Pulses a second of the wheel's sensor, at the Mega's D4; 0: the wheel stands."""
+        return self._wheel_hz
+
+    @wheel_hz.setter
+    def wheel_hz(self, pulses_per_s: float) -> None:
+        self._process.ask(f"wheel {round(CPU_HZ / pulses_per_s) if pulses_per_s else 0}")
+        self._wheel_hz = pulses_per_s
+
+    @property
+    def temperature_code(self) -> float:
+        """Code of what the temperature's sensor puts out, at the Mega's A8."""
+        return self._temperature_code
+
+    @temperature_code.setter
+    def temperature_code(self, code: float) -> None:
+        self._process.ask(f"temperature {code!r}")
+        self._temperature_code = code
 
     @property
     def faults(self) -> Faults:
@@ -211,6 +243,12 @@ class Board(Closing):
         self._process.ask("press 1")
         self.run(seconds)
         self._process.ask("press 0")
+
+    def press_mark(self, seconds: float = 0.1) -> None:
+        """Hold the button for marks, at the Mega's D3, down for `seconds` of board time."""
+        self._process.ask("press-mark 1")
+        self.run(seconds)
+        self._process.ask("press-mark 0")
 
     def trace(self) -> Trace:
         """The events since the last call, if the board was made with `trace`."""

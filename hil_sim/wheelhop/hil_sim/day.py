@@ -5,7 +5,7 @@ is hidden in them stands in truth.toml beside them, which no program reads.
 """
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -43,6 +43,20 @@ class Day:
     driving: Signals
     drives: tuple[Drive, ...]
     vehicle: str
+
+
+def drive_lines(drives: Iterable[Drive]) -> tuple[str, ...]:
+    """Of each drive its track and speed, in the words in which `wheelhop campaign add` asks."""
+    return tuple(
+        f"{drive.id} ({drive.role}): --track"
+        f" {' '.join([str(drive.track['kind']), *_numbers(drive.track)])}"
+        f" --speed-kmph {drive.speed_kmph:g}"
+        for drive in drives
+    )
+
+
+def _numbers(track: Mapping[str, str | float]) -> list[str]:
+    return [f"{key}={value:g}" for key, value in track.items() if not isinstance(value, str)]
 
 
 def read_day(name: str = EIGHT_DRIVES) -> Day:

@@ -172,6 +172,16 @@ class Rig:
             codes[:, number] = self._code(sensor, time_s)
         return from_array(codes, rate_hz)
 
+    def as_recorded(self, rng: np.random.Generator, rate_hz: float) -> Signals:
+        """The sensors for an emulated logger, with noise: codes over the logger's own clock, which
+        runs for two seconds longer than the table does."""
+        own_s = np.arange(int((self.shaking.duration_s + 2) * rate_hz)) / rate_hz
+        codes = np.full((len(own_s), CHANNELS), 512.0)
+        for number, sensor in enumerate(self.sensors):
+            noise = sensor.noise_code * rng.standard_normal(len(own_s))
+            codes[:, number] = self._code(sensor, self._true_time(own_s)) + noise
+        return from_array(codes, rate_hz)
+
     def _true_time(self, logger_s: Array) -> Array:
         return np.asarray((1 + 1e-6 * self.clock_ppm) * logger_s + self.clock_offset_s)
 

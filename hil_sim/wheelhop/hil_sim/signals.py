@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 CHANNELS = 8
+SELF_TEST = 43.0
+"""Codes by which an ADXL326's self-test shifts its Z output: 105 mV at 3 V of supply (data sheet),
+and as the cube of the supply; 140 mV of 3.3 V, which are code 1024."""
 CODES = 1024  # of a 10-bit converter; its reference voltage is code 1024
 
 

@@ -16,6 +16,7 @@ from wheelhop.campaign.common import (
     entry,
     frozen,
 )
+from wheelhop.campaign.factors import read_factors, scaled
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
 from wheelhop.campaign.types import (
@@ -35,7 +36,10 @@ MEASURED = {"displacement": FORCE, "force": DISPLACEMENT}
 """What is measured, by what the rig imposes."""
 
 COMPONENT_KEYS = ("mass_kg", "stiffness_N_m", "damping_N_s_m")
-TOP_KEYS = ("format", "kind", "title", "sample_rate_hz", "band_hz", "drive", "component", "run")
+TOP_KEYS = (
+    *("format", "kind", "title", "sample_rate_hz", "band_hz", "drive", "component", "factors"),
+    "run",
+)
 NONE, UNKNOWN, MASSLESS = "none", "unknown", "massless"
 """What a key says of a part that the component does not have, and of one of which nothing is known,
 as 0 does too; "massless" is another word for a mass that is "none"."""
@@ -82,6 +86,7 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
         channels=(channel,),
         runs=(),
         drive=drive,
+        factors=read_factors(top),
         mount_file=file_inside(folder, part, "mount") if "mount" in part else None,
         **about,
     )
@@ -90,7 +95,7 @@ def read_component(top: Table, folder: Path) -> ComponentCampaign:
         table.only(("id", "file", "role"))
         entries.append(entry(table, folder))
     check_entries(top, entries)
-    runs = tuple(_run(item, rate, empty.band_hz, drive) for item in entries)
+    runs = tuple(_run(item, empty, drive) for item in entries)
     for run in runs:
         if missing := runs[0].inputs.keys() ^ run.inputs.keys():
             raise CampaignError(
@@ -137,9 +142,11 @@ def _word(table: Table, key: str) -> str | None:
     return NONE if word == MASSLESS else word
 
 
-def _run(item: Entry, rate_hz: float, band_hz: tuple[float, float], drive: RigDrive) -> RigRun:
+def _run(item: Entry, campaign: ComponentCampaign, drive: RigDrive) -> RigRun:
+    rate_hz, band_hz = campaign.sample_rate_hz, campaign.band_hz
     units = {name: unit_of(name) for name in (*COLUMNS[1:], VELOCITY)}
     names, values = read_columns(item.file, wanted=units)
+    values = scaled(item.file, names, values, campaign.factors)
     for name in names:
         if name not in (*COLUMNS, VELOCITY) and not name.startswith(INPUT):
             raise CampaignError(f"{item.file}: unexpected column {name}; {RECORDED}")

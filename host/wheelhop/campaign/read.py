@@ -22,6 +22,7 @@ from wheelhop.campaign.component import read_component
 from wheelhop.campaign.course import Course
 from wheelhop.campaign.driven import Driven
 from wheelhop.campaign.duplicates import refuse_leaks
+from wheelhop.campaign.factors import read_factors, scaled
 from wheelhop.campaign.low_pass import read_low_pass
 from wheelhop.campaign.paths import file_inside
 from wheelhop.campaign.recordings import check_time, read_columns
@@ -42,7 +43,7 @@ Unread = Callable[[Sequence[Entry]], Container[str]]
 RUN_KEYS = ("id", "file", "role", "speed_kmph", "track")
 TOP_KEYS = (
     *("format", "kind", "title", "vehicle", "sample_rate_hz", "band_hz", "averaging_ms"),
-    *(*NOISE_KEYS, "filter", "channels", "run"),
+    *(*NOISE_KEYS, "filter", "channels", "factors", "run"),
 )
 START_KEYS = ("start_m", "start_m_uncertainty")
 CONSTANTS_FILE = "calibration.toml"
@@ -113,6 +114,7 @@ def _read(
         known=said.known,
         runs=(),
         low_pass=read_low_pass(top.table("filter")) if "filter" in top else None,
+        factors=read_factors(top),
     )
     listed = top.tables("run", "id")
     drives = [_drive(run, folder) for run in _counted(listed, "run", progress)]
@@ -212,6 +214,7 @@ def _with_recordings(campaign: Campaign, drives: list[_Drive], progress: Progres
         listed = campaign.channels or tuple(Channel(point, point) for point in POINTS)
         units = {channel.name: channel.unit for channel in (*listed, *known)}
         columns, values = read_columns(drive.file, constants, units)
+        values = scaled(drive.file, columns, values, campaign.factors)
         if not campaign.channels:
             _check_only_points(drive.file, columns)
         if not runs:

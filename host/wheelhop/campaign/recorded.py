@@ -12,9 +12,11 @@ from wheelhop.campaign.types import Channel
 from wheelhop.files.units import is_measured
 from wheelhop.formats import read
 from wheelhop.formats.table import POINTS
-from wheelhop.logger import correct_clock, correct_sensor
+from wheelhop.logger import correct_clock, correct_sensor, read_log
+from wheelhop.logger.beside import with_beside
 from wheelhop.logger.recording import ACCELERATION, CODE, Recording
 
+LOG = ".hop"
 CROSS_AXIS = 0.01  # ADXL326, Analog Devices, data sheet rev. 0, table 1
 UNMEASURED_CORNER = float(np.hypot(*NOMINAL_CORNER_LIMITS) / np.sqrt(3))
 
@@ -24,11 +26,21 @@ def read_recording(
 ) -> Recording:
     """Read a recording; codes become m/s² if there are constants, or if `nominal` ones will do.
 
-    The error of the logger's clock, where it was measured, and the sensors' own low-pass are
-    undone; the averaging of each sample is not, since the model averages, too. Raises
-    ExchangeError, LoggerError or CalibrationError.
+    What a logger has beside its eight inputs are channels, too. The error of the logger's clock,
+    where it was measured, and the sensors' own low-pass are undone; the averaging of each sample is
+    not, since the model averages, too. Raises ExchangeError, LoggerError or CalibrationError.
     """
     recording = read(file)
+    own_s = recording.time_s
+    beside = (
+        read_log(file).beside
+        if recording.notes.get("beside") and file.suffix.lower() == LOG
+        else None
+    )
+    return with_beside(_in_si(recording, constants_file, nominal), beside, own_s)
+
+
+def _in_si(recording: Recording, constants_file: Path | None, nominal: bool) -> Recording:
     if recording.notes.get("clock_ppm"):
         recording = correct_clock(recording)
     if all(channel.unit != CODE for channel in recording.channels):
@@ -36,7 +48,8 @@ def read_recording(
     if constants_file is not None:
         return _calibrated(recording, read_constants(constants_file))
     if nominal:
-        return _calibrated(recording, nominal_constants(c.name for c in recording.channels))
+        coded = [c.name for c in recording.channels if c.unit == CODE]
+        return _calibrated(recording, nominal_constants(coded))
     return recording
 
 
@@ -88,8 +101,20 @@ def with_uncertainty(channel: Channel, constants: Constants) -> Channel:
 
 
 def _calibrated(recording: Recording, constants: Constants) -> Recording:
-    calibrated = constants.apply(recording)
-    corners = [constants.of(channel.name).corner_hz for channel in recording.channels]
+    """What is in codes, by its constants; what is measured otherwise stays."""
+    coded = np.array([channel.unit == CODE for channel in recording.channels])
+    codes = replace(
+        recording,
+        values=recording.values[:, coded],
+        channels=tuple(c for c in recording.channels if c.unit == CODE),
+    )
+    calibrated = constants.apply(codes)
+    corners = [constants.of(channel.name).corner_hz for channel in calibrated.channels]
     # Gravity does not tell the corner; without one every body resonance would come out too low.
     known = [corner.value if corner else NOMINAL_CORNER_HZ for corner in corners]
-    return correct_sensor(calibrated, known)
+    done = correct_sensor(calibrated, known)
+    values = recording.values.copy()
+    values[:, coded] = done.values
+    made = iter(done.channels)
+    channels = tuple(next(made) if c.unit == CODE else c for c in recording.channels)
+    return replace(done, values=values, channels=channels)

@@ -182,7 +182,8 @@ class Campaign:
     `noise_rms` the noise floor of one channel of the `leading` quantity inside `band_hz`, None when
     it is not known; `noise_key` is its name in campaign.toml.
     `channels` stand in the column order of the first run's recording, without those that are
-    `known`: read and kept, but neither compared nor used.
+    `known`: read and kept, but neither compared nor used. `factors` are those that columns of the
+    recordings were multiplied by.
     """
 
     folder: Path
@@ -197,6 +198,7 @@ class Campaign:
     means: int = field(default=1, kw_only=True)
     low_pass: LowPass | None = field(default=None, kw_only=True)
     known: tuple[Channel, ...] = field(default=(), kw_only=True)
+    factors: Mapping[str, float] = field(default_factory=dict, kw_only=True)
 
     @property
     def leading(self) -> Channel:

@@ -39,7 +39,9 @@ def _stretches(arguments: Namespace, recording: Recording) -> int:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     unit = recording.channels[0].unit
     steady = ("steady from, s", "to, s", "seconds", f"rms, {unit}")
-    for heading in ("stretch", "from, s", "to, s", *steady):
+    marks = [float(at_s) for at_s in recording.notes.get("marks_s", "").split()]
+    headings = ("stretch", "from, s", "to, s", *steady, *(("marks",) if marks else ()))
+    for heading in headings:
         table.add_column(heading, justify="right")
     found = stretches(recording)
     for number, piece in enumerate(found, start=1):
@@ -49,12 +51,22 @@ def _stretches(arguments: Namespace, recording: Recording) -> int:
             *(f"{end:.2f}" for end in (*whole, *steadily)),
             f"{steadily[1] - steadily[0]:.1f}",
             f"{piece.rms:.3g}",
+            *((_marks_in(marks, *whole),) if marks else ()),
         )
     console = open_console()
     console.print(table)
     if not found:
         console.print("no stretch of 5 s or more without a gap")
+    if marks:
+        told = ", ".join(f"{number} at {at_s:.1f} s" for number, at_s in enumerate(marks, start=1))
+        console.print(f"marks: {told}")
     return 0
+
+
+def _marks_in(marks: Sequence[float], first_s: float, last_s: float) -> str:
+    """The numbers of the marks that were made in a stretch."""
+    inside = [str(k) for k, at_s in enumerate(marks, start=1) if first_s <= at_s <= last_s]
+    return ", ".join(inside)
 
 
 def _seconds(recording: Recording, piece: Stretch, whole: bool) -> tuple[float, float]:

@@ -21,6 +21,7 @@ from wheelhop.logger import (
     correct_window,
     read_log,
 )
+from wheelhop.logger.beside import with_beside
 from wheelhop.logger.correct import TAPS
 
 MARGIN = 2 * TAPS  # scans on either side that two filters look at
@@ -81,7 +82,9 @@ def _parts(
         from_, to = max(begin - MARGIN, 0), min(end + MARGIN, log.due)
         recording = log.recording(from_, to, by_number=arguments.raw)
         margin, rows = _rows(log, from_, begin, end, arguments.raw)
+        own_s = recording.time_s
         recording = _corrected(recording, arguments, constants)
+        recording = with_beside(recording, log.beside, own_s)
         part = replace(
             recording,
             values=recording.values[margin:rows],
@@ -94,7 +97,7 @@ def _rows(log: Log, zero: int, begin: int, end: int, by_number: bool) -> tuple[i
     """First row of scans `begin` … `end` − 1, and the one behind their last, counted from scan
     number `zero`: late triggers let rows run ahead of numbers."""
     late = log.late_before(np.array([zero, begin, end])) * (not by_number)
-    first, stop = np.ceil((late[1:] - late[0]) / (8 * log.settings.conversions)).astype(int)
+    first, stop = np.ceil((late[1:] - late[0]) / log.settings.steps).astype(int)
     return begin - zero + int(first), end - zero + int(stop)
 
 

@@ -6,10 +6,14 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 from threading import Event
+from typing import TypeGuard
 
 from wheelhop.campaign import read_campaign
+from wheelhop.campaign.selection import run_of
+from wheelhop.hil_sim.day import drive_lines, read_day
 from wheelhop.hil_sim.double.codes import STROKE_M, from_campaign, inputs_of
 from wheelhop.hil_sim.emulated import Acts, emulated_logger
+from wheelhop.hil_sim.on_rigs import on_rig
 from wheelhop.hil_sim.signals import CODES
 from wheelhop.logger.error import LoggerError
 
@@ -23,7 +27,17 @@ def run(arguments: Namespace) -> int:
         raise LoggerError(f"{card}: there is no such folder")
     if arguments.campaign is None and arguments.run is not None:
         raise LoggerError("--run is of a campaign: give --campaign, too")
-    acts = () if arguments.campaign is None else _of_campaign(arguments.campaign, arguments.run)
+    if arguments.on and (arguments.campaign or arguments.files is None):
+        raise LoggerError("--on stands on a rig: give --files FOLDER for its files, no --campaign")
+    if arguments.files is not None and not arguments.on:
+        raise LoggerError("--files is for the files of a rig: give --on shaker or --on beam, too")
+    acts: Acts = ()
+    drives = drive_lines(read_day().drives)
+    if arguments.on:
+        acts, drives = (on_rig(arguments.on, arguments.files),), ()
+    elif arguments.campaign is not None:
+        acts = _of_campaign(arguments.campaign, arguments.run)
+        drives = (_as_driven(arguments.campaign, arguments.run),)
     with emulated_logger(card, arguments.factor, acts) as (double, acts):
         print(
             f"An emulated logger is at {double.url}; its time runs {arguments.factor:g} times"
@@ -32,12 +46,27 @@ def run(arguments: Namespace) -> int:
         for number, (words, signals) in enumerate(acts, start=1):
             seconds = len(signals.codes) / signals.rate_hz
             print(f"session {number}: {words}; {seconds / arguments.factor:.0f} s")
+        for line in drives:
+            print(f"  {line}")
         print("Enter presses its button: start, stop. Ctrl-C switches it off.", flush=True)
         for _ in sys.stdin:
             double.press_button()
             print("pressed", flush=True)
         Event().wait()  # nobody at the keyboard: until it is interrupted
     return 0
+
+
+def _as_driven(folder: Path, run: str | None) -> str:
+    """Track and speed of a campaign's run, in SI but for the speed."""
+    campaign = read_campaign(folder)
+    one = run_of(campaign, run) if run else campaign.runs[0]
+    values = [f"{key}={value:g}" for key, value in one.track.values.items() if _is_told(value)]
+    how = " ".join([one.track.kind, *values])
+    return f"{one.id} ({one.role}): {how} at {3.6 * one.speed_m_s:.3g} km/h"
+
+
+def _is_told(value: float | str) -> TypeGuard[float]:
+    return not isinstance(value, str) and value != 0
 
 
 def _of_campaign(folder: Path, run: str | None) -> Acts:

@@ -59,6 +59,14 @@ def make_parser() -> argparse.ArgumentParser:
     emulate.add_argument(
         "--campaign", metavar="FOLDER", type=Path, help="feel a run of it (default: a field day)"
     )
+    emulate.add_argument(
+        "--on",
+        choices=("shaker", "beam"),
+        help="stand on a calibrator's shaker, or on the cantilever",
+    )
+    emulate.add_argument(
+        "--files", metavar="FOLDER", type=Path, help="where the rig's files are put"
+    )
     emulate.add_argument("--run", metavar="ID", help="which run of it (default: the first)")
     _make_logs(commands)
     _make_checks(commands)
@@ -162,17 +170,19 @@ def _make_recording(commands: "argparse._SubParsersAction[OneLineParser]") -> No
     logger = commands.add_parser("logger", help="ask the logger, and set it up")
     logger.add_argument(
         "action",
-        choices=("info", "status", "list", "time", "start", "stop", "ports"),
+        choices=("info", "status", "list", "time", "start", "stop", "ports", "selftest"),
         nargs="?",
         default="info",
-        help="default info; time: tell it the time; ports: those that may have a logger",
+        help="default info; time: tell it the time; ports: those that may have a logger; selftest:"
+        " tell a dead sensor from a still one",
     )
     logger.add_argument(
         "--set",
         metavar="KEY=VALUE",
         action="append",
         default=[],
-        help="rate, channels, name, start, stream, size_mb, device, calibration, clock_ppm",
+        help="rate, channels, name, start, stream, size_mb, pulses_per_km, device, calibration,"
+        " clock_ppm",
     )
     record = commands.add_parser("record", help="write what the logger streams, and show it")
     record.add_argument(

@@ -200,7 +200,7 @@ class _Problem:
         self.known = {} if known is None else known.derivatives
         self.converged = CONVERGED_QUICK if self.known else CONVERGED
         self.borrowed = set[str]() if known is None else {f.name for f in known.shared}
-        self.hears_heights = known is None or known.model.random_heights is not None
+        self.heights = {} if known is None else {r.bench.run.id: r.heights for r in known.runs}
 
     def own(self, bench: Bench, model: Model) -> tuple[Free, ...]:
         return tuple(run_parameters(bench.run, bench.simulator.setting, model))
@@ -262,8 +262,13 @@ class _Problem:
             heights = None
             if model.random_heights is not None and bench.simulator.series is not None:
                 ground = Ground(bench, model, systems[bench.drive])
-                level = model.heights[bench.run.id].ravel()
-                heights = Heights(ground, level, np.zeros(len(level)), 1.0)
+                level, known = model.heights[bench.run.id].ravel(), self.heights.get(bench.run.id)
+                slopes = {**known.slopes} if known else {}
+                # Derivatives made without heights do not know what a sharper resonance gains.
+                for f in others if known or not self.known else ():
+                    other, beside = moved[f.name]
+                    slopes[f.name] = ground.slope(other, beside[bench.drive], f.step)
+                heights = Heights(ground, level, np.zeros(len(level)), 1.0, slopes)
             return RunFit(bench, own, residual, derivatives, np.ones(bench.size), heights)
 
         found |= {run.bench.run.id: run for run in self.workshop.each(linearise_run, benches)}
@@ -355,17 +360,12 @@ class _Problem:
     def _pull_of_heights(self, state: Fit) -> Array:
         """Half of how the logarithm of the volume that unknown heights may fill grows (g,) along
         the shared numbers. Without it resonances come out too sharp: the sharper, the less height
-        explains a record. Derivatives made without heights do not know of that gain: then no."""
+        explains a record."""
         heights = [run.heights for run in state.runs if run.heights is not None]
-        rough = [h for h in heights if h.coefficients.any() and self.hears_heights]
-        if not rough:
-            return np.zeros(len(self.shared))
-        # A run's response may be that of an earlier model. The growth from there to here is none
-        # along any number, so it is subtracted.
-        models = [state.model.with_values(stepped(f, state.model.values)) for f in self.shared]
-        others = [(model, self.workshop.systems(model)) for model in (state.model, *models)]
-        grown = np.sum(self.workshop.each(lambda heights: heights.growths(others), rough), axis=0)
-        return np.asarray(0.5 * (grown[1:] - grown[0]) / [f.step for f in self.shared])
+        rough = [h for h in heights if h.coefficients.any()]
+        names = [f.name for f in self.shared]
+        grown = self.workshop.each(lambda heights: heights.growths(names), rough)
+        return np.asarray(0.5 * np.sum(grown, axis=0) if grown else np.zeros(len(names)))
 
     def _prior(self, model: Model, runs: Sequence[RunFit]) -> float:
         total = self.belief.distance(model.values)

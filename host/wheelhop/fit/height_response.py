@@ -102,6 +102,21 @@ class Ground:
         return np.asarray(sensed[:, self.bench.predicted][:, :, self.bench.predicted] @ response)
 
     @cached_property
+    def in_band_rad_m(self) -> Array:
+        """Wave numbers (f,) of the band's frequencies at the mean speed."""
+        return np.asarray(2 * np.pi * self.bench.band.frequency_hz / self.speed_m_s)
+
+    @cached_property
+    def in_band(self) -> ComplexArray:
+        """The response (f, c, paths) there."""
+        return self.response(self.in_band_rad_m)
+
+    def slope(self, other: Model, system: System, step: float) -> ComplexArray:
+        """The change of `in_band` to another model, per `step`; kept like derivatives."""
+        change = self.about(other, system).response(self.in_band_rad_m) - self.in_band
+        return np.asarray(change / step, np.complex64)
+
+    @cached_property
     def _response(self) -> ComplexArray:
         return self.response(self.wave_number_rad_m)
 

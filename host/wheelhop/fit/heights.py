@@ -10,7 +10,7 @@ R. Tibshirani, J. Friedman, The Elements of Statistical Learning, 2009, eq. 3.50
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,13 +20,10 @@ from scipy import linalg
 from wheelhop.effects import RandomHeights
 from wheelhop.fit.height_response import Ground
 from wheelhop.fit.work import PER_HEIGHT
-from wheelhop.simulate import Model
-from wheelhop.vehicle import Drive, System
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 Values = Mapping[str, float]
-Systems = Mapping[Drive, System]
 
 LEAST_VARIANCE_M2 = 1e-24
 """Heights of a picometre can be divided by."""
@@ -38,13 +35,14 @@ class Heights:
 
     ``coefficients`` (2k,), m, left and then right path; ``variance`` (2k,), m², of the real and of
     the imaginary part of each; ``sigma``, standard deviation of the noise of one in-band
-    coefficient.
+    coefficient; ``slopes``, of `Ground.in_band` by the name of a shared number, per `Free.scale`.
     """
 
     ground: Ground
     coefficients: ComplexArray
     variance: Array
     sigma: float
+    slopes: Mapping[str, ComplexArray] = field(default_factory=dict)
 
     def believed(self, effect: RandomHeights, theta: Values, sigma: float) -> Heights:
         """These heights with the prior that the effect's density states."""
@@ -79,16 +77,14 @@ class Heights:
         """Twice the logarithm of the share of the prior's volume that the record leaves."""
         return -4.0 * float(np.log(np.diag(self._lower).real).sum())
 
-    def growths(self, others: Sequence[tuple[Model, Systems]]) -> Array:
-        """By how much that is larger (m,) about m other models, to first order. Which of them make
-        it larger is told frequency by frequency, as in `freed`; how large it is, is known."""
-        ground, wave = self.ground, self._wave
-        inner, response = self._inner, ground.response(wave)
+    def growths(self, names: Sequence[str]) -> Array:
+        """How fast that grows (m,) along shared numbers; 0 where no slope is known. Along which of
+        them it grows is told frequency by frequency, as in `freed`; how large it is, is known."""
+        inner = self._inner
         apart = 2.0 * float(np.linalg.slogdet(inner)[1].sum())
-        pull = response @ (self._gain[:, None, None] * inner)
-        beside = [ground.about(model, systems[ground.bench.drive]) for model, systems in others]
-        grown = [np.vdot(pull, other.response(wave) - response).real for other in beside]
-        return -4.0 * (self.log_volume / apart if apart else 1.0) * np.array(grown)
+        pull = self.ground.in_band @ (self._gain[:, None, None] * inner)
+        found = [np.vdot(pull, self.slopes[n]).real if n in self.slopes else 0.0 for n in names]
+        return -4.0 * (self.log_volume / apart if apart else 1.0) * np.array(found)
 
     def _count(self) -> None:
         self.ground.bench.work.add(PER_HEIGHT * len(self.coefficients) ** 3)
@@ -119,28 +115,23 @@ class Heights:
     @cached_property
     def _remainder(self) -> ComplexArray:
         """R (f, c, c) at the band's frequencies."""
-        response = self.ground.response(self._wave)
+        response = self.ground.in_band
         adjoint = response.conj().transpose(0, 2, 1)
         gain = self._gain[:, None, None]
         return np.asarray(np.eye(response.shape[1]) - response @ (gain * self._inner) @ adjoint)
 
     @property
-    def _wave(self) -> Array:
-        """Wave numbers (f,) of the band's frequencies at the mean speed."""
-        return np.asarray(2 * np.pi * self.ground.bench.band.frequency_hz / self.ground.speed_m_s)
-
-    @property
     def _gain(self) -> Array:
         """Variance (f,) of a coefficient of the heights, over that of the noise."""
         ground, count = self.ground, self.ground.series.count
-        variance = np.interp(self._wave, ground.wave_number_rad_m, self.variance[:count])
-        density = variance / ground.step_rad_m
+        wave, variance = ground.wave_number_rad_m, self.variance[:count]
+        density = np.interp(ground.in_band_rad_m, wave, variance) / ground.step_rad_m
         return np.asarray(ground.coefficient_variance * density / self.sigma**2)
 
     @property
     def _inner(self) -> ComplexArray:
         """(1 + gain RᴴR)⁻¹ (f, 2, 2), R the response to left and right path."""
-        response = self.ground.response(self._wave)
+        response = self.ground.in_band
         square = response.conj().transpose(0, 2, 1) @ response
         return np.asarray(np.linalg.inv(np.eye(2) + self._gain[:, None, None] * square))
 

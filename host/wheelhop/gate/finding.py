@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import log
 from typing import Literal
+
+from wheelhop.campaign.change import Proposal
 
 FALSE_ALARM = 1e-3
 """The chance that a test of the gate speaks up although nothing is wrong. Chosen once, for all."""
@@ -21,7 +23,7 @@ class Finding:
     `when` is "before" a fit (the gate: the campaign is not what its files say) or "after" it (the
     critic: what the fit's own numbers betray). `kind` is the same word for the same mistake;
     `about` says where: a key, a run, channels, a parameter. `text` is one sentence with the
-    evidence, `remedy` what to do.
+    evidence, `remedy` what to do, `fixes` are changes of the campaign's files that do it.
     """
 
     when: When
@@ -30,6 +32,7 @@ class Finding:
     text: str
     remedy: str
     severity: Severity = "likely"
+    fixes: tuple[Proposal, ...] = ()
 
 
 def needed(tried: int) -> float:
@@ -41,4 +44,7 @@ def needed(tried: int) -> float:
 
 def to_json(findings: Iterable[Finding]) -> list[dict[str, str]]:
     """As `diagnose --json` and `compare --json` write them."""
-    return [asdict(finding) for finding in findings]
+    return [
+        {key: value for key, value in asdict(replace(f, fixes=())).items() if key != "fixes"}
+        for f in findings
+    ]

@@ -120,7 +120,7 @@ def _driven(
     if runs.description.kind in ("", "speed"):
         findings += unit_findings(campaign, vehicle, runs)
     if not _of(findings, "units"):
-        findings += run_findings(runs, copied)
+        findings += run_findings(runs, campaign.folder, copied)
     return findings
 
 

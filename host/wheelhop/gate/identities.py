@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.campaign import Campaign, Channel
+from wheelhop.campaign.change import of_campaign
 from wheelhop.compare.band import InBand
 from wheelhop.gate.descriptions import OTHER_UNITS
 from wheelhop.gate.finding import Finding
+from wheelhop.gate.fixes import ratio, scaled, turned
 from wheelhop.vehicle.layout import CORNERS, corner_position
 
 Array = NDArray[np.float64]
@@ -51,9 +53,10 @@ def identity_findings(campaign: Campaign, values: Mapping[str, float]) -> Iterat
             if own.share < TOLD / 2 and shown[better].share > TOLD:
                 yield _of_another_corner(channel, better + 1)
             else:
-                yield from _signed(channel, own)
+                yield from _signed(campaign, channel, own)
         elif channel.quantity == "rate":
-            yield from _signed(channel, _compared(campaign, i, _turn(campaign, channel, values)))
+            turn = _compared(campaign, i, _turn(campaign, channel, values))
+            yield from _signed(campaign, channel, turn)
 
 
 def _ends(campaign: Campaign, corner: int) -> dict[str, float]:
@@ -121,10 +124,16 @@ def _of_another_corner(channel: Channel, corner: int) -> Finding:
         f"{channel.name} does not show what body and axle do at corner {(channel.corner or 0) + 1},"
         f" but what they do at corner {corner}.",
         f"Look which potentiometer is {channel.name}, and at corner = … under [channels].",
+        fixes=(
+            of_campaign(
+                f"Write {channel.name} at corner {corner}",
+                (("channels", channel.name, "corner"), corner),
+            ),
+        ),
     )
 
 
-def _signed(channel: Channel, shown: _Shown) -> Iterator[Finding]:
+def _signed(campaign: Campaign, channel: Channel, shown: _Shown) -> Iterator[Finding]:
     """Whether a channel has the sign and the unit that it should."""
     if shown.share < TOLD:
         return
@@ -136,6 +145,7 @@ def _signed(channel: Channel, shown: _Shown) -> Iterator[Finding]:
             f"{channel.name} counts the wrong way round: accelerometers show the opposite of it.",
             "Turn the sensor round, or change the sign of its column, or of per_wheel.",
             "certain",
+            fixes=(turned(campaign, [channel.name]),),
         )
     gain = np.log(abs(shown.gain))
     away = {
@@ -150,6 +160,13 @@ def _signed(channel: Channel, shown: _Shown) -> Iterator[Finding]:
             f"units of {channel.name}",
             f"{times}: it seems to be in {unit}, not in {channel.unit}.",
             f"Convert {channel.name} to {channel.unit}.",
+            fixes=(
+                scaled(
+                    campaign,
+                    {channel.name: 1.0 / OTHER_UNITS[channel.quantity][unit]},
+                    f"Convert {channel.name} from {unit}",
+                ),
+            ),
         )
     elif channel.corner is not None and abs(gain) > OFF:
         yield Finding(
@@ -158,4 +175,5 @@ def _signed(channel: Channel, shown: _Shown) -> Iterator[Finding]:
             f"per_wheel of {channel.name}",
             f"{times} and per_wheel = {channel.per_wheel:g} states.",
             "Look at per_wheel: what the sensor shows per what happens at the wheel.",
+            fixes=(ratio(channel, float(abs(shown.gain))),),
         )

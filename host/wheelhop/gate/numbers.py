@@ -8,13 +8,17 @@ from math import pi, sqrt
 
 from scipy.special import bdtrc
 
+from wheelhop.campaign.change import Proposal
 from wheelhop.campaign.sample import VEHICLE
 from wheelhop.gate.finding import FALSE_ALARM, Finding
+from wheelhop.gate.fixes import in_vehicle
 from wheelhop.vehicle import Vehicle, axles, wheels
 
 CHANCE_ALIKE = 0.1
 """That a number of one's own agrees with the sample's in all its digits: most are round."""
 
+MILLI = 1e-3
+"""What a number in millimetres, or per millimetre, is off by."""
 LENGTHS_M = {
     "geometry.wheelbase_m": (0.3, 15.0),
     "geometry.track_width_m": (0.2, 5.0),
@@ -41,7 +45,10 @@ def impossible(vehicle: Vehicle) -> Iterator[Finding]:
     for key, (low, high) in LENGTHS_M.items():
         if key in vehicle.values and not low <= vehicle[key] <= high:
             yield _no_vehicle(
-                key, f"{key} = {vehicle[key]:g}", f"vehicles have {low:g} to {high:g} m"
+                key,
+                f"{key} = {vehicle[key]:g}",
+                f"vehicles have {low:g} to {high:g} m",
+                (in_vehicle(f"Write {key} in metres", {key: MILLI * vehicle[key]}),),
             )
     yield from _dynamics(vehicle.values)
 
@@ -79,6 +86,7 @@ def _outside(
     unit: str,
 ) -> Iterator[Finding]:
     if not bounds[0] <= value <= bounds[1]:
+        times = MILLI if value > bounds[1] else 1.0 / MILLI
         if unit.startswith("geometry."):
             what, unit = f"{what} {unit[9:-2].replace('_', ' ')}", ""
         unit = f" {unit}" if unit else ""
@@ -86,10 +94,11 @@ def _outside(
             key,
             f"{key} = {v[key]:g} puts {what} at {value:.3g}{unit}",
             f"vehicles have {bounds[0]:g} to {bounds[1]:g}{unit}",
+            (in_vehicle(f"Write {key} × {times:g}", {key: v[key] * times}),),
         )
 
 
-def _no_vehicle(key: str, what: str, usual: str) -> Finding:
+def _no_vehicle(key: str, what: str, usual: str, fixes: tuple[Proposal, ...]) -> Finding:
     return Finding(
         "before",
         "no-vehicle",
@@ -97,6 +106,7 @@ def _no_vehicle(key: str, what: str, usual: str) -> Finding:
         f"{what}; {usual}.",
         "Look at its unit: keys take N/m, N s/m, kg, kg m² and m; 10.5 N/mm is 10500 N/m.",
         "certain",
+        fixes,
     )
 
 

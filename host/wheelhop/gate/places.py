@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import log
 
 from wheelhop.campaign import Campaign
@@ -17,6 +18,7 @@ from wheelhop.gate.descriptions import (
 )
 from wheelhop.gate.drive import REACH, Drive
 from wheelhop.gate.finding import Finding, needed
+from wheelhop.gate.fixes import of_description
 from wheelhop.gate.runs import Runs
 
 SPEEDS = {"metres per second": 3.6, "miles per hour": 1.609344, "knots": 1.852}
@@ -43,6 +45,9 @@ def likeliest(campaign: Campaign, drives: Sequence[Drive]) -> tuple[Runs, Findin
     # Of kinds that explain the runs alike, the commoner comes first.
     best = max((i for i in near if descriptions[i].kind == rivals[0].kind), key=likely.__getitem__)
     finding = _finding(descriptions[best], rivals, likely[best] - likely[0], len(drives))
+    times = SPEEDS.get(_unit_of(descriptions[best].speed), descriptions[best].speed)
+    fixes = of_description(descriptions[best], times, campaign)
+    finding = replace(finding, fixes=fixes)
     return Runs(drives, descriptions[best], found[best]), finding
 
 

@@ -16,6 +16,7 @@ from wheelhop.campaign.types import BODY_POINTS
 from wheelhop.compare import weighed
 from wheelhop.compare.quantisation import step_of
 from wheelhop.gate.finding import Finding, needed
+from wheelhop.gate.fixes import leave_out, without
 from wheelhop.gate.spectra import QUARTERS, Spectra
 
 Array = NDArray[np.float64]
@@ -72,6 +73,7 @@ def copy_findings(copies: Iterable[Copy]) -> Iterator[Finding]:
             " noise included.",
             "Leave one of them out, or cut them so that they do not overlap.",
             "certain",
+            fixes=tuple(leave_out(run.id) for run in (a, b)),
         )
 
 
@@ -244,6 +246,7 @@ def noise_findings(campaign: Campaign, spectra: Sequence[Spectra]) -> Iterator[F
             f"State the noise in band in {first.unit}, as a recording at rest shows it, or leave"
             " the key out.",
             "certain" if ratio > 1 else "likely",
+            fixes=(without(key),),
         )
 
 

@@ -6,12 +6,15 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import log
+from pathlib import Path
 
 import numpy as np
 
+from wheelhop.campaign.change import Proposal
 from wheelhop.gate.descriptions import FACTORS, UNLIKE, Description
 from wheelhop.gate.drive import Drive, OnWaves, speeds_about
 from wheelhop.gate.finding import Finding, needed
+from wheelhop.gate.fixes import exchanged, heights, leave_out, of_speed, real, same_track
 from wheelhop.gate.match import Match
 
 AT_REST = 0.1
@@ -63,11 +66,12 @@ class Runs:
         )
 
 
-def run_findings(runs: Runs, known: Collection[str] = ()) -> Iterator[Finding]:
-    """The mistakes that single runs betray, at most one each, but for the ids already `known`."""
+def run_findings(runs: Runs, folder: Path, known: Collection[str] = ()) -> Iterator[Finding]:
+    """The mistakes that single runs of the campaign in `folder` betray, at most one each, but for
+    the ids already `known`."""
     as_stated = {d.run.id: runs.likelihood(m) for d, m in zip(runs.drives, runs.found, strict=True)}
     named = set(known)
-    for finding, ids in (*_at_rest(runs), *_exchanged(runs, as_stated)):
+    for finding, ids in (*_at_rest(runs), *_exchanged(runs, as_stated, folder)):
         if not named & set(ids):
             named |= set(ids)
             yield finding
@@ -99,13 +103,14 @@ def _at_rest(runs: Runs) -> Iterator[tuple[Finding, tuple[str, ...]]]:
                     " it: the vehicle stood, or was not on the track.",
                     "Cut the stretch where it drove, or leave the run out.",
                     "certain",
+                    fixes=(leave_out(run.id),),
                 ),
                 (run.id,),
             )
 
 
 def _exchanged(
-    runs: Runs, as_stated: Mapping[str, float]
+    runs: Runs, as_stated: Mapping[str, float], folder: Path
 ) -> Iterator[tuple[Finding, tuple[str, ...]]]:
     """Pairs of runs each of which explains the other's recording better than its own."""
     rises = []
@@ -130,6 +135,7 @@ def _exchanged(
                 f"The recording of {a_run.id} has the lines of {b_run.id}'s track and speed, and"
                 " the other way round: the two are exchanged.",
                 f"Exchange the files (or track and speed) of {a_run.id} and {b_run.id}.",
+                fixes=(exchanged(a_run, b_run, folder),),
             ),
             (a_run.id, b_run.id),
         )
@@ -141,6 +147,7 @@ def _misdescribed(runs: Runs, drive: Drive, as_stated: float) -> Finding | None:
     others = [o for o in runs.told if o is not drive]
     tried = len(runs.drives) * (len(others) + len(FACTORS))
     best, words = as_stated + needed(tried), ""
+    fixes: tuple[Proposal, ...] = ()
     for factor in FACTORS:
         if abs(log(factor)) > log(1 + ALIKE):
             likely = runs.under(drive, factor * run.speed_m_s)
@@ -150,6 +157,8 @@ def _misdescribed(runs: Runs, drive: Drive, as_stated: float) -> Finding | None:
                     f"a speed of about {3.6 * factor * run.speed_m_s:.2g} km/h, not"
                     f" {3.6 * run.speed_m_s:.3g}"
                 )
+                told = f"Write {3.6 * factor * run.speed_m_s:.2g} km/h for {run.id}"
+                fixes = (of_speed([run], float(factor), told),)
     for other in others:
         moved = _with_record(other, drive)
         if moved is None or other.run.track == run.track:
@@ -158,6 +167,7 @@ def _misdescribed(runs: Runs, drive: Drive, as_stated: float) -> Finding | None:
             likely = runs.under(moved, speed)
             if likely > best:
                 best, words = likely, f"the track of {other.run.id}, not its own"
+                fixes = (same_track(run, other.run),)
     if not words:
         return None
     return Finding(
@@ -167,6 +177,7 @@ def _misdescribed(runs: Runs, drive: Drive, as_stated: float) -> Finding | None:
         f"The lines of run {run.id} are those of {words}"
         f" (the likelihood rises by a factor of 10^{(best - as_stated) / log(10):.0f}).",
         f"Look at speed_kmph, track.pitch_mm and the file of {run.id}.",
+        fixes=real(fixes),
     )
 
 
@@ -188,6 +199,7 @@ def _height(runs: Runs, drive: Drive, found: Match) -> Finding | None:
         f"track.amplitude_mm of run {run.id}",
         f"Run {run.id} moves {np.exp(gain):.2g} times as much as the other runs foretell.",
         "Look at the height of its track: keys ending in _mm take millimetres.",
+        fixes=(heights([run], float(np.exp(height)), run.id),),
     )
 
 

@@ -12,7 +12,9 @@ import numpy as np
 from wheelhop.calibration.health.examine import examine, examine_relations
 from wheelhop.calibration.health.finding import Finding as Symptom
 from wheelhop.campaign import Campaign, Run
+from wheelhop.campaign.change import Proposal
 from wheelhop.gate.finding import Finding
+from wheelhop.gate.fixes import moved, turned
 from wheelhop.logger.recording import Channel, Recording
 
 NO_SIGNAL = ("stuck", "dead")
@@ -68,9 +70,20 @@ def sensor_findings(campaign: Campaign, symptoms: Iterable[Seen]) -> tuple[list[
                 f"{symptom.what if run is None else f'{names}{where}: {symptom.what}'}{said}.",
                 f"{symptom.remedy[0].upper()}{symptom.remedy[1:]}.",
                 symptom.sure,  # type: ignore[arg-type]
+                _fixes(campaign, kind, channels),
             )
         )
     return findings, sound
+
+
+def _fixes(campaign: Campaign, kind: str, names: tuple[str, ...]) -> tuple[Proposal, ...]:
+    """The sign of a sensor that was upside down, the places of two that were exchanged."""
+    of = {c.name: c for c in campaign.channels}
+    if kind == "polarity":
+        return (turned(campaign, names),)
+    if kind == "swapped" and len(names) == 2 and all(name in of for name in names):
+        return (moved(campaign, {names[0]: of[names[1]], names[1]: of[names[0]]}),)
+    return ()
 
 
 def without_silent(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from wheelhop.campaign import ComponentCampaign, RigRun
 from wheelhop.files.words import listed
 from wheelhop.gate.finding import Finding
+from wheelhop.gate.fixes import turned
 
 Array = NDArray[np.float64]
 
@@ -42,11 +43,12 @@ def sign_findings(campaign: ComponentCampaign) -> Iterator[Finding]:
             " displacement_m, in these recordings; with neither changed the damping comes out as"
             " nothing.",
             "certain" if sure else "likely",
+            fixes=tuple(turned(campaign, [name]) for name in ("force_N", "displacement_m")),
         )
-    yield from _of_velocity(runs)
+    yield from _of_velocity(campaign, runs)
 
 
-def _of_velocity(runs: Sequence[RigRun]) -> Iterator[Finding]:
+def _of_velocity(campaign: ComponentCampaign, runs: Sequence[RigRun]) -> Iterator[Finding]:
     """Whether a velocity that was recorded is the rate of the displacement, not its opposite."""
     opposite = [
         run.id
@@ -62,6 +64,7 @@ def _of_velocity(runs: Sequence[RigRun]) -> Iterator[Finding]:
             " other way.",
             "Change the sign of velocity_m_s in these recordings, or leave the column out.",
             "certain",
+            fixes=(turned(campaign, ["velocity_m_s"]),),
         )
 
 

@@ -14,6 +14,7 @@ from wheelhop.files.units import SPELT, STANDARD_GRAVITY_M_S2
 from wheelhop.gate.descriptions import OTHER_UNITS
 from wheelhop.gate.drive import REACH, OnWaves
 from wheelhop.gate.finding import FALSE_ALARM, Finding, needed
+from wheelhop.gate.fixes import heights, scaled
 from wheelhop.gate.runs import HEIGHT, Runs
 from wheelhop.vehicle import Vehicle
 
@@ -60,6 +61,13 @@ def gravity_findings(campaign: Campaign) -> Iterator[Finding]:
             " m/s².",
             f"Multiply the recordings by {STANDARD_GRAVITY_M_S2}.",
             "certain",
+            fixes=(
+                scaled(
+                    campaign,
+                    {c.name: STANDARD_GRAVITY_M_S2 for c in campaign.channels if c.is_acceleration},
+                    "Convert the accelerations from g",
+                ),
+            ),
         )
 
 
@@ -81,6 +89,11 @@ def speed_findings(campaign: Campaign) -> Iterator[Finding]:
         f"units of {name}",
         f"{name} shows {times:.3g} times the speeds that speed_kmph states{seems}.",
         f"Convert {name} to m/s, or correct speed_kmph.",
+        fixes=(
+            (scaled(campaign, {name: 1.0 / OTHER_SPEEDS[unit]}, f"Convert {name} from {unit}"),)
+            if seems
+            else ()
+        ),
     )
 
 
@@ -109,11 +122,9 @@ def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[
     if left and (as_stated - left[unit]) / (2 * spread**2) > needed(len(left)):
         si = campaign.unit
         what = "velocities, m/s" if unit == "m/s" else f"recordings in {unit}, not {si}"
-        also = [
-            f" (or track heights {'in ' + name if common > 0 else 'too large by as much'})"
-            for name, factor in HEIGHT.items()
-            if abs(abs(common) - log(factor)) < spread
-        ]
+        high = {n: f for n, f in HEIGHT.items() if abs(abs(common) - log(f)) < spread}
+        also = [f" (or track heights {_too(common, name)})" for name in high]
+        in_si = {c.name: 1.0 / other[unit] for c in campaign.channels} if unit in other else {}
         yield Finding(
             "before",
             "units",
@@ -121,6 +132,17 @@ def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[
             f"All runs together hold {_times(common)} the motion that the nominal vehicle has on"
             f" their tracks: {what}{''.join(also[:1])}.",
             f"Convert the recordings to {si} (wheelhop convert), and look at the tracks' heights.",
+            fixes=(
+                *([scaled(campaign, in_si, f"Convert all columns from {unit}")] if in_si else []),
+                *(
+                    heights(
+                        campaign.runs,
+                        factor if common > 0 else 1 / factor,
+                        f"all tracks, {_too(common, name)},",
+                    )
+                    for name, factor in high.items()
+                ),
+            ),
         )
         return
     height = min(
@@ -135,8 +157,13 @@ def unit_findings(campaign: Campaign, vehicle: Vehicle, runs: Runs) -> Iterator[
             " stated heights cause.",
             "Look at the tracks' heights: keys ending in _mm take millimetres, from the middle to"
             " the crest.",
+            fixes=(heights(campaign.runs, float(np.exp(height)), "all tracks"),),
         )
         return
+
+
+def _too(log_gain: float, name: str) -> str:
+    return f"in {name}" if log_gain > 0 else "too large by as much"
 
 
 def _believed(vehicle: Vehicle) -> float:

@@ -15,8 +15,9 @@ BLOCK_BYTES = 512
 PAYLOAD_AT = 24
 PAYLOAD_BYTES = 486
 CRC_AT = 510
-MAGIC = b"HOP1"
-HEADER, DATA, SUMMARY, SUPPLY = b"H", b"D", b"S", b"V"
+MAGIC, MAGIC_2 = b"HOP1", b"HOP2"
+MAGICS = (MAGIC, MAGIC_2)
+HEADER, DATA, SUMMARY, SUPPLY, BESIDE = b"H", b"D", b"S", b"V", b"I"
 
 SUM_BITS = 13
 LARGEST_SUM = 8 * 1023
@@ -73,14 +74,14 @@ def crcs(blocks: NDArray[np.uint8]) -> NDArray[np.uint16]:
     return remainder
 
 
-def scan_bytes(channels: int) -> int:
-    """Bytes of a stored scan of so many channels, 1 … 8."""
-    return (SUM_BITS * channels + 7) // 8
+def scan_bytes(channels: int, bits: int = SUM_BITS) -> int:
+    """Bytes of a stored scan of so many channels, 1 … 8, with sums of so many bits."""
+    return (bits * channels + 7) // 8
 
 
-def scans_per_block(channels: int) -> int:
-    """Most scans of so many channels that a block holds: 37 of eight channels."""
-    return min(PAYLOAD_BYTES // scan_bytes(channels), MOST_SCANS)
+def scans_per_block(channels: int, bits: int = SUM_BITS) -> int:
+    """Most scans of so many channels that a block holds: 37 of eight channels, with 13 bits."""
+    return min(PAYLOAD_BYTES // scan_bytes(channels, bits), MOST_SCANS)
 
 
 def pack_block(
@@ -93,33 +94,36 @@ def pack_block(
     late: int = 0,
     count: int = 0,
     payload: bytes = b"",
+    magic: bytes = MAGIC,
 ) -> bytes:
     """Return a whole block with its CRC; the payload is filled up with zeros."""
     if len(payload) > PAYLOAD_BYTES:
         raise ValueError(f"payload of {len(payload)} bytes, a block takes {PAYLOAD_BYTES}")
     late = min(late, 0xFFFF)
-    head = _HEAD.pack(MAGIC, kind, count, late, session, sequence, first_scan, lost)
+    head = _HEAD.pack(magic, kind, count, late, session, sequence, first_scan, lost)
     body = head + payload.ljust(PAYLOAD_BYTES, b"\0")
     return body + crc(body).to_bytes(2, "little")
 
 
-def pack_scans(sums: ArrayLike) -> bytes:
-    """Return scans as they are stored; `sums` is (n, channels) of 0 … 8191."""
+def pack_scans(sums: ArrayLike, bits: int = SUM_BITS) -> bytes:
+    """Return scans as they are stored; `sums` is (n, channels) of 0 … 2^`bits` − 1, 32 at most."""
     rows = np.asarray(sums)
     count, channels = rows.shape
-    bits = (rows[:, :, None].astype(np.uint16) >> np.arange(SUM_BITS, dtype=np.uint16)) & 1
-    packed = np.packbits(bits.astype(np.uint8).reshape(count, -1), axis=1, bitorder="little")
-    assert packed.shape[1] == scan_bytes(channels)
+    each = (rows[:, :, None].astype(np.uint32) >> np.arange(bits, dtype=np.uint32)) & 1
+    packed = np.packbits(each.astype(np.uint8).reshape(count, -1), axis=1, bitorder="little")
+    assert packed.shape[1] == scan_bytes(channels, bits)
     return packed.tobytes()
 
 
 def unpack_scans(
-    stored: bytes | memoryview | NDArray[np.uint8], channels: int
-) -> NDArray[np.uint16]:
+    stored: bytes | memoryview | NDArray[np.uint8], channels: int, bits: int = SUM_BITS
+) -> NDArray[np.uint16] | NDArray[np.uint32]:
     """Return the (n, channels) sums of n stored scans, n = len(stored) / `scan_bytes`."""
-    size = scan_bytes(channels)
+    size = scan_bytes(channels, bits)
     data = np.frombuffer(stored, np.uint8) if not isinstance(stored, np.ndarray) else stored
     rows = data.reshape(-1, size)
+    if bits != SUM_BITS:
+        return _unpack_wide(rows, channels, bits)
     sums = np.empty((len(rows), channels), np.uint16)
     for k in range(channels):
         first, shift = divmod(SUM_BITS * k, 8)
@@ -131,10 +135,30 @@ def unpack_scans(
     return sums
 
 
+def _unpack_wide(rows: NDArray[np.uint8], channels: int, bits: int) -> NDArray[np.uint32]:
+    sums = np.empty((len(rows), channels), np.uint32)
+    for k in range(channels):
+        first, shift = divmod(bits * k, 8)
+        value = np.zeros(len(rows), np.uint64)
+        for at in range((shift + bits + 7) // 8):
+            value |= rows[:, first + at].astype(np.uint64) << np.uint64(8 * at)
+        sums[:, k] = value >> np.uint64(shift) & np.uint64((1 << bits) - 1)
+    return sums
+
+
 def pack_text(values: Mapping[str, object]) -> bytes:
     """Return the payload of a header or a summary: lines `key=value`."""
     text = "".join(f"{key}={value}\n" for key, value in values.items())
     return text.encode("ascii", errors="replace")
+
+
+def fitting_text(values: Mapping[str, object]) -> bytes:
+    """As many lines as a block takes, in their order."""
+    kept: dict[str, object] = {}
+    for key, value in values.items():
+        if len(pack_text({**kept, key: value})) <= PAYLOAD_BYTES:
+            kept[key] = value
+    return pack_text(kept)
 
 
 def parse_text(payload: bytes) -> dict[str, str]:

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, MAGIC, SUMMARY, SUPPLY
-from wheelhop.logger.survey import Progress, open_source, read_bytes, whole
+from wheelhop.logger.block import BLOCK_BYTES, FIELDS, HEADER, MAGIC
+from wheelhop.logger.survey import KINDS, Progress, open_source, read_bytes, whole
 
 PIECE_BYTES = 4 << 20
-START = re.compile(re.escape(MAGIC) + b"[" + HEADER + DATA + SUPPLY + SUMMARY + b"]")
+START = re.compile(b"HOP[12][" + bytes(KINDS) + b"]")
 
 PLACES = np.dtype(
     [

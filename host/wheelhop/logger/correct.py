@@ -7,7 +7,7 @@ continued by odd reflection: within some ten samples of their ends the result is
 guess.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -45,6 +45,19 @@ def window_response(
     return (np.cos(turns * off) * mean).astype(np.complex128)
 
 
+def together_response(
+    frequency_hz: NDArray[np.float64], conversions: int, step_s: float
+) -> NDArray[np.complex128]:
+    """Return (n,) what a sum of `conversions` conversions at equal steps makes of a sine.
+
+    H(f) = sin(n·πfT) / (n·sin(πfT)), Dirichlet's kernel, about the mean instant.
+    """
+    turns = np.pi * np.asarray(frequency_hz)
+    at = np.arange(conversions) - (conversions - 1) / 2
+    mean: NDArray[np.float64] = np.cos(2 * turns[:, None] * at * step_s).mean(axis=1)
+    return mean.astype(np.complex128)
+
+
 def sensor_response(frequency_hz: NDArray[np.float64], corner_hz: float) -> NDArray[np.complex128]:
     """Return (n,) the response of a filter of first order, 1/(1 + jf/f₀)."""
     return np.asarray(1 / (1 + 1j * np.asarray(frequency_hz) / corner_hz))
@@ -58,7 +71,9 @@ def correct_window(recording: Recording) -> Recording:
         raise LoggerError("these samples are no averages, or no longer: nothing to undo")
     settings = parse_settings(recording.notes, "recording")
     responses: list[Response] = [
-        partial(window_response, conversions=settings.conversions, input_number=k)
+        partial(together_response, conversions=settings.conversions, step_s=settings.step_s)
+        if settings.together
+        else partial(window_response, conversions=settings.conversions, input_number=k)
         for k, _ in settings.inputs
     ]
     values = _undo(recording, responses)
@@ -110,8 +125,17 @@ def correct_clock(recording: Recording) -> Recording:
         rate_hz=recording.rate_hz / stretch,
         start_s=recording.start_s * stretch,
         averaging_s=recording.averaging_s * stretch,
-        notes={key: value for key, value in recording.notes.items() if key != "clock_ppm"},
+        notes=_at_true_time(recording.notes, stretch),
     )
+
+
+def _at_true_time(notes: Mapping[str, str], stretch: float) -> dict[str, str]:
+    """The notes without the clock's error, their marks at true time, too."""
+    kept = {key: value for key, value in notes.items() if key != "clock_ppm"}
+    if "marks_s" in kept:
+        marks = kept["marks_s"].split()
+        kept["marks_s"] = " ".join(f"{float(at_s) * stretch:.1f}" for at_s in marks)
+    return kept
 
 
 def _undo(recording: Recording, responses: Sequence[Response | None]) -> NDArray[np.float64]:

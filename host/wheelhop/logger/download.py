@@ -14,7 +14,7 @@ from wheelhop.files import check_target, sync_folder
 from wheelhop.logger.block import (
     BLOCK_BYTES,
     CRC_AT,
-    MAGIC,
+    MAGICS,
     PAYLOAD_AT,
     SUMMARY,
     crc,
@@ -192,7 +192,7 @@ def is_good(block: bytes, session: int | None, sequence: int) -> bool:
     """Whether it is block number `sequence` of a session, of any if that is None."""
     return (
         len(block) == BLOCK_BYTES
-        and block.startswith(MAGIC)
+        and block.startswith(MAGICS)
         and int.from_bytes(block[12:16], "little") == sequence
         and (session is None or int.from_bytes(block[8:12], "little") == session)
         and int.from_bytes(block[CRC_AT:], "little") == crc(block[:CRC_AT])

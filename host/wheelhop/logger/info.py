@@ -45,16 +45,17 @@ def channel_ranges(log: Log, progress: Progress = lambda done: None) -> Ranges |
     """Return the ranges of all channels; None of a log without a scan."""
     if not log.written:
         return None
-    conversions, n = log.settings.conversions, len(log.settings.inputs)
+    settings = log.settings
+    n, largest = len(settings.inputs), settings.conversions * (2**settings.code_bits - 1)
     lowest, highest = np.full(n, np.inf), np.full(n, -np.inf)
     total, at_end = np.zeros(n), np.zeros(n, np.int64)
     for _, sums in log.scans(progress=progress):
         lowest = np.minimum(lowest, sums.min(axis=0))
         highest = np.maximum(highest, sums.max(axis=0))
         total += sums.sum(axis=0, dtype=np.int64)
-        at_end += ((sums == 0) | (sums >= 1023 * conversions)).sum(axis=0)
-    mean = total / log.written / conversions
-    return Ranges(lowest / conversions, highest / conversions, mean, at_end)
+        at_end += ((sums == 0) | (sums >= largest)).sum(axis=0)
+    codes = settings.codes
+    return Ranges(codes(lowest), codes(highest), codes(total / log.written), at_end)
 
 
 def describe(log: Log, progress: Progress = lambda done: None) -> str:
@@ -117,6 +118,8 @@ def _facts(log: Log) -> Iterator[tuple[str, str]]:
     end = tail.get("end", "")
     yield "end", ENDS.get(end, end) if log.summary is not None else "not closed"
     yield "supply", _supply(log)
+    yield "marks", ", ".join(f"{at_s:.1f} s" for at_s in log.beside.marks_s) if log.beside else ""
+    yield "beside", ", ".join(log.beside.found) if log.beside else ""
     yield "reset", head.get("reset", "")
     yield "clock", "never measured" if log.clock_ppm is None else f"{log.clock_ppm:+g} ppm"
     yield "scans", _scans(log)

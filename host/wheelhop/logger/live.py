@@ -23,12 +23,16 @@ from wheelhop.logger.block import scan_bytes, unpack_scans
 from wheelhop.logger.clock import ClockError
 from wheelhop.logger.error import LoggerError
 from wheelhop.logger.frames import Acknowledgement
+from wheelhop.logger.settings import Settings, find_settings
 
 CODES = 1024
 CLIPPED = (4, CODES - 5)
 """Beyond these codes the sensor or the converter is at its end."""
 KEPT_SCANS = 8192  # 20 s at the highest rate
 RATE_WINDOW_S = 2.0
+
+
+UNTOLD = Settings(100, 8, ())  # until a header comes
 
 
 @dataclass
@@ -45,7 +49,7 @@ class Live:
     file: Path | None = None
     channels: tuple[str, ...] = ()
     rate_hz: int = 100
-    conversions: int = 8
+    scan: Settings = UNTOLD
     written: int = 0
     lost: int = 0
     told: Acknowledgement | None = None
@@ -66,7 +70,7 @@ class Live:
             if (channels, rate_hz) != (self.channels, self.rate_hz):
                 self._scans.clear()
             self.channels, self.rate_hz = channels, rate_hz
-            self.conversions = number_or(header.get("conversions"), self.conversions)
+            self.scan = find_settings(header) or self.scan
             self.supply_mv = number_or(header.get("supply_mv"), 0)
 
     def add(self, at_s: float, stored: bytes, missing: int = 0) -> None:
@@ -107,12 +111,13 @@ class Live:
 
     def _codes(self, stored: list[bytes]) -> NDArray[np.float64]:
         count = len(self.channels)
-        size = scan_bytes(count)
+        bits = self.scan.sum_bits
+        size = scan_bytes(count, bits)
         here = [len(scan) == size for scan in stored]
         codes = np.full((len(stored), count), np.nan)
         if count and any(here):
             whole = b"".join(scan for scan in stored if len(scan) == size)
-            codes[here] = unpack_scans(whole, count) / self.conversions
+            codes[here] = self.scan.codes(unpack_scans(whole, count, bits))
         return codes
 
 

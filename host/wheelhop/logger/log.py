@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.files import NUMBERS, check_room
+from wheelhop.logger.beside import Beside
 from wheelhop.logger.block import (
     BLOCK_BYTES,
     FIELDS,
@@ -80,6 +81,7 @@ class Log:
     lost: int
     late: int
     supply: tuple[Supply, ...]
+    beside: Beside | None  # inputs beside the eight
     damage: tuple[Damage, ...]
     end_block: int  # number of the first block behind the session
     behind: int  # blocks from there to the end of the file
@@ -159,14 +161,15 @@ class Log:
 
     def scans(
         self, first: int = 0, stop: int | None = None, progress: Progress = lambda done: None
-    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.uint16]]]:
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.unsignedinteger]]]:
         """Yield scans `first` … `stop` − 1 in pieces: numbers (m,) and sums (m, channels).
 
         A piece is of 1 MiB of file at most, whatever its length. Raises LoggerError where the
         header is damaged, or the file changes meanwhile.
         """
-        channels = len(self.settings.inputs)
-        size, capacity = scan_bytes(channels), scans_per_block(channels)
+        settings = self.settings
+        channels, bits = len(settings.inputs), settings.sum_bits
+        size, capacity = scan_bytes(channels, bits), scans_per_block(channels, bits)
         stop = self.due if stop is None else stop
         ends = self.blocks["first_scan"] + self.blocks["count"]
         begin = int(np.searchsorted(ends, first, "right"))
@@ -191,7 +194,7 @@ class Log:
                 stored = fields["payload"][:, : capacity * size].reshape(-1, size)
                 if not there.all():
                     numbers, stored = numbers[there], stored[there.ravel()]
-                yield numbers.ravel(), unpack_scans(stored, channels)
+                yield numbers.ravel(), unpack_scans(stored, channels, bits)
                 done = upto
                 progress(done / len(blocks))
                 if done == len(blocks):
@@ -237,21 +240,21 @@ class Log:
         for numbers, sums in self.scans(first, stop, progress):
             run = slice(int(numbers[0]) - first, int(numbers[-1]) - first + 1)
             if run.stop - run.start == len(numbers):
-                np.divide(sums, settings.conversions, out=values[run])
+                values[run] = settings.codes(sums)
             else:
-                values[numbers - first] = sums / settings.conversions
+                values[numbers - first] = settings.codes(sums)
         history = list(self._history(int(np.isnan(values[:, 0]).sum()), stop - first))
         late = self.late_before(np.arange(first, stop + 1))
         if self.late:
             history.append(_lateness(late, by_number))
         if (late[:-1] > late[0]).any() and not by_number:
-            values = at_equal_steps(values, (late[:-1] - late[0]) / (8 * settings.conversions))
+            values = at_equal_steps(values, (late[:-1] - late[0]) / settings.steps)
         return Recording(
             values,
             float(settings.rate_hz),
             channels,
-            start_s=settings.mean_instant_s + first / settings.rate_hz + late[0] * CONVERSION_S,
-            averaging_s=8 * settings.conversions * CONVERSION_S,
+            start_s=settings.mean_instant_s + first / settings.rate_hz + late[0] * settings.step_s,
+            averaging_s=settings.steps * settings.step_s,
             start_unix_s=self.start_unix_s,
             history=tuple(history),
             notes=self.notes,
@@ -271,7 +274,7 @@ class Log:
 
     def _history(self, missing: int, rows: int) -> Iterator[str]:
         settings = self.settings
-        window_ms = 8 * settings.conversions * CONVERSION_S * 1e3
+        window_ms = settings.steps * settings.step_s * 1e3
         yield (
             f"logger {self.header.get('device', '?')}, session {self.session:08x}: means of"
             f" {settings.conversions} conversions, spread over {window_ms:g} ms"
@@ -287,6 +290,8 @@ class Log:
             notes["clock_ppm"] = self.summary["clock_ppm"]
         if self.summary and "supply_mv" in self.summary:  # the header's is that of the start
             notes["end_supply_mv"] = self.summary["supply_mv"]
+        if self.beside and len(marks := self.beside.marks_s):
+            notes["marks_s"] = " ".join(f"{at_s:.1f}" for at_s in marks)
         if low := self.lowest_supply:
             notes["low_supply_mv"] = f"{low.mv:.0f}"
             rate_hz = number(self.header, "rate_hz")

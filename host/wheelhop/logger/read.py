@@ -1,11 +1,14 @@
 """From a file to a `Log`, whatever has happened to the file."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.logger.beside import Beside, joined
 from wheelhop.logger.block import (
+    BESIDE,
     BLOCK_BYTES,
     CRC_AT,
     DATA,
@@ -29,7 +32,10 @@ from wheelhop.logger.survey import (
     unroll,
 )
 
-SETTINGS_KEYS = ("device", "calibration", "rate_hz", "conversions", "channels")
+SETTINGS_KEYS = (
+    *("device", "calibration", "rate_hz", "conversions", "channels"),
+    *("order", "sum_bits", "code_bits", "conversions_hz"),
+)
 
 
 def read_log(
@@ -72,6 +78,7 @@ def read_log(
         lost=int(last["lost"][0]),
         late=int(last["late"][0]),
         supply=_supply(source, facts[facts["kind"] == SUPPLY[0]]["block"]),
+        beside=_beside(source, facts[facts["kind"] == BESIDE[0]]["block"], header),
         damage=_damage(verdicts[:end]),
         end_block=end,
         behind=len(verdicts) - end,
@@ -81,7 +88,7 @@ def read_log(
 
 def borrowed_header(log: Log) -> dict[str, str]:
     """Return what the header of another session with the same logger and settings would say."""
-    header = {key: log.header.get(key, "") for key in SETTINGS_KEYS}
+    header = {key: log.header[key] for key in SETTINGS_KEYS if key in log.header}
     return header | {"header_from": Path(log.name).name}
 
 
@@ -100,6 +107,18 @@ def _supply(source: Path | bytes, blocks: NDArray[np.int64]) -> tuple[Supply, ..
             text = parse_text(bytes(read_bytes(file, BLOCK_BYTES)[PAYLOAD_AT:CRC_AT]))
             readings.append(Supply(int(number(text, "scan")), number(text, "supply_mv")))
     return tuple(reading for reading in readings if reading.mv > 0)
+
+
+def _beside(
+    source: Path | bytes, blocks: NDArray[np.int64], header: Mapping[str, str]
+) -> Beside | None:
+    payloads = []
+    with open_source(source) as file:
+        for block in blocks:
+            file.seek(int(block) * BLOCK_BYTES)
+            payloads.append(bytes(read_bytes(file, BLOCK_BYTES)[PAYLOAD_AT:CRC_AT]))
+    settings = find_settings(header)
+    return joined(payloads, settings, header) if payloads and settings else None
 
 
 def _damage(verdicts: NDArray[np.uint8]) -> tuple[Damage, ...]:

@@ -19,10 +19,12 @@ from wheelhop.logger.block import (
     BLOCK_BYTES,
     DATA,
     HEADER,
-    PAYLOAD_BYTES,
+    MAGIC,
+    MAGIC_2,
+    SUM_BITS,
     SUMMARY,
+    fitting_text,
     pack_block,
-    pack_text,
     scan_bytes,
     scans_per_block,
 )
@@ -39,6 +41,7 @@ from wheelhop.logger.frames import (
 from wheelhop.logger.link import Refused, Silent
 from wheelhop.logger.live import Live, number_or
 from wheelhop.logger.port import PortLost
+from wheelhop.logger.settings import find_settings
 
 OLDEST_SCAN_S = 0.5  # in memory alone
 SYNC_S = 1.0
@@ -49,10 +52,13 @@ class LogWriter:
     with the last whole block, and nothing more is written."""
 
     def __init__(self, path: Path, session: int, header: Mapping[str, str], channels: int) -> None:
+        settings = find_settings(header)
+        bits = settings.sum_bits if settings else SUM_BITS
+        self._magic = MAGIC_2 if settings and settings.together else MAGIC
         self.path, self.session = path, session
         self.written = 0  # scans taken; those of the last half second may not be in the file yet
         self.due = 0
-        self._scan_bytes, self._fit = scan_bytes(channels), scans_per_block(channels)
+        self._scan_bytes, self._fit = scan_bytes(channels, bits), scans_per_block(channels, bits)
         self._blocks = 0
         self._scans: list[bytes] = []
         self._first = self._lost_before = self._late = 0
@@ -63,7 +69,8 @@ class LogWriter:
             raise LoggerError(f"{path}: is there already; it will not be overwritten") from None
         except OSError as error:
             raise LoggerError(f"{path}: {error.strerror}") from None
-        self._put(pack_block(HEADER, session, 0, payload=fitting_text(header)))
+        text = fitting_text(header)
+        self._put(pack_block(HEADER, session, 0, payload=text, magic=self._magic))
         sync_folder(path.parent)
 
     @property
@@ -122,6 +129,7 @@ class LogWriter:
             lost=lost,
             late=number_or(str(summary.get("late")), self._late),
             payload=fitting_text(text),
+            magic=self._magic,
         )
         self._put(block)
 
@@ -136,6 +144,7 @@ class LogWriter:
             late=self._late,
             count=len(scans),
             payload=b"".join(scans),
+            magic=self._magic,
         )
         try:
             self._put(block)
@@ -168,15 +177,6 @@ class LogWriter:
         if self._file >= 0:
             os.close(self._file)
             self._file = -1
-
-
-def fitting_text(values: Mapping[str, object]) -> bytes:
-    """As many lines as a block takes, in their order."""
-    kept: dict[str, object] = {}
-    for key, value in values.items():
-        if len(pack_text({**kept, key: value})) <= PAYLOAD_BYTES:
-            kept[key] = value
-    return pack_text(kept)
 
 
 _BINARY = getattr(os, "O_BINARY", 0)

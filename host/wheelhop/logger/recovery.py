@@ -17,9 +17,12 @@ from numpy.typing import NDArray
 
 from wheelhop.files import made_folder, replacing
 from wheelhop.logger.block import (
+    BESIDE,
     BLOCK_BYTES,
     DATA,
     HEADER,
+    MAGIC,
+    MAGICS,
     PAYLOAD_AT,
     PAYLOAD_BYTES,
     SUMMARY,
@@ -136,7 +139,7 @@ def _plan(
     closed = len(ends) > 0
     kept = kept[: ends[0] + 1] if closed else kept
     unroll(kept)
-    data = kept[kept["kind"] == DATA[0]]
+    data = kept[np.isin(kept["kind"], [DATA[0], BESIDE[0]])]
     end = kept[-1] if len(kept) else np.zeros(1, places.dtype)[0]
     due, lost = int(end["first_scan"]) + int(end["count"]), int(end["lost"])
     written = int(data["count"].sum())
@@ -156,7 +159,8 @@ def _plan(
         said = parse_text(summary[PAYLOAD]) if closed else {"end": "recovered"}
         if low := _lowest_supply(file, kept):
             said = {"lowest_mv": f"{low:.0f}", **said}
-        summary = _summary(said, result, int(end["late"]), len(data) + 1)
+        magic = header[:4] if header[:4] in MAGICS else MAGIC
+        summary = _summary(said, result, int(end["late"]), len(data) + 1, magic)
     return _Plan(header, data, summary), result
 
 
@@ -166,7 +170,9 @@ def _lowest_supply(file: BinaryIO, kept: NDArray[np.void]) -> float:
     return min((mv for text in texts if (mv := number(text, "supply_mv")) > 0), default=0.0)
 
 
-def _summary(said: dict[str, str], result: Recovered, late: int, sequence: int) -> bytes:
+def _summary(
+    said: dict[str, str], result: Recovered, late: int, sequence: int, magic: bytes
+) -> bytes:
     lost = result.due - result.written
     due, lost = result.due % ROUND, lost % ROUND
     counts = {"due": due, "written": result.written, "lost": lost, "late": late}
@@ -184,6 +190,7 @@ def _summary(said: dict[str, str], result: Recovered, late: int, sequence: int) 
         lost=lost,
         late=late,
         payload=text,
+        magic=magic,
     )
 
 
@@ -195,10 +202,11 @@ def _write(plan: _Plan, file: BinaryIO, out: BinaryIO, progress: Progress) -> by
     for sequence, place in enumerate(plan.data, start=1):
         block = _block(file, place)
         first, count = int(place["first_scan"]), int(place["count"])
-        digest.update(_scans(first, count, block))
+        if place["kind"] == DATA[0]:
+            digest.update(_scans(first, count, block))
         if sequence != place["block"] or first - written != place["lost"]:
             block = pack_block(
-                DATA,
+                bytes([place["kind"]]),
                 int(place["session"]),
                 sequence,
                 first_scan=first % ROUND,
@@ -206,6 +214,7 @@ def _write(plan: _Plan, file: BinaryIO, out: BinaryIO, progress: Progress) -> by
                 late=int(place["late"]),
                 count=count,
                 payload=block[PAYLOAD],
+                magic=block[:4],
             )
         out.write(block)
         written += count

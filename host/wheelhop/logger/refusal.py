@@ -9,6 +9,7 @@ MEANINGS = {
     "set stream": "stream: on or off",
     "set resume": "resume: on or off",
     "set size_mb": "size_mb must be 1 to 4095",
+    "set pulses_per_km": "pulses_per_km must be 0 to 1000000",
     "set device": "device must be 0 to 65534",
     "set calibration": "calibration: at most 15 characters",
     "set clock_ppm": "clock_ppm must be -20000 to 20000",

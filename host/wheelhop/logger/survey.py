@@ -22,7 +22,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelhop.files import check_plain
-from wheelhop.logger.block import BLOCK_BYTES, DATA, FIELDS, HEADER, MAGIC, SUMMARY, SUPPLY, crcs
+from wheelhop.logger.block import (
+    BESIDE,
+    BLOCK_BYTES,
+    DATA,
+    FIELDS,
+    HEADER,
+    MAGIC,
+    MAGICS,
+    SUMMARY,
+    SUPPLY,
+    crcs,
+)
 from wheelhop.logger.error import LoggerError
 
 PIECE = 1 << 16
@@ -127,7 +138,8 @@ def _is_better(line: NDArray[np.int64], i: int, trusted: int, before: int, capac
 
 
 PIECE = 2048  # blocks read at a time, 1 MiB
-MAGIC_NUMBER = int.from_bytes(MAGIC, "little")
+MAGIC_NUMBERS = [int.from_bytes(magic, "little") for magic in MAGICS]
+KINDS = [kind[0] for kind in (HEADER, DATA, SUPPLY, BESIDE, SUMMARY)]
 
 FACTS = np.dtype(
     [
@@ -156,7 +168,7 @@ class Verdict(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """A file block by block: `verdicts` (n,) of all, `facts` of the good H, D, V and S blocks."""
+    """A file block by block: `verdicts` (n,) of all, `facts` of the good ones of a known kind."""
 
     session: int
     verdicts: NDArray[np.uint8]
@@ -198,7 +210,7 @@ def pieces(file: BinaryIO, first: int = 0) -> Iterator[tuple[int, NDArray[np.uin
 def whole(blocks: NDArray[np.uint8]) -> NDArray[np.bool_]:
     """Return which of the (n, 512) blocks have the magic and a right CRC, whatever they hold."""
     fields = blocks.view(FIELDS)[:, 0]
-    right = fields["magic"] == MAGIC_NUMBER
+    right = np.isin(fields["magic"], MAGIC_NUMBERS)
     if right.all():
         return np.asarray(crcs(blocks) == fields["crc"])
     right[right] = crcs(blocks[right]) == fields["crc"][right]
@@ -232,7 +244,7 @@ def _judge(
     words = blocks.view(np.uint64)[odd]
     alike = (words == words[:, :1]).all(axis=1) & (blocks[odd, :8] == blocks[odd, :1]).all(axis=1)
     verdict[odd[alike]] = Verdict.EMPTY
-    known = good & np.isin(fields["kind"], [kind[0] for kind in (HEADER, DATA, SUPPLY, SUMMARY)])
+    known = good & np.isin(fields["kind"], KINDS)
     facts = np.empty(int(known.sum()), FACTS)
     facts["block"] = number[known]
     for field in ("first_scan", "lost", "late", "count", "kind"):
@@ -270,8 +282,8 @@ def _is_header(block: NDArray[np.uint8]) -> bool:
 
 
 def _refuse_other_versions(magic: bytes, name: str) -> None:
-    if magic[:3] == MAGIC[:3] and magic != MAGIC and magic[3:].isdigit():
+    if magic[:3] == MAGIC[:3] and magic not in MAGICS and magic[3:].isdigit():
         raise LoggerError(
-            f"{name}: byte 3: format version {magic[3:].decode()}, this wheelhop reads version 1:"
+            f"{name}: byte 3: format version {magic[3:].decode()}, this wheelhop reads 1 and 2:"
             " install a newer one"
         )

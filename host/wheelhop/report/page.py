@@ -12,6 +12,9 @@ from pathlib import Path
 from wheelhop.files import write_text
 from wheelhop.report.pdf import write_pdf
 
+QUESTIONS = ("What is missing", "How sure that is", "What it changes", "What to do next")
+"""What a summary answers, in this order."""
+
 
 def write_page(path: Path, name: str, body: Iterable[str]) -> None:
     """Write a page with the report's style; where the file's name ends in .pdf, printed into it.

@@ -16,7 +16,8 @@ from wheelhop.report.axle_to_body import axle_to_body
 from wheelhop.report.dynamometer import dynamometer
 from wheelhop.report.law_page import law_section
 from wheelhop.report.page import facts, paragraph, title, write_page
-from wheelhop.report.words import comparison_headline, headline, in_numbers, over_floor
+from wheelhop.report.summary import summary
+from wheelhop.report.words import comparison_headline, headline, over_floor
 
 
 def write_diagnosis_report(
@@ -36,8 +37,8 @@ def write_diagnosis_report(
     body = [
         paragraph(f"wheelhop diagnosis · {campaign.title}", "kicker"),
         title(headline(diagnosis)),
-        *(paragraph(line) for line in [in_numbers(steps)] if line),
         facts([("confidence", confidence), *_key_numbers(campaign, steps)], "key"),
+        *summary(diagnosis, campaign),
         sections.findings(diagnosis.findings),
         sections.loops(campaign, steps),
         dynamometer(campaign, steps),

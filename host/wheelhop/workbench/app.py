@@ -18,9 +18,10 @@ from nicegui.client import templates
 
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.guard import NONCE
-from wheelhop.workbench.out_view import REPORT_ADDRESS
-from wheelhop.workbench.page import OWN, OWN_FILES, lay_out
-from wheelhop.workbench.takeaway import REPORT
+from wheelhop.workbench.out_view import REPORT_ADDRESS, TAKEN
+from wheelhop.workbench.page import OWN, OWN_FILES, THEME, lay_out
+from wheelhop.workbench.takeaway import REPORT, WHAT, packed
+from wheelhop.workbench.theme import theme_css
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -55,6 +56,8 @@ def make_app(bench: Workbench, far: bool) -> FastAPI:
         if name not in OWN_FILES:
             raise HTTPException(404, "there is no such file")
         package, kind = OWN_FILES[name]
+        if name == THEME:
+            return Response(theme_css(), media_type=kind)
         return Response((files(package) / name).read_bytes(), media_type=kind)
 
     @app.get(REPORT_ADDRESS)
@@ -64,6 +67,18 @@ def make_app(bench: Workbench, far: bool) -> FastAPI:
             raise HTTPException(404, "there is no report yet")
         headers = {"content-security-policy": REPORT_POLICY}
         return FileResponse(desk.campaign.folder / REPORT, headers=headers)
+
+    @app.get(f"{TAKEN}/{{name}}")
+    def take(name: str) -> Response:
+        """What was written, to be kept elsewhere: a file as it is, a folder as an archive."""
+        path = None if bench.desk is None else bench.desk.campaign.folder / name
+        if path is None or name not in WHAT or not path.exists():
+            raise HTTPException(404, "there is no such file yet")
+        headers = {"content-security-policy": REPORT_POLICY}
+        if path.is_file():
+            return FileResponse(path, filename=name, headers=headers)
+        headers = {"content-disposition": f'attachment; filename="{name}.zip"'}
+        return Response(packed(path), media_type="application/zip", headers=headers)
 
     ui.run_with(
         app,

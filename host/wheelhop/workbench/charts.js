@@ -20,6 +20,13 @@ wheelhop.tooltip = (values, panels) => {
   return lines.join("<br>");
 };
 
+// A cell of a spectrogram: when, at which frequency, how strong.
+wheelhop.cell = (one, axes) => {
+  const [time, frequency, level] = one.value;
+  const [times, frequencies] = axes[one.seriesIndex];
+  return `${times[time]} s, ${frequencies[frequency]} Hz<br><strong>${level} dB</strong>`;
+};
+
 // While the cursors are set, a drag across the chart sets them instead of moving it.
 wheelhop.setCursors = (id, on) => {
   const brushOption = { brushType: on ? "lineX" : false, brushMode: "single" };

@@ -12,6 +12,7 @@ from wheelhop.campaign import ComponentCampaign
 from wheelhop.report.page import table
 from wheelhop.workbench.charts import WHOLE, Options, Window, zoomed
 from wheelhop.workbench.compared import (
+    DISTANCE,
     KINDS,
     PAIRED,
     TIME,
@@ -43,6 +44,10 @@ NOTHING = "Left out, or not predicted by the model: nothing to compare."
 HINTS = {
     "time": "In band. Scroll to zoom, drag to move, or + − and the arrow keys, 0 for all. Grey"
     " band: ±2 standard deviations of the noise.",
+    "overlay": "The runs chosen over one another against time, each from its beginning.",
+    "distance": "The runs chosen over one another by where the front axle was: what a track does"
+    " lies together, whatever the speed.",
+    "spectrogram": "Power density over time and frequency, decibels below the strongest.",
     "spectrum": "Power densities of whole runs, the mean of those chosen, by length. Dashed in"
     " grey: the noise floor.",
     "response": "The first channel over each of the others (H1), of all runs chosen; only where"
@@ -67,7 +72,8 @@ class CompareView:
         self._rows: tuple[Row, ...] = ()
         self._on_track = not isinstance(desk.campaign, ComponentCampaign)
         self._channels_offered = offered_channels(desk.campaign)
-        self._kind: Any = ui.toggle(KINDS).props("no-caps unelevated dense").classes("bench-kinds")
+        kinds = {k: words for k, words in KINDS.items() if self._on_track or k != DISTANCE}
+        self._kind: Any = ui.toggle(kinds).props("no-caps unelevated dense").classes("bench-kinds")
         with ui.row().classes("bench-controls"):
             self._runs: Any = _many([], "runs")
             self._channels: Any = _many(list(self._channels_offered), "channels")
@@ -161,7 +167,7 @@ class CompareView:
     def _fill_fields(self, state: Compared) -> None:
         desk = self._desk
         offered = offered_runs(desk.campaign, desk.choice.without_runs, state.runs)
-        self._kind.set_value(state.kind)
+        self._kind.set_value(state.kind if state.kind in self._kind.options else TIME)
         _fill(self._runs, offered, list(state.runs))
         _fill(self._channels, list(self._channels_offered), list(state.channels))
         self._channels.props(

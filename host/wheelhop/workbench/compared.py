@@ -18,13 +18,16 @@ from wheelhop.workbench.shown import Rung
 
 Added = tuple[str, ...]
 
-TIME, SPECTRUM, RESPONSE, COHERENCE, XY, HISTOGRAM = (
-    *("time", "spectrum", "response", "coherence"),
+TIME, OVERLAY, DISTANCE, SPECTRUM, SPECTROGRAM, RESPONSE, COHERENCE, XY, HISTOGRAM = (
+    *("time", "overlay", "distance", "spectrum", "spectrogram", "response", "coherence"),
     *("xy", "histogram"),
 )
 KINDS = {
     TIME: "Time",
+    OVERLAY: "Overlay",
+    DISTANCE: "Distance",
     SPECTRUM: "Spectrum",
+    SPECTROGRAM: "Spectrogram",
     RESPONSE: "Transfer function",
     COHERENCE: "Coherence",
     XY: "XY",

@@ -32,7 +32,8 @@ class Curve:
 @dataclass(frozen=True, eq=False)
 class Row:
     """A channel of a run as it was measured and as every model has it, the measured one first;
-    `noise` is its noise in band, rms, 0 where it is not known."""
+    `noise` is its noise in band, rms, 0 where it is not known; `place_m` (n,) is where the front
+    axle was, as modelled or else at the speed stated, None on a rig."""
 
     run: str
     channel: str
@@ -41,6 +42,7 @@ class Row:
     rate_hz: float
     curves: tuple[Curve, ...]
     noise: float = 0.0
+    place_m: Array | None = None
 
     @property
     def length_s(self) -> float:
@@ -74,7 +76,11 @@ def _recorded(campaign: Campaign, channel: Channel, run: Run) -> Row | None:
         signal = _imposed(run, campaign.sample_rate_hz)[channel.name]
     factor, unit = SHOWN_AS.get(channel.unit, (1.0, channel.unit))
     curve = Curve("measured", MEASURED, factor * (signal - signal.mean()))
-    return Row(run.id, channel.name, channel.quantity, unit, campaign.sample_rate_hz, (curve,))
+    place = run.speed_m_s * run.time_s if run.speed_m_s > 0.0 else None
+    return Row(
+        *(run.id, channel.name, channel.quantity, unit, campaign.sample_rate_hz, (curve,)),
+        place_m=place,
+    )
 
 
 def _imposed(run: RigRun, rate_hz: float) -> Mapping[str, Array]:
@@ -118,6 +124,7 @@ def _modelled(
     return Row(
         *(run, channel.name, channel.quantity, unit),
         *(signals.rate_hz, tuple(curves), noise),
+        None if signals.position_m is None else np.asarray(signals.position_m, np.float64),
     )
 
 

@@ -51,6 +51,7 @@ from wheelhop.workbench.shown import (
     Diagnosed,
     Done,
     Findings,
+    Found,
     Law,
     Library,
     Message,
@@ -93,7 +94,8 @@ class Desk:
         self.effects_file = effects_file
         self.version = 0
         self.notice = ""
-        self.findings: tuple[tuple[str, str], ...] = ()
+        self.can_take_back = False
+        self.findings: tuple[Found, ...] = ()
         self.cards: dict[str, Card] = {}
         self.rungs: tuple[Rung, ...] = ()
         self.job: Job | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,8 +12,10 @@ import numpy as np
 from wheelhop.api import ComparisonResult, plot
 from wheelhop.api.plot import Kind
 from wheelhop.campaign import CampaignError, ComponentCampaign
-from wheelhop.files import make_folder, replacing, write_text
+from wheelhop.files import make_folder, replacing, require, write_text
 from wheelhop.files.words import ending_of
+from wheelhop.formats.registry import write
+from wheelhop.logger.recording import Channel, Recording
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -42,17 +45,56 @@ def write_tables(folder: Path, result: ComparisonResult) -> None:
     """A result's tables as CSV, and the signals of all runs, measured and modelled in band, as
     Parquet; units stand in the columns' names."""
     make_folder(folder)
-    tables = {
+    for name, table in _tables(result).items():
+        write_text(folder / f"{name}.csv", table.to_csv(), CampaignError)
+    write_signals(folder / "signals.parquet", result)
+
+
+def write_workbook(path: Path, result: ComparisonResult) -> None:
+    """The same tables as sheets of one XLSX file. Text of a stranger that a spreadsheet would take
+    for a formula stays text."""
+    from pandas import ExcelWriter
+
+    require("openpyxl", path.name, "test", CampaignError)
+    with replacing(path, CampaignError) as draft, ExcelWriter(draft, engine="openpyxl") as writer:
+        for name, table in _tables(result).items():
+            table.to_excel(writer, sheet_name=name)
+        for sheet in writer.book.worksheets:
+            for cell in (cell for row in sheet.iter_rows() for cell in row):
+                if cell.data_type == "f":
+                    cell.data_type = "s"
+
+
+def write_signals(path: Path, result: ComparisonResult) -> None:
+    """Signals of all runs, measured and modelled in band, as Parquet."""
+    with replacing(path, CampaignError) as draft:
+        _signals(result).to_parquet(draft, index=False)
+
+
+def write_mdf(folder: Path, result: ComparisonResult) -> None:
+    """The same as ASAM MDF 4, a file for each run."""
+    make_folder(folder)
+    for i, record in enumerate(result.comparison.records, start=1):
+        columns, channels = [], []
+        for kind, coefficients in (("measured", record.measured), ("model", record.model)):
+            signals = record.signal(coefficients)
+            for k, name in enumerate(result.comparison.channels):
+                if record.predicted[k]:
+                    columns.append(signals[:, k])
+                    channels.append(Channel(f"{name} {kind}", result.comparison.units[k]))
+        name = re.sub(r"[^A-Za-z0-9._-]+", "_", record.run.id)[:60]
+        recording = Recording(np.column_stack(columns), record.band.rate_hz, tuple(channels))
+        write(recording, folder / f"{i:03d}-{name}.mf4")
+
+
+def _tables(result: ComparisonResult) -> dict[str, DataFrame]:
+    return {
         "ladder": result.ladder(),
         "parameters": result.parameters(),
         "residuals-by-band": result.residuals("band"),
         "residuals-by-run": result.residuals("run"),
         "agreement": result.agreement(),
     }
-    for name, table in tables.items():
-        write_text(folder / f"{name}.csv", table.to_csv(), CampaignError)
-    with replacing(folder / "signals.parquet", CampaignError) as draft:
-        _signals(result).to_parquet(draft, index=False)
 
 
 def _signals(result: ComparisonResult) -> DataFrame:

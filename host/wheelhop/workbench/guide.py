@@ -18,6 +18,7 @@ from wheelhop.files.words import label_of, unit_of
 from wheelhop.vehicle.estimate import estimate
 from wheelhop.workbench.asked_view import show_asked
 from wheelhop.workbench.draft import PER_WHEEL, PLACES, TRACKS, Column, Draft, Piece
+from wheelhop.workbench.drop_view import drop_area
 from wheelhop.workbench.kept import drop, keep
 from wheelhop.workbench.questions import (
     FIELD_WORDS,
@@ -33,17 +34,6 @@ from wheelhop.workbench.view import Words, html
 FIELD = "dense outlined"
 LOOK_S = 0.5
 """What was filled in longer ago is kept."""
-ENDINGS = (
-    *(".csv", ".txt", ".tsv", ".dat", ".asc", ".mf4", ".tdms", ".uff", ".unv", ".lvm", ".hop"),
-    *(".parquet", ".mdf", ".log", ".vbo", ".mat", ".h5", ".hdf5", ".ide", ".mcap", ".bag", ".db3"),
-    *(".xrk", ".xrz"),
-)
-TAKEN = (
-    "CSV or text of any layout, MDF, TDMS, UFF, LVM, Parquet, MATLAB, HDF5, VBOX, AiM, enDAQ, ROS"
-    " bags, MCAP, or the logger's .HOP. They hold accelerations of axles or body, travel, rates,"
-    " forces."
-)
-DROPPED = "(event) => runMethod(ID, 'addFiles', [event.dataTransfer.files])"
 
 
 class Guide:
@@ -57,16 +47,7 @@ class Guide:
         self._shown: dict[object, object] = {}
         self._reading = False
         self._drawn: dict[Path, tuple[object, ...]] = {}
-        upload = ui.upload(multiple=True, auto_upload=True, on_upload=self._upload)
-        upload.on("rejected", lambda: say(f"A file was not taken. Taken are: {TAKEN}"))
-        upload.props(f'accept="{",".join(ENDINGS)}"').classes("hidden")
-        button = ui.element("button").classes("bench-drop")
-        button.on("click", js_handler=f"() => runMethod({upload.id}, 'pickFiles', [])")
-        button.on("dragover.prevent", js_handler="() => {}")
-        button.on("drop.prevent", js_handler=DROPPED.replace("ID", str(upload.id)))
-        with button:
-            html("<strong>Drop recordings here, or press to choose them</strong>")
-            ui.label(TAKEN)
+        drop_area(self._upload, say)
         self._busy = ui.label("Reading the recordings.").classes("soft").props('role="status"')
         self._anew = ui.button("Begin anew", on_click=self._forget)
         self._anew.props("flat dense no-caps").tooltip("forget these recordings and begin anew")
@@ -286,6 +267,9 @@ class Guide:
             tracks = {kind: TRACK_WORDS.get(kind, kind) for kind in TRACKS}
             kind = ui.select(tracks, label="track").bind_value(piece, "kind").props(FIELD)
             fields = ui.row().classes("bench-controls")
+            if number + 1 < len(self._draft.pieces):
+                down = ui.button("Fill down", on_click=partial(self._fill_down, number))
+                down.props("flat dense no-caps").tooltip("this track for all stretches below")
 
         def show_fields() -> None:
             fields.clear()
@@ -299,6 +283,15 @@ class Guide:
 
         show_fields()
         kind.on_value_change(chosen)
+
+    def _fill_down(self, number: int) -> None:
+        """Give every stretch below the track of this one."""
+        first, *below = self._draft.pieces[number:]
+        for piece in below:
+            piece.choose(first.kind)
+            piece.track.update(first.track)
+        self._shown.pop(self._runs, None)
+        self._show()
 
     def _show_vehicle(self) -> None:
         draft = self._draft

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from wheelhop.files.words import significant, squared
 from wheelhop.workbench.charts import (
+    AFTER,
+    BEFORE,
     FLOOR,
     MEASURED,
     MORE,
@@ -21,10 +23,23 @@ from wheelhop.workbench.charts import (
     Window,
     chart,
 )
-from wheelhop.workbench.compared import COHERENCE, HISTOGRAM, RESPONSE, SPECTRUM, TIME, XY
+from wheelhop.workbench.compared import (
+    COHERENCE,
+    DISTANCE,
+    HISTOGRAM,
+    OVERLAY,
+    RESPONSE,
+    SPECTROGRAM,
+    SPECTRUM,
+    TIME,
+    XY,
+)
 from wheelhop.workbench.curves import Curve, Row, within
 from wheelhop.workbench.spectra import Array, Spectra, power_density, spectra
+from wheelhop.workbench.spectrogram import spectrogram
 
+OF_RUNS = (AFTER, BEFORE, *MORE, MEASURED)
+"""Colours of runs laid over one another; after these they come again, dashed."""
 PEN, PATH_PEN, MODEL_PEN = 4.0, 2.5, 1.4
 """Pixels: what was measured is thick and grey, a model lies over it."""
 ROW_PX, SMALL_PX = 300, 170
@@ -58,6 +73,8 @@ class Look:
 
 def picture(kind: str, rows: Sequence[Row], look: Look) -> Picture:
     """The rows as a chart of this kind."""
+    if kind == SPECTROGRAM:
+        return _spectrogram(rows, look)
     panels = PANELS[kind](rows, look)
     joined = kind != XY
     every = ROW_PX if len(panels) <= 2 else SMALL_PX
@@ -75,6 +92,14 @@ def picture(kind: str, rows: Sequence[Row], look: Look) -> Picture:
         del options["dataZoom"]
         options["tooltip"] = {"show": False}
     return Picture(options, total, joined)
+
+
+def _spectrogram(rows: Sequence[Row], look: Look) -> Picture:
+    every = ROW_PX if len(rows) <= 2 else SMALL_PX
+    foot = FOOT_PX + CAPTION_PX
+    total = HEAD_PX + len(rows) * (every + foot)
+    share = [100 * every / total] * len(rows)
+    return Picture(spectrogram(rows, look.band_hz, share, 100 * foot / total), total, False)
 
 
 def _over_time(rows: Sequence[Row], look: Look) -> list[Panel]:
@@ -101,6 +126,47 @@ def _over_time(rows: Sequence[Row], look: Look) -> list[Panel]:
             panels.append(
                 replace(about, y_name=name, lines=left, band=2 * row.noise, title="residual")
             )
+    return [replace(panel, x_name="") for panel in panels[:-1]] + panels[-1:]
+
+
+def _laid_over(rows: Sequence[Row], look: Look) -> list[Panel]:
+    """Runs over one another against time."""
+    return _runs_over(rows, "time, s", "s", _time_of)
+
+
+def _over_distance(rows: Sequence[Row], look: Look) -> list[Panel]:
+    """Runs over one another against the place of the front axle: what a track does lies together,
+    whatever the speed."""
+    if any(row.place_m is None for row in rows):
+        return _laid_over(rows, look)
+    return _runs_over(rows, "place of the front axle, m", "m", lambda row: row.place_m)
+
+
+def _time_of(row: Row) -> Array:
+    return np.arange(len(row.curves[0].signal)) / row.rate_hz
+
+
+def _runs_over(
+    rows: Sequence[Row], x_name: str, x_unit: str, x_of: Callable[[Row], Array | None]
+) -> list[Panel]:
+    """A panel for every channel: of one run what was measured and modelled, of several what was
+    measured in each."""
+    panels = []
+    for channel, group in _by_channel(rows).items():
+        lines = []
+        for i, row in enumerate(group):
+            x = np.asarray(x_of(row))
+            if len(group) == 1:
+                lines += [_line(curve, x, curve.signal) for curve in row.curves]
+            else:
+                colour = OF_RUNS[i % len(OF_RUNS)]
+                dashed = i >= len(OF_RUNS)
+                signal = row.curves[0].signal
+                lines.append(Line(row.run, x, signal, colour, MODEL_PEN, dashed=dashed))
+        unit = group[0].unit
+        panels.append(
+            Panel(*(x_name, f"{channel}, {unit}", lines), title=channel, units=(x_unit, unit))
+        )
     return [replace(panel, x_name="") for panel in panels[:-1]] + panels[-1:]
 
 
@@ -215,6 +281,8 @@ def _histograms(rows: Sequence[Row], look: Look) -> list[Panel]:
 
 PANELS: dict[str, Callable[[Sequence[Row], Look], list[Panel]]] = {
     TIME: _over_time,
+    OVERLAY: _laid_over,
+    DISTANCE: _over_distance,
     SPECTRUM: _spectra,
     RESPONSE: _responses,
     COHERENCE: _coherences,

@@ -3,20 +3,20 @@ it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from html import escape
 
 from nicegui import ui
 
 from wheelhop.campaign import ComponentCampaign
-from wheelhop.files.words import chance, listed, percent, signed
-from wheelhop.report.page import bullets
+from wheelhop.files.words import listed
+from wheelhop.report.page import QUESTIONS, bullets, facts
 from wheelhop.workbench.charts import AFTER, BEFORE, MEASURED, WHOLE, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.gallery import picture_of
 from wheelhop.workbench.own_effects import OwnEffects
+from wheelhop.workbench.ranking_view import RankingView
 from wheelhop.workbench.shown import CanShow, Card, Case, Law, Ranking, Row, Trace, Verdict
-from wheelhop.workbench.view import Looking, acting, drawn, html, verbatim
+from wheelhop.workbench.view import Looking, acting, drawn, fix_buttons, html, verbatim
 
 SHOWN_S = 2.5
 """So much of a run is drawn on a card, around the largest signature."""
@@ -27,13 +27,6 @@ WORKING = (
     " meanwhile, or press Stop above."
 )
 STOPPED = "Stopped before the end: this is what was found until then."
-COLUMNS = {
-    "screened": "error E expected with the effect, to first order",
-    "confirmed": "E reached in full simulation, fitted with the vehicle",
-    "held out": "E of that model on runs no fit has seen: it decides",
-    "log evidence": "how much more likely the records are with the effect, as a logarithm",
-    "p": "chance that any effect does so well without being there",
-}
 NONE = (
     "<h3>none</h3><p>No effect of the library shows in what the model leaves, beyond the noise.</p>"
     "<p>That is no proof that nothing is there: below the strengths in this list these runs would"
@@ -45,6 +38,10 @@ UNKNOWN = (
     "<p>Look where it fails: the band and the motion say where to search. Or let the force that is"
     " missing be found in free form, as a curve and as a formula: that takes a minute or more.</p>"
     '<p><button class="primary" data-act="law">Find the missing force</button></p>'
+)
+FORCE = (
+    '<p class="soft"><button data-act="law">Find the force that is missing</button> in free form,'
+    " as a curve and as a formula: that takes a minute or more.</p>"
 )
 NOT_DRAWN = "Its signature is drawn when you find out again."
 NOT_IN_RESIDUAL = "What is left of these runs holds nothing of its signature."
@@ -71,7 +68,7 @@ class MissingView:
         self._law = drawn()
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
-                self._table = acting(html(), self._act)
+                self._table = RankingView(self._choose)
                 OwnEffects(desk)
             self._aside = ui.element("aside").classes("card")
             with self._aside:
@@ -96,9 +93,12 @@ class MissingView:
             if case is not None:
                 self._case.options.update(_case_chart(case))
                 self._case.update()
-            self._table.set_content(
-                self._table_html(ranking) if ranking else _library_html(desk.cards, can_show)
-            )
+            if ranking is None:
+                self._table.show_library(desk.cards, can_show)
+            else:
+                verdict = self._verdict_now
+                accepted = verdict.effects if verdict else ()
+                self._table.show_ranking(ranking, accepted, settled=self._settled)
             found = "" if diagnosis else STOPPED if ranking else FIRST
             self._hint.set_text(WORKING if diagnosing else found)
         law = desk.beside(Law)
@@ -119,29 +119,17 @@ class MissingView:
         head = f"In the model now: {listed(missing)}" if known else verdict.headline
         label = f"Add {escape(' and '.join(left))} to the model"
         add = f'<p><button class="primary" data-act="add all">{label}</button></p>' if left else ""
+        add += f"<p>{fix_buttons(verdict.fixes)}</p>" if verdict.fixes else ""
         look = '<p><button class="primary" data-act="look">Look at it in Compare</button></p>'
-        following = f"<p>To record next: {escape(verdict.next_run)}</p>" if verdict.next_run else ""
-        extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], "")
+        told = verdict.answers or not verdict.next_run
+        following = "" if told else f"<p>To record next: {escape(verdict.next_run)}</p>"
+        extra = {"none": NONE, "unknown": UNKNOWN}.get(verdict.effects[-1], FORCE)
         numbers = f'<p class="numbers">{escape(verdict.numbers)}</p>' if verdict.numbers else ""
         return (
             f'<section class="verdict"><h2>{escape(head)}</h2>{numbers}'
-            f"<p>Confidence {100 * verdict.confidence:.0f} %.</p>{add}{look if known else ''}"
-            f"{bullets(verdict.explanation)}{following}{extra}{_limits(verdict)}</section>"
-        )
-
-    def _table_html(self, ranking: Ranking) -> str:
-        tried = [row for row in ranking.rows if row.screened is not None]
-        confirmed = [row for row in tried if row.confirmed is not None] if self._settled else []
-        shown = confirmed or tried
-        rows = "".join(self._row(i, row) for i, row in enumerate(shown, start=1))
-        rest = [row for row in tried if row not in shown]
-        others = [row for row in ranking.rows if row.screened is None]
-        heads = "".join(f'<th class="r">{name}</th>' for name in COLUMNS)
-        legend = "; ".join(f"<strong>{name}</strong>: {words}" for name, words in COLUMNS.items())
-        return (
-            f'<div class="scroll"><table class="ranking"><thead><tr><th></th><th>effect</th>{heads}'
-            f"</tr></thead><tbody>{rows}</tbody></table></div><p class='soft'>{legend}.</p>"
-            f"{_explains_nothing(rest)}{_not_applicable(others)}"
+            f"{add}{look if known else ''}{_answers(verdict)}{following}{extra}"
+            f"<details><summary>Why</summary>{bullets(verdict.explanation)}</details>"
+            f"{_limits(verdict)}</section>"
         )
 
     @property
@@ -152,19 +140,6 @@ class MissingView:
     @property
     def _diagnosing(self) -> bool:
         return self._desk.job is not None and self._desk.job.diagnosing
-
-    def _row(self, number: int, row: Row) -> str:
-        name = escape(row.effect)
-        button = f'<button data-act="card" data-effect="{name}">{name}</button>'
-        verdict = self._verdict_now
-        accepted = verdict is not None and row.effect in verdict.effects
-        kind = " class=accepted" if accepted else ""
-        numbers = (row.screened, row.confirmed, row.held_out)
-        cells = [percent(x) if x is not None else "" for x in numbers]
-        cells.append("" if row.evidence is None else signed(row.evidence))
-        cells.append("" if row.p is None else chance(row.p))
-        right = "".join(f'<td class="r">{cell}</td>' for cell in cells)
-        return f"<tr{kind}><td class='r'>{number}</td><td>{button}</td>{right}</tr>"
 
     def _show_card(self, ranking: Ranking | None) -> None:
         rows = {row.effect: row for row in ranking.rows} if ranking else {}
@@ -219,12 +194,15 @@ class MissingView:
             parts.append(f"<p class='soft'>{absent}</p>")
         return "".join(parts)
 
-    def _act(self, data: dict[str, str]) -> None:
+    def _choose(self, effect: str) -> None:
+        self._looking.effect = effect
+        self.show()
+
+    async def _act(self, data: dict[str, str]) -> None:
         desk = self._desk
         match data["act"]:
-            case "card":
-                self._looking.effect = data["effect"]
-                self.show()
+            case "fix" if self._verdict_now is not None:
+                await self._looking.propose(self._verdict_now.fixes[int(data["fix"])])
             case "add":
                 desk.add(data["effect"])
             case "look":
@@ -243,50 +221,12 @@ def _law_html(law: Law) -> str:
     return f"<section><h2>The force that is missing</h2>{words}{figure}</section>"
 
 
-def _library_html(cards: Mapping[str, Card], found: CanShow | None) -> str:
-    """Every effect that will be tried, and from where on it would be seen, if that was asked."""
-    if not cards:
-        return "<p class='soft'>The effects stand here once the campaign is read.</p>"
-    seen = found.effects if found else {}
-    rows = "".join(
-        f'<tr><td><button data-act="card" data-effect="{escape(card.effect)}">'
-        f"{escape(card.effect)}</button></td><td>{escape(card.place)}</td>"
-        f"<td>{escape(seen.get(card.effect, ''))}</td></tr>"
-        for card in cards.values()
-    )
-    sentence = f"<p>{escape(found.sentence)}</p>" if found and found.sentence else ""
-    last = "would be seen from, to first order" if found else ""
-    return (
-        f'{sentence}<div class="scroll"><table class="ranking"><thead><tr><th>effect</th><th>place'
-        f"</th><th>{last}</th></tr></thead><tbody>{rows}</tbody></table></div>"
-    )
-
-
-def _explains_nothing(rows: list[Row]) -> str:
-    """Effects that take too little to be simulated in full, folded; each leads to its card."""
-    if not rows:
-        return ""
-    items = "".join(
-        f'<li><button data-act="card" data-effect="{escape(row.effect)}">{escape(row.effect)}'
-        f"</button> {percent(row.screened or 0.0)}</li>"
-        for row in rows
-    )
-    return (
-        f"<details><summary>{len(rows)} more explain too little to be simulated in full (the"
-        f" error each would leave, to first order)</summary><ul class='fold'>{items}</ul></details>"
-    )
-
-
-def _not_applicable(rows: list[Row]) -> str:
-    """Effects with nothing to act on in these runs, folded."""
-    if not rows:
-        return ""
-    items = "".join(
-        f"<li><strong>{escape(row.effect)}</strong> {escape(row.reason)}</li>" for row in rows
-    )
-    return (
-        f"<details><summary>{len(rows)} more do not apply here</summary><ul>{items}</ul></details>"
-    )
+def _answers(verdict: Verdict) -> str:
+    """What the report's summary answers, but for what the heading says already."""
+    if len(verdict.answers) != len(QUESTIONS):  # of a session before they were kept
+        return f"<p>Confidence {100 * verdict.confidence:.0f} %.</p>"
+    pairs = zip(QUESTIONS[1:], verdict.answers[1:], strict=True)
+    return facts(pairs, "answers")
 
 
 def _limits(verdict: Verdict) -> str:

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from wheelhop.workbench.charts import AFTER, FLOOR, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.glossary import term
 from wheelhop.workbench.view import Looking, Words, acting, drawn, html
 
 WAITING = "<p class='soft'>The model is being fitted; its numbers stand here after that.</p>"
@@ -76,7 +77,8 @@ class ModelView:
                 f'<li class="chip"><strong>{escape(name)}</strong> {earlier if i else ""}'
                 f'<button data-act="out" data-effect="{escape(name)}">take out</button></li>'
             )
-        return f'<p class="soft">Added to the baseline:</p><ol class="chips">{"".join(chips)}</ol>'
+        head = f'<p class="soft">Added to the {term("baseline")}:</p>'
+        return f'{head}<ol class="chips">{"".join(chips)}</ol>'
 
     def _act(self, data: dict[str, str]) -> None:
         match data["act"]:

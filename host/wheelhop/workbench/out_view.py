@@ -3,6 +3,7 @@ the session."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from html import escape
 from pathlib import Path
@@ -12,30 +13,16 @@ from nicegui import ui
 from wheelhop.files import InputError, write_text
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.session import FILE, Choice
-from wheelhop.workbench.takeaway import (
-    FIGURES,
-    MODEL,
-    PDF,
-    REPORT,
-    SCRIPT,
-    TABLES,
-    commands,
-    script,
-)
+from wheelhop.workbench.takeaway import REPORT, SCRIPT, WHAT, commands, offered, script
 from wheelhop.workbench.view import Looking, html, verbatim
 
 REPORT_ADDRESS = "/report"
-WRITTEN = {
-    "report": REPORT,
-    "report as PDF": PDF,
-    "model": MODEL,
-    "figures": FIGURES,
-    "tables": TABLES,
-}
+TAKEN = "/take"
 
 
 class OutView:
-    """Everything goes into the campaign's folder, under a name that is shown."""
+    """Everything goes into the campaign's folder, under a name that is shown, and can be downloaded
+    from there."""
 
     def __init__(self, desk: Desk, looking: Looking) -> None:
         self._desk = desk
@@ -45,21 +32,30 @@ class OutView:
             f"<p>Files are written into <code>{escape(str(folder))}</code>. The session itself is"
             f" kept there too, in <code>{FILE}</code>: the workbench opens where you left it.</p>",
         )
-        with ui.row().classes("bench-controls"):
-            self._buttons = [
-                ui.button(f"Write the {name}", on_click=partial(desk.write, file))
-                for name, file in WRITTEN.items()
-            ]
-            self._buttons.append(ui.button("Write a script", on_click=self._script))
-            for button in self._buttons:
-                button.props("no-caps outline")
-            self._open = ui.link("Look at the report", REPORT_ADDRESS, new_tab=True)
+        self._buttons: list[ui.button] = []
+        self._links: dict[str, ui.link] = {}
+        with ui.element("div").classes("bench-taken"):
+            for name, file in offered().items():
+                self._row(f"Write the {name}", file, partial(desk.write, file))
+            self._row("Write a script", SCRIPT, self._script)
+        self._open = ui.link("Look at the report", REPORT_ADDRESS, new_tab=True)
         self._commands = html()
+
+    def _row(self, words: str, file: str, act: Callable[[], None]) -> None:
+        """What it is, a button that writes it, and once it is there a link that downloads it."""
+        button = ui.button(words, on_click=act).props("no-caps outline")
+        ui.label(WHAT[file]).classes("soft")
+        with ui.element("div"):
+            self._links[file] = ui.link(f"Download {file}", f"{TAKEN}/{file}")
+            self._links[file].props("download")
+        self._buttons.append(button)
 
     def show(self) -> None:
         """Bring it up to date."""
         desk = self._desk
         self._open.set_visibility((desk.campaign.folder / REPORT).is_file())
+        for file, link in self._links.items():
+            link.set_visibility((desk.campaign.folder / file).exists())
         for button in self._buttons:
             button.set_enabled(desk.job is None)
         if (seen := (desk.choice, desk.effects_file)) != self._seen:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from nicegui import ui
@@ -15,16 +16,18 @@ from wheelhop.report.heat import heat_class, heat_legend, heat_words
 from wheelhop.track import make_track
 from wheelhop.workbench.compared import opened
 from wheelhop.workbench.desk import Desk
-from wheelhop.workbench.shown import Rung
-from wheelhop.workbench.view import Looking, acting, html
+from wheelhop.workbench.glossary import term
+from wheelhop.workbench.shown import Found, Rung
+from wheelhop.workbench.view import Looking, acting, fix_buttons, html
 
 PLACES = {"A1": (52, 66), "A2": (188, 66), "A3": (52, 254), "A4": (188, 254)}
 PLACES |= {"B1": (84, 88), "B2": (156, 88), "B3": (84, 232), "B4": (156, 232)}
 """Where the eight points stand in the drawing, forward up."""
 WORDS = (
-    "<p class='soft'>How many times the sensors' noise the model leaves, in band: 1 is as good as"
-    " it gets. Click a number, a run or a sensor to look at it; a role to fit a run or to hold it"
-    " out; a channel to leave it out. Grey numbers need no attention.</p>"
+    "<p class='soft'>How many times the sensors' noise the model leaves, in"
+    f" {term('band')}: 1 is as good as it gets, the {term('floor')}. Click a number, a run or a"
+    " sensor to look at it; a role to fit a run or to hold it out; a channel to leave it out. Grey"
+    " numbers need no attention.</p>"
 )
 RECORDED = (
     "<p class='soft'>What was recorded: rms of every channel without its mean, in the channel’s"
@@ -35,6 +38,7 @@ ACTIONS = (
     '<p><button class="primary" data-act="where">Where does it fail?</button>'
     ' <button class="primary" data-act="missing">What is missing?</button></p>'
 )
+ORDERS = ("as listed", "worst first", "by track", "by speed")
 ROWS = 100  # of runs at a time
 PROFILE_M = 6.0  # of a track, in its small drawing
 
@@ -47,28 +51,44 @@ class Overview:
         self._first = 0  # of the runs on this page of the table
         self._seen: object = None
         self._on_rig = isinstance(desk.campaign, ComponentCampaign)
+        self._findings = acting(html(), self._fix)
+        self._found: tuple[Found, ...] = ()
         with ui.element("div").classes("" if self._on_rig else "bench-split"):
             self._plan = acting(html(), self._act)
             with ui.element("div"):
+                with ui.row().classes("bench-controls"):
+                    orders = list(ORDERS if not self._on_rig else ORDERS[:2])
+                    self._order: Any = ui.select(orders, label="order", value=ORDERS[0])
+                    self._find: Any = ui.input("find runs").props("clearable")
+                    for field in (self._order, self._find):
+                        field.props("dense options-dense").on_value_change(self._sorted_anew)
                 self._runs = acting(html(), self._act)
-        self._findings = html()
 
     def show(self) -> None:
         """Bring it up to date."""
         desk = self._desk
         rung = desk.rungs[-1] if desk.rungs else None
         criticism = desk.diagnosis.findings if desk.diagnosis else ()
-        seen = (rung, desk.choice, desk.findings, criticism, self._first)
+        asked = (self._order.value, self._find.value)
+        seen = (rung, desk.choice, desk.findings, criticism, self._first, asked)
         if seen == self._seen:
             return
         self._seen = seen
         self._plan.set_content("" if self._on_rig else plan(desk.campaign, rung))
         words = RECORDED if rung is None else heat_legend() + WORDS
         self._runs.set_content(self._table(rung) + words + ACTIONS)
-        found = (*desk.findings, *criticism)
-        items = "".join(f"<li><strong>{escape(a)}</strong> {escape(b)}</li>" for a, b in found)
+        self._found = found = (*desk.findings, *criticism)
+        items = "".join(
+            f"<li><strong>{escape(each.severity)}</strong> {escape(each.text)}"
+            f" {fix_buttons(each.fixes, finding=i)}</li>"
+            for i, each in enumerate(found)
+        )
         heading = "<h2>Before you believe it</h2>"
         self._findings.set_content(f"<section>{heading}<ul>{items}</ul></section>" if found else "")
+
+    async def _fix(self, data: dict[str, str]) -> None:
+        fixes = self._found[int(data["finding"])].fixes
+        await self._looking.propose(fixes[int(data["fix"])])
 
     def _act(self, data: dict[str, str]) -> None:
         desk, runs = self._desk, self._desk.campaign.runs
@@ -106,14 +126,32 @@ class Overview:
             f'<th class="r">{_button("leave channel", c.name, c.name in left_out, channel=i)}</th>'
             for i, c in enumerate(campaign.channels)
         )
-        shown = range(self._first, min(self._first + ROWS, len(campaign.runs)))
+        every = self._in_order(rung)
+        shown = every[self._first : self._first + ROWS]
         rows = [self._row(i, campaign.runs[i], rung) for i in shown]
         drive = "" if self._on_rig else "<th>track</th><th>km/h</th>"
+        pages = _pages(self._first, len(shown), len(every))
         return (
             f'<div class="scroll"><table class="heat runs"><thead><tr><th>run</th>{drive}'
             f"<th>role</th>{heads}<th></th></tr></thead>"
-            f"<tbody>{''.join(rows)}</tbody></table></div>{_pages(shown, len(campaign.runs))}"
+            f"<tbody>{''.join(rows)}</tbody></table></div>{pages}"
         )
+
+    def _sorted_anew(self) -> None:
+        self._first = 0
+        self.show()
+
+    def _in_order(self, rung: Rung | None) -> list[int]:
+        """The runs that are asked for, in the order that is."""
+        runs, wanted = self._desk.campaign.runs, str(self._find.value or "").lower()
+        found = [i for i, run in enumerate(runs) if wanted in run.id.lower()]
+        if self._order.value == ORDERS[1]:
+            found.sort(key=lambda i: -_worst(rung, runs[i]))
+        elif self._order.value == ORDERS[2]:
+            found.sort(key=lambda i: (runs[i].track.kind, runs[i].speed_m_s))
+        elif self._order.value == ORDERS[3]:
+            found.sort(key=lambda i: runs[i].speed_m_s)
+        return found
 
     def _row(self, i: int, run: Run, rung: Rung | None) -> str:
         choice = self._desk.choice
@@ -135,17 +173,17 @@ class Overview:
         )
 
 
-def _pages(shown: range, count: int) -> str:
+def _pages(first: int, shown: int, count: int) -> str:
     """From one page of a long table to the next."""
     if count <= ROWS:
         return ""
-    steps = ((shown.start - ROWS, "earlier runs"), (shown.start + ROWS, "later runs"))
+    steps = ((first - ROWS, "earlier runs"), (first + ROWS, "later runs"))
     buttons = " ".join(
         f'<button data-act="page" data-first="{first}">{words}</button>'
         for first, words in steps
         if 0 <= first < count
     )
-    return f"<p class='soft'>runs {shown.start + 1} to {shown.stop} of {count} {buttons}</p>"
+    return f"<p class='soft'>runs {first + 1} to {first + shown} of {count} {buttons}</p>"
 
 
 def _button(act: str, text: str, struck: bool, **data: int) -> str:
@@ -208,6 +246,16 @@ def _point(name: str, point: str, k: int, rung: Rung | None) -> str:
         f"{escape(point)}</text>"
         f'<text class="soft" x="{x}" y="{y + 28}" text-anchor="middle">{words}</text></g>'
     )
+
+
+def _worst(rung: Rung | None, run: Run) -> float:
+    """The largest residual over floor of a run; before anything is fitted the largest motion."""
+    if rung is None:
+        return float(run.record.std(axis=0).max()) if len(run.time_s) else 0.0
+    if run.id not in rung.runs:
+        return -1.0
+    ratios = rung.ratio[rung.runs.index(run.id)]
+    return float(np.nanmax(ratios)) if np.isfinite(ratios).any() else -1.0
 
 
 def _over_runs(rung: Rung | None, name: str) -> float:

@@ -15,16 +15,21 @@ from wheelhop.campaign import Campaign, ComponentCampaign
 from wheelhop.files.words import percent, significant
 from wheelhop.workbench.bench import Workbench
 from wheelhop.workbench.between_view import BetweenView
+from wheelhop.workbench.change_view import Changing
 from wheelhop.workbench.charts import AFTER
 from wheelhop.workbench.compare_view import CompareView
 from wheelhop.workbench.compared import address_of, of_address
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.files_view import FilesView
+from wheelhop.workbench.glossary import term
 from wheelhop.workbench.missing_view import MissingView
 from wheelhop.workbench.model_view import ModelView
 from wheelhop.workbench.out_view import OutView
 from wheelhop.workbench.overview import Overview
 from wheelhop.workbench.settings_view import SettingsView
 from wheelhop.workbench.struts_view import StrutsView
+from wheelhop.workbench.theme import theme_menu
+from wheelhop.workbench.tour import Tour
 from wheelhop.workbench.vehicle_view import VehicleView
 from wheelhop.workbench.view import Looking, View, Words, html
 from wheelhop.workbench.where_view import WhereView
@@ -45,14 +50,20 @@ VIEWS: tuple[tuple[str, str, Callable[[Desk, Looking], View]], ...] = (
     ("between", "Axle to body", BetweenView),
     ("model", "The model", ModelView),
     ("vehicle", "Vehicle", VehicleView),
+    ("files", "Files", FilesView),
     ("out", "Take away", OutView),
 )
 OWN = "/own"
+THEME = "theme.css"
 OWN_FILES = {
     "style.css": ("wheelhop.report", "text/css"),
     "workbench.css": ("wheelhop.workbench", "text/css"),
+    THEME: ("wheelhop.workbench", "text/css"),
     "charts.js": ("wheelhop.workbench", "text/javascript"),
+    "folders.js": ("wheelhop.workbench", "text/javascript"),
     "playback.js": ("wheelhop.workbench", "text/javascript"),
+    "theme.js": ("wheelhop.workbench", "text/javascript"),
+    "tables.js": ("wheelhop.workbench", "text/javascript"),
     "stretches.js": ("wheelhop.workbench", "text/javascript"),
 }
 """The page's styles and scripts: the package they are in, and their kind."""
@@ -87,7 +98,8 @@ class Page:
         self._seen = -1
         self._fresh: set[str] = set()
         self._arriving, self._has_moved, self._client = True, False, ui.context.client
-        self._looking = Looking(go=self._go, moved=self._moved)
+        self._changing = Changing(bench, desk)
+        self._looking = Looking(self._go, self._moved, self._changing.propose)
         with ui.element("header").classes("bench-head"):
             self._top()
         self._notice = ui.element("div").classes("bench-notice").props('role="status"')
@@ -104,6 +116,8 @@ class Page:
                 self._panels[key] = ui.element("div").props(f"data-view={key}").classes(ASLEEP)
         self._tabs.set_value("overview")
         self._look()
+        if bench.touring:
+            Tour(self._go, self._end_tour)
         self._arriving = False  # from now on a view is turned to by the user
         ui.on("opened", lambda event: self._opened(str(event.args)))
         ui.on("place", lambda event: self._came(str(event.args)))
@@ -121,9 +135,13 @@ class Page:
             self._cancel = ui.button("Stop", on_click=self._give_up).props("outline dense no-caps")
             self._undo = ui.button("Undo", on_click=desk.undo).props("flat dense no-caps")
             self._redo = ui.button("Redo", on_click=desk.redo).props("flat dense no-caps")
+            theme_menu()
             ui.button("Close", on_click=self._bench.clear).props("flat dense no-caps").tooltip(
                 "put this campaign away and open another"
             )
+
+    def _end_tour(self) -> None:
+        self._bench.touring = False
 
     def _give_up(self) -> None:
         self._desk.cancel()
@@ -205,6 +223,9 @@ class Page:
         self._notice.clear()
         with self._notice:
             ui.label(desk.notice)
+            if desk.can_take_back:
+                back = ui.button("Take it back", on_click=self._changing.take_back)
+                back.props("flat dense no-caps")
         self._refresh(str(self._tabs.value))
 
     def _prepare(self) -> None:
@@ -248,10 +269,13 @@ def _figures(desk: Desk) -> str:
     model = " + ".join(("baseline", *last.added))
     runs = "held out" if desk.campaign.validate_runs else "fitted"
     pairs = (
-        (f"error E, runs {runs}", fall),
-        ("noise floor", percent(last.floor)),
-        ("error / floor", significant(last.over_floor)),
-        ("model", model),
+        (f"error E, runs {runs}", "e", fall),
+        ("noise floor", "floor", percent(last.floor)),
+        ("error / floor", "floor", significant(last.over_floor)),
+        ("model", "baseline", model),
     )
-    items = "".join(f"<div><dt>{a}</dt><dd>{escape(b)}</dd></div>" for a, b in pairs)
+    items = "".join(
+        f"<div><dt>{term(words, entry)}</dt><dd>{escape(value)}</dd></div>"
+        for words, entry, value in pairs
+    )
     return f'<dl class="key">{items}</dl>'

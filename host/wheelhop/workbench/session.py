@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from wheelhop.campaign import Campaign, CampaignError, ComponentCampaign, Run
+from wheelhop.campaign.change import Change, Proposal
 from wheelhop.campaign.common import Entry
 from wheelhop.campaign.paths import named_by
 from wheelhop.campaign.read import CONSTANTS_FILE
 from wheelhop.files import InputError, Source, Table, digest, read_toml, to_toml, write_text
 from wheelhop.workbench.compared import Compared, of_table, to_table
-from wheelhop.workbench.shown import Diagnosed, Row, Verdict
+from wheelhop.workbench.shown import Diagnosed, Found, Row, Verdict
 
 FILE = "session.toml"
 ROLES = ("fit", "validate")
@@ -82,7 +83,8 @@ def made_of(campaign: Campaign, choice: Choice, effects_file: Source | None = No
     else:
         files += _beside(campaign.vehicle_file)
     recorder = campaign.sample_rate_hz, campaign.averaging_s, campaign.low_pass
-    settings = (*recorder, campaign.band_hz, campaign.noise_rms)
+    turned = (sorted(campaign.factors.items()),) if campaign.factors else ()
+    settings = (*recorder, campaign.band_hz, campaign.noise_rms, *turned)
     own = None if effects_file is None else effects_file.digest
     known = (settings, channels, runs, [_digest(file) for file in files], own)
     return hashlib.sha256(repr(known).encode()).hexdigest()
@@ -196,7 +198,11 @@ def write_session(campaign: Campaign, session: Session, written_by: str) -> None
         {
             "made_of": key,
             **_plain(found.verdict),
-            "finding": [{"severity": how, "text": text} for how, text in found.findings],
+            **_fixes_to(found.verdict.fixes),
+            "finding": [
+                {"severity": f.severity, "text": f.text, **_fixes_to(f.fixes)}
+                for f in found.findings
+            ],
             "ranking": [_plain(row) for row in found.ranking],
         }
         for key, found in session.diagnoses.items()
@@ -204,8 +210,34 @@ def write_session(campaign: Campaign, session: Session, written_by: str) -> None
     write_text(campaign.folder / FILE, to_toml(document), CampaignError)
 
 
+def _fixes_to(fixes: Sequence[Proposal]) -> dict[str, object]:
+    found = [
+        {
+            "title": fix.title,
+            "change": [
+                {"file": c.file, "keys": list(c.keys), "value": c.value} for c in fix.changes
+            ],
+        }
+        for fix in fixes
+    ]
+    return {"fix": found} if found else {}
+
+
+def _fixes_of(table: Table) -> tuple[Proposal, ...]:
+    return tuple(
+        Proposal(
+            fix.text("title"),
+            tuple(
+                Change(c.text("file"), tuple(c.texts("keys")), c.text("value", default=""))
+                for c in _tables(fix, "change", "file")
+            ),
+        )
+        for fix in _tables(table, "fix", "title")
+    )
+
+
 def _plain(item: Verdict | Row) -> dict[str, object]:
-    values = {key: value for key, value in asdict(item).items() if value is not None}
+    values = {k: v for k, v in asdict(item).items() if v is not None and k != "fixes"}
     return {key: list(v) if isinstance(v, tuple) else v for key, v in values.items()}
 
 
@@ -218,7 +250,10 @@ def _diagnoses(top: Table, campaign: Campaign, choice: Choice) -> dict[str, Diag
         table.text("made_of"): Diagnosed(
             _verdict(table),
             tuple(map(_row, _tables(table, "ranking", "effect"))),
-            tuple((t.text("severity"), t.text("text")) for t in _tables(table, "finding", "text")),
+            tuple(
+                Found(t.text("severity"), t.text("text"), _fixes_of(t))
+                for t in _tables(table, "finding", "text")
+            ),
         )
         for table in _tables(top, "diagnosis", "headline")
     }
@@ -237,6 +272,8 @@ def _verdict(table: Table) -> Verdict:
         table.text("next_run", default=""),
         tuple(table.texts("limits")),
         table.text("numbers", default=""),
+        _fixes_of(table),
+        tuple(table.texts("answers")),
     )
 
 

@@ -30,9 +30,11 @@ from wheelhop.report.identified import predictions
 from wheelhop.report.law import law_figure, law_lines
 from wheelhop.report.loops import FINER, loop_of
 from wheelhop.report.settings import settings_headline, settings_sections
+from wheelhop.report.summary import answers
 from wheelhop.report.svg import equation, inline
 from wheelhop.report.words import headline, in_numbers, limit_words, next_run_words
 from wheelhop.workbench import shown
+from wheelhop.workbench.proposed import of_effects
 
 Array = NDArray[np.float64]
 
@@ -44,9 +46,9 @@ Traced = set[tuple[tuple[str, ...], str]]
 """Which effects, beside which others, have been shown laid over the residual."""
 
 
-def findings(found: Iterable[Finding]) -> tuple[tuple[str, str], ...]:
-    """How sure, and the sentence with what to do."""
-    return tuple((f.severity, f"{f.text} {f.remedy}") for f in found)
+def findings(found: Iterable[Finding]) -> tuple[shown.Found, ...]:
+    """How sure, the sentence with what to do, and what does it."""
+    return tuple(shown.Found(f.severity, f"{f.text} {f.remedy}", f.fixes) for f in found)
 
 
 def library(effects: Mapping[str, Effect]) -> shown.Library:
@@ -230,8 +232,8 @@ def _columns(run: RunFit, fit: Fit, screened: Screened) -> tuple[Array, Array]:
     return residual.reshape(count, -1), signature.reshape(count, -1)
 
 
-def verdict(diagnosis: Diagnosis) -> shown.Verdict:
-    """The verdict in words."""
+def verdict(diagnosis: Diagnosis, campaign: Campaign) -> shown.Verdict:
+    """The verdict in words, and what it says is wrong in the campaign's files."""
     following = diagnosis.next_run
     return shown.Verdict(
         diagnosis.verdict,
@@ -241,6 +243,8 @@ def verdict(diagnosis: Diagnosis) -> shown.Verdict:
         "" if following is None else next_run_words(following),
         tuple(_limit(limit) for limit in diagnosis.limits),
         in_numbers(diagnosis.ladder),
+        of_effects(diagnosis.ladder[-1], campaign),
+        answers(diagnosis, campaign),
     )
 
 

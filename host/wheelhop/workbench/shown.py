@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.change import Proposal
+
 Samples = NDArray[np.float32]
 Array = NDArray[np.float64]
 
@@ -144,10 +146,21 @@ class Card:
 
 
 @dataclass(frozen=True)
+class Found:
+    """What is to be known before one believes a verdict: how sure it is, the sentence with its
+    remedy, and changes of the campaign's files that are that remedy."""
+
+    severity: str
+    text: str
+    fixes: tuple[Proposal, ...] = ()
+
+
+@dataclass(frozen=True)
 class Verdict:
     """The end of a diagnosis in words: effects named, confidence (0 to 1), a sentence, its grounds,
     what to record next ("" if nothing), from where on these runs would have shown the other
-    effects, and what those named came to in numbers, with the error they leave."""
+    effects, what those named came to in numbers, with the error they leave, changes of the
+    campaign's files where it is these that are wrong, and the report's answers in plain words."""
 
     effects: tuple[str, ...]
     confidence: float
@@ -156,6 +169,8 @@ class Verdict:
     next_run: str
     limits: tuple[str, ...] = ()
     numbers: str = ""
+    fixes: tuple[Proposal, ...] = ()
+    answers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,11 +222,11 @@ class CanShow:
 @dataclass(frozen=True)
 class Diagnosed:
     """What a diagnosis came to: its verdict, the ranking, what it found that is to be known before
-    one believes it: (severity, sentence with remedy), and a place to see it (None: not kept)."""
+    one believes it, and a place to see it (None: not kept)."""
 
     verdict: Verdict
     ranking: tuple[Row, ...]
-    findings: tuple[tuple[str, str], ...] = ()
+    findings: tuple[Found, ...] = ()
     case: Case | None = None
 
 
@@ -235,9 +250,9 @@ class Converging:
 
 @dataclass(frozen=True)
 class Findings:
-    """What the gate found before any fit: (severity, sentence with remedy)."""
+    """What the gate found before any fit."""
 
-    found: tuple[tuple[str, str], ...]
+    found: tuple[Found, ...]
 
 
 @dataclass(frozen=True)
@@ -259,7 +274,7 @@ class Concluded:
     """A diagnosis has ended; its report is at hand."""
 
     verdict: Verdict
-    findings: tuple[tuple[str, str], ...]
+    findings: tuple[Found, ...]
     case: Case | None = None
 
 

@@ -3,8 +3,8 @@ ride."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from wheelhop.files.words import interval, label_of, unit_of
 from wheelhop.workbench.charts import AFTER, MEASURED, Line, Panel, chart
 from wheelhop.workbench.desk import Desk
 from wheelhop.workbench.shown import Number
+from wheelhop.workbench.tables import Column, Sortable
 from wheelhop.workbench.vehicle_drawing import SYMBOLS, drawing
 from wheelhop.workbench.view import Looking, Words, html
 
@@ -50,7 +51,7 @@ class VehicleView:
         with ui.element("div").classes("bench-split wide"):
             with ui.element("div"):
                 html(drawing())
-                self._table = html("<p class='soft'>Reading it.</p>")
+                self._table = Sortable(COLUMNS, "number")
             with ui.element("div"):
                 Words("What if", "h2")
                 for name in SLIDERS:
@@ -94,7 +95,7 @@ class VehicleView:
 
     async def _renew(self) -> None:
         """Show the numbers as they are fitted by now, and their ride."""
-        self._table.set_content(table(self._nominal, self._believed, self._numbers))
+        self._table.show(table(self._nominal, self._believed, self._numbers))
         await self._draw()
 
     @property
@@ -142,28 +143,35 @@ def fitted(nominal: Mapping[str, float], numbers: Mapping[str, Number]) -> dict[
 
 def table(
     nominal: Mapping[str, float], believed: Mapping[str, float], numbers: Mapping[str, Number]
-) -> str:
+) -> list[dict[str, str | bool]]:
     """Every number: its sign in the drawing, nominal, as fitted, and what holds it."""
-    rows = "".join(
-        f"<tr><td>{escape(label_of(key))}</td><td><i>{SYMBOLS.get(key, '')}</i></td>"
-        f'<td class="r">{escape(interval(value, believed.get(key, 0.0)))}</td>'
-        f"{_fitted(numbers.get(key))}<td>{escape(unit_of(key))}</td></tr>"
+    return [
+        {
+            "number": label_of(key),
+            "sign": re.sub("<[^>]+>", "", SYMBOLS.get(key, "")),
+            "nominal": interval(value, believed.get(key, 0.0)),
+            **_fitted(numbers.get(key)),
+            "unit": unit_of(key),
+        }
         for key, value in nominal.items()
-    )
-    heads = (
-        "<th></th><th></th><th class='r'>nominal ± 2 sd</th><th class='r'>fitted ± 2 sd</th>"
-        "<th title='the fit knows it better than half its nominal uncertainty: data'>held by</th>"
-        "<th>unit</th>"
-    )
-    head = f"<thead><tr>{heads}</tr></thead>"
-    return f'<div class="scroll" tabindex="0"><table>{head}<tbody>{rows}</tbody></table></div>'
+    ]
 
 
-def _fitted(number: Number | None) -> str:
+def _fitted(number: Number | None) -> dict[str, str]:
     if number is None:
-        return "<td></td><td></td>"
+        return {"fitted": "", "held": ""}
     held = "data" if number.known < HELD * number.believed else "belief"
-    return f"<td class='r'>{escape(interval(number.fitted, number.known))}</td><td>{held}</td>"
+    return {"fitted": interval(number.fitted, number.known), "held": held}
+
+
+COLUMNS = (
+    Column("number", "number"),
+    Column("sign", "sign", tip="in the drawing above"),
+    Column("nominal", "nominal ± 2 sd", True),
+    Column("fitted", "fitted ± 2 sd", True),
+    Column("held", "held by", tip="data: known better than half its nominal uncertainty"),
+    Column("unit", "unit"),
+)
 
 
 def ride(values: Mapping[str, float], speed_m_s: float | None) -> NDArray[np.float64]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Protocol
@@ -11,6 +11,7 @@ from nicegui import ui
 from nicegui.elements.mixins.text_element import TextElement
 from nicegui.events import GenericEventArguments
 
+from wheelhop.campaign.change import Proposal
 from wheelhop.workbench.compared import Compared
 
 ACTED = """(event) => {
@@ -36,10 +37,12 @@ def verbatim(text: str) -> str:
 @dataclass
 class Looking:
     """What one tab of the browser looks at: what is compared (None: nothing was chosen here), and
-    an effect; `go` turns to another view, `moved` has the address tell where one is."""
+    an effect; `go` turns to another view, `moved` has the address tell where one is, `propose`
+    shows a change of the campaign's files, to be made or left."""
 
     go: Callable[[str], None]
     moved: Callable[[], None]
+    propose: Callable[[Proposal], Awaitable[None]]
     compared: Compared | None = None
     effect: str = ""
 
@@ -78,3 +81,12 @@ def acting(element: ui.html, handle: Callable[[dict[str, str]], Awaitable[None] 
 
     element.on("click", handled, js_handler=ACTED)
     return element.on("keydown", handled, js_handler=PRESSED)
+
+
+def fix_buttons(fixes: Sequence[Proposal], **data: int) -> str:
+    """A button for each change that is proposed."""
+    values = "".join(f' data-{key}="{value}"' for key, value in data.items())
+    return "".join(
+        f'<button class="fix" data-act="fix" data-fix="{i}"{values}>{escape(fix.title)} …</button>'
+        for i, fix in enumerate(fixes)
+    )

@@ -7,6 +7,7 @@ from html import escape
 
 from wheelhop.files.words import percent
 from wheelhop.workbench.desk import Desk
+from wheelhop.workbench.glossary import term
 from wheelhop.workbench.shown import Ranking, Row, Rung
 from wheelhop.workbench.view import Looking, acting, drawn, html
 
@@ -54,9 +55,9 @@ def chain(baseline: Rung, ranking: Ranking | None) -> str:
         for name, places in CHAIN.items()
     )
     hint = (
-        "Of the squared residual, what the best effect of each link would take, alone and to first"
-        " order or, where it was simulated, in full. Links share what they explain: the sum says"
-        " nothing."
+        f"Of the squared {term('residual')}, what the best effect of each link would take, alone"
+        " and to first order or, where it was simulated, in full. Links share what they explain:"
+        " the sum says nothing."
         if ranking
         else "What each link could explain is known once "
         '<button data-act="missing">what is missing</button> was looked for.'

@@ -26,9 +26,16 @@ from wheelhop.law import BeyondNames, LastRungs, find_law
 from wheelhop.predict.detectable import detectable
 from wheelhop.report.law import beyond_names
 from wheelhop.report.reports import write_diagnosis_report
+from wheelhop.report.summary import write_summary
 from wheelhop.vehicle import Vehicle, read_nominal
 from wheelhop.workbench import show
-from wheelhop.workbench.export import write_figures, write_tables
+from wheelhop.workbench.export import (
+    write_figures,
+    write_mdf,
+    write_signals,
+    write_tables,
+    write_workbook,
+)
 from wheelhop.workbench.order import Enough, GiveWay, Order
 from wheelhop.workbench.shown import (
     Climbed,
@@ -40,8 +47,24 @@ from wheelhop.workbench.shown import (
     Refused,
     Said,
 )
-from wheelhop.workbench.takeaway import FIGURES, MODEL, TABLES
+from wheelhop.workbench.takeaway import (
+    FIGURES,
+    MDF,
+    MODEL,
+    SIGNALS,
+    SUMMARY,
+    SUMMARY_PDF,
+    TABLES,
+    WORKBOOK,
+)
 
+EXPORTS: Mapping[str, Callable[[Path, ComparisonResult], None]] = {
+    FIGURES: write_figures,
+    TABLES: write_tables,
+    WORKBOOK: write_workbook,
+    SIGNALS: write_signals,
+    MDF: write_mdf,
+}
 Say = Callable[[Message], None]
 
 
@@ -183,7 +206,7 @@ class Worker:
         self._say(show.final_ranking(base.workshop, work.diagnosis))
         found = show.findings(work.diagnosis.findings)
         case = show.case(work.gated.campaign, work.diagnosis.ladder)
-        self._say(Concluded(show.verdict(work.diagnosis), found, case))
+        self._say(Concluded(show.verdict(work.diagnosis, work.gated.campaign), found, case))
         if work.law is not None:
             self._say(show.law(work.law.found, beyond_names(work.law)))
 
@@ -217,12 +240,14 @@ class Worker:
         result = ComparisonResult(
             campaign, work.vehicle, tuple(steps), findings, work.base.workshop
         )
-        if order.write == FIGURES:
-            write_figures(target, result)
-        elif order.write == TABLES:
-            write_tables(target, result)
+        if order.write in (SUMMARY, SUMMARY_PDF):
+            if work.diagnosis is None:
+                raise InputError("a summary is of a diagnosis: find out what is missing first")
+            write_summary(target, campaign, work.diagnosis)
         elif order.write == MODEL:
             result.write_model(target)
+        elif order.write in EXPORTS:
+            EXPORTS[order.write](target, result)
         else:
             self._report(work, order, target, result)
         return f"written: {target}"

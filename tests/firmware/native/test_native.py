@@ -7,13 +7,17 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.patience import PATIENCE_S
 from tools.firmware_build import ROOT, native_command
-from tools.firmware_fatfs import fetch
+from wheelhop.hil_sim import CardImage
+from wheelhop.logger.correct import correct_window
+from wheelhop.logger.read import read_log
 
 PARTS = Path(__file__).with_name("test_parts")
+TOGETHER = Path(__file__).with_name("together")
 
 
 @pytest.fixture(scope="module")
@@ -21,10 +25,6 @@ def program(tmp_path_factory):
     """All parts and their tests in one program."""
     if shutil.which("g++") is None:
         pytest.skip("g++ is missing: sudo apt-get install g++")
-    try:
-        fetch(ROOT)
-    except (OSError, subprocess.CalledProcessError):
-        pytest.skip("FatFs cannot be fetched from PyPI: its parts of the firmware need it")
     target = tmp_path_factory.mktemp("native") / "parts"
     subprocess.run(native_command(PARTS, target), check=True, cwd=ROOT)
     return target
@@ -40,6 +40,47 @@ def image(tmp_path_factory):
     command = [tool, "--invariant", "-F", "16", "-s", "1", "-C", str(path), "8192"]
     subprocess.run(command, check=True, capture_output=True)
     return [path]
+
+
+@pytest.fixture(scope="module")
+def together(tmp_path_factory):
+    """The firmware as it is for a board whose converter takes all inputs at once, with 16 bits."""
+    if shutil.which("g++") is None:
+        pytest.skip("g++ is missing: sudo apt-get install g++")
+    target = tmp_path_factory.mktemp("together") / "together"
+    command = [part for part in native_command(TOGETHER, target) if "sanitize" not in part]
+    command[1:1] = ["-DBOARD_SIMULTANEOUS", str(PARTS / "fake_board.cpp")]
+    subprocess.run(command, check=True, cwd=ROOT)
+    return target
+
+
+@pytest.mark.parametrize("rate_hz", [100, 400])
+def test_another_boards_log_is_decoded(together, image, tmp_path, rate_hz):
+    """Format 2: 22-bit sums of 16-bit codes, every input at the same instants; and what a wheel, a
+    button and a thermometer beside them say."""
+    if not image:
+        pytest.skip("mkfs.vfat is missing: sudo apt-get install dosfstools")
+    card = CardImage(tmp_path / "card.img")
+    subprocess.run([together, *image, card.path, str(rate_hz), "5"], check=True)
+    path = tmp_path / "HOP00001.HOP"
+    path.write_bytes(card.read("HOP00001.HOP"))
+    assert path.read_bytes()[:4] == b"HOP2"
+    log = read_log(path)
+    recording = log.recording()
+    per_scan = 6400 // rate_hz
+    number, taken = np.arange(8), (per_scan - 1) / 2  # the mean of n is exact in the sums
+    codes = (5000 + 7000 * number + (13 + number) * taken) / 64
+    assert log.due == log.written == 5 * rate_hz and log.lost == 0
+    assert np.array_equal(recording.values, np.tile(codes, (5 * rate_hz, 1)))
+    assert recording.start_s == pytest.approx((per_scan - 1) / 2 / 6400)
+    assert recording.averaging_s == pytest.approx(1 / rate_hz)
+    beside = log.beside
+    assert beside is not None and np.all(np.diff(beside.scan) == rate_hz // 10)
+    assert beside.speed_m_s(beside.time_s) == pytest.approx(10 * 1000 / 568)
+    assert beside.temperature_c(beside.time_s) == pytest.approx(25.0, abs=0.01)
+    assert beside.marks_s == pytest.approx([1.1], abs=0.01)
+    whole = correct_window(recording)
+    assert np.allclose(whole.values, recording.values)
 
 
 def test_parts(program, image):

@@ -101,7 +101,7 @@ def _stuck(alike: Recording, c: int, others: float, recording: Recording) -> Fin
         "stuck", (recording.channels[c].name,),
         f"reads {level:.6g} without change for {seconds:.3g} s while others move",
         CERTAIN, seconds / STUCK_S, *_when(recording, first, last),
-        "check plug, wire and solder of this sensor",
+        "check plug, wire and solder of this sensor; wheelhop logger selftest tells if it is dead",
     )  # fmt: skip
 
 
@@ -117,7 +117,7 @@ def _dead(recording: Recording, c: int, present: Array, others: float) -> Findin
         "dead", (recording.channels[c].name,),
         f"only noise, {100 * ratio:.2g} % of what the others read", LIKELY, DEAD / max(ratio, 1e-6),
         *_when(recording, 0, len(recording.values)),
-        "tap the sensor and watch the channel; check plug, wire and supply",
+        "wheelhop logger selftest tells dead from still; check plug, wire and supply",
     )  # fmt: skip
 
 

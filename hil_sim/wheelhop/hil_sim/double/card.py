@@ -9,7 +9,7 @@ from wheelhop.logger.block import (
     BLOCK_BYTES,
     FIELDS,
     HEADER,
-    MAGIC,
+    MAGICS,
     SUMMARY,
     crc,
     pack_block,
@@ -69,6 +69,7 @@ class Card:
             lost=lost,
             late=late,
             payload=pack_text({**text, "late": late, "reset": reset}),
+            magic=data[:4],
         )
         path.write_bytes(data[: (sequence + 1) * BLOCK_BYTES] + summary)
 
@@ -87,7 +88,7 @@ def _good_blocks(data: bytes, number: int) -> list[tuple[int, int, int, int, int
     for k, block in enumerate(blocks):
         whole = data[k * BLOCK_BYTES : (k + 1) * BLOCK_BYTES]
         same = block["session"] == blocks["session"][0] and block["sequence"] == k
-        if same and whole.startswith(MAGIC) and crc(whole[:-2]) == block["crc"]:
+        if same and whole.startswith(MAGICS) and crc(whole[:-2]) == block["crc"]:
             due = int(block["first_scan"]) + int(block["count"])
             good.append((k, int(block["kind"]), due, int(block["lost"]), int(block["late"])))
     return good

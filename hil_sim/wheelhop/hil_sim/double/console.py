@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 PIECE = 44  # bytes of a file in a frame
 LARGEST_BLOCK = 8_388_607
+NOT_NOW = "not during a session"
 NO_CARD = "no card, or it does not answer"
-SAMPLED = ("stream", "conversions", "channels")  # settings that make sampling begin anew
+SAMPLED = ("stream", "rate_hz", "channels")  # settings that make sampling begin anew
 NO_SUMMARY = (
     *("end", "due", "written", "lost", "late", "stall_ms", "deepest", "room"),
     *("card_errors", "unsent"),
@@ -57,6 +58,10 @@ class Console:
             yield from _lines("L", self._status() if command == "status" else self._header())
         elif command in ("stream on", "stream off"):
             self._set(f"stream={command[7:]}", running=False)
+        elif command.startswith("test o"):
+            if self._device.running:
+                raise Refusal(NOT_NOW)
+            self._device.self_test = command[6:7] == "n"
         elif command.startswith("set "):
             self._set(command[4:], self._device.running)
         elif command.startswith("time "):
@@ -146,7 +151,7 @@ class Console:
 
     def _idle_card(self) -> Card:
         if self._device.running:
-            raise Refusal("not during a session")
+            raise Refusal(NOT_NOW)
         return self._meet()
 
     def _meet(self) -> Card:
@@ -169,7 +174,7 @@ class Console:
     def _header(self) -> dict[str, object]:
         settings = self._device.settings
         return {
-            "firmware": "1.3.0",
+            "firmware": "1.4.0",
             "device": settings.device,
             "calibration": settings.calibration,
             "name": settings.name,
@@ -181,6 +186,7 @@ class Console:
             "supply_mv": self._device.faults.supply_mv(self._device.time_s),
             "reset": self._device.cause,
             "config_errors": 0,
+            **settings.kind.header,
             "continues": f"{self._continues:08X}" if self._continues else "",
         }
 

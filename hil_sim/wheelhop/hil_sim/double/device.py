@@ -4,17 +4,20 @@ from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelhop.hil_sim.double.card import Card
 from wheelhop.hil_sim.double.commands import Line
 from wheelhop.hil_sim.double.console import Answer, Console, Payload
 from wheelhop.hil_sim.double.faults import DoubleFaults
+from wheelhop.hil_sim.double.kind import IN_TURN, Kind
 from wheelhop.hil_sim.double.scans import ScanSource
 from wheelhop.hil_sim.double.session import Session
 from wheelhop.hil_sim.double.settings import Refusal, Settings
 from wheelhop.hil_sim.signals import Signals
 from wheelhop.logger.block import pack_scans
 from wheelhop.logger.frames import pack_acknowledgement, pack_frame, pack_scan_frame
+from wheelhop.logger.settings import CODE_BITS
 
 STEP_S = 2.5e-3  # a scan at the highest rate
 BYTE_S = 10 / 500_000
@@ -28,7 +31,8 @@ class Device:
     `acts`, if any, are what the sensors put out in the first session, the second and so on, each
     from its beginning; the last one also in all that follow.
     `card` None: there is none in the socket. The same arguments and bytes give the same bytes.
-    `session` is the running or the last session since the logger has started.
+    `kind` says which board it is. `session` is the running or the last session since the logger
+    has started.
     """
 
     def __init__(
@@ -37,11 +41,12 @@ class Device:
         card: Card | None,
         faults: DoubleFaults,
         acts: Sequence[Signals] = (),
+        kind: Kind = IN_TURN,
     ) -> None:
         self.signals, self.card, self.faults, self.acts = signals, card, faults, acts
         self.random = np.random.default_rng([faults.seed, 2])
         self.time_s = 0.0
-        self.settings = Settings()
+        self.settings = Settings(kind=kind)
         self.session_number = 0
         self._resets = deque(sorted(faults.resets))
         self._out = bytearray()
@@ -59,6 +64,7 @@ class Device:
         self.settings = self.settings.after_reset()
         self.session: Session | None = None
         self.cause, self.started_s = cause, self.time_s
+        self.self_test = False
         self.due = 0  # scans since sampling began
         self._source: ScanSource | None = None
         self._counter = 0
@@ -106,11 +112,12 @@ class Device:
     def sample(self) -> None:
         """Begin anew at scan 0, or stop, as session and settings want it."""
         self._source, self.due = None, 0
+        self.self_test = False
         if self.running or self.settings.stream:
             signals, start_s = self.signals, self.time_s
             if self.running and self.acts:
                 signals, start_s = self.acts[min(self.session_number, len(self.acts)) - 1], 0.0
-            self._source = ScanSource(signals, self.settings.conversions, start_s)
+            self._source = ScanSource(signals, self.settings, start_s)
             self._sampled_from_s = self.time_s
 
     def stop_sampling(self) -> None:
@@ -134,7 +141,8 @@ class Device:
         rate_hz = self.settings.rate_hz
         while self._source and self.time_s >= self._sampled_from_s + (self.due + 1) / rate_hz:
             scan, self.due = self.due, self.due + 1
-            stored = pack_scans(self._source.take(scan)[None, self.settings.recorded])
+            sums = self._sums(scan)[None, self.settings.recorded]
+            stored = pack_scans(sums, self.settings.kind.sum_bits)
             session = self.session if self.running else None
             if session and not any(scan in gone for gone in self.faults.lost):
                 session.memory.add(scan, stored)
@@ -144,6 +152,17 @@ class Device:
                 if self._scan and session:
                     session.unsent += 1
                 self._scan = pack_scan_frame(session.id if session else 0, scan, stored)
+
+    def _sums(self, scan: int) -> NDArray[np.int64]:
+        """The (8,) sums of a scan, the sensors' self-test among them."""
+        assert self._source is not None
+        sums = self._source.take(scan)
+        if self.self_test:
+            kind = self.settings.kind
+            shift = np.array(self.faults.self_test) * 2 ** (kind.code_bits - CODE_BITS)
+            moved = np.floor(sums + self.settings.conversions * shift).astype(np.int64)
+            sums = np.clip(moved, 0, self.settings.conversions * (2**kind.code_bits - 1))
+        return sums
 
     def _send(self) -> None:
         """Scans first, then acknowledgements, then the console's frames, while the line is free."""

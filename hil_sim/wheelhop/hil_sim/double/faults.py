@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from wheelhop.hil_sim.signals import CHANNELS, SELF_TEST
+
 SUPPLY_MV = 3300
 
 
@@ -16,7 +18,7 @@ class DoubleFaults:
     `noise`, `dropped`, `duplicated`: chance of a byte of either direction to get a wrong bit, to
     vanish, to come twice. `garbled`: the line is heard at a wrong speed.
     `disconnects`: the line is gone from a moment on, for so long. `resets`: moments of restarts.
-    `reply_delay_s`: what every reply waits.
+    `reply_delay_s`: what every reply waits. `self_test`: codes by which it shifts each sensor.
     """
 
     stalls: Mapping[int, float] = field(default_factory=dict)
@@ -29,6 +31,7 @@ class DoubleFaults:
     disconnects: tuple[tuple[float, float], ...] = ()
     resets: tuple[float, ...] = ()
     reply_delay_s: float = 0.0
+    self_test: tuple[float, ...] = (SELF_TEST,) * CHANNELS
     seed: int = 0
 
     def supply_mv(self, time_s: float) -> int:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from wheelhop.hil_sim.double.kind import Kind
 from wheelhop.logger.block import DATA, pack_block, scans_per_block
 
 
@@ -14,7 +15,7 @@ class Waiting:
     late: int = 0
     scans: list[bytes] = field(default_factory=list)
 
-    def pack(self, session: int, sequence: int) -> bytes:
+    def pack(self, session: int, sequence: int, magic: bytes) -> bytes:
         """The block as it goes to the card."""
         return pack_block(
             DATA,
@@ -25,14 +26,15 @@ class Waiting:
             late=self.late,
             count=len(self.scans),
             payload=b"".join(self.scans),
+            magic=magic,
         )
 
 
 class Memory:
     """Takes scans in, gives blocks out; counts what found no room."""
 
-    def __init__(self, channels: int) -> None:
-        self.capacity = scans_per_block(channels)
+    def __init__(self, channels: int, kind: Kind) -> None:
+        self.capacity = scans_per_block(channels, kind.sum_bits)
         self.lost = self.due = self.deepest = 0
         self.waiting: Waiting | None = None
         self._filling = Waiting()

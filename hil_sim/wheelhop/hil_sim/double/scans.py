@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.hil_sim.double.settings import Settings
 from wheelhop.hil_sim.signals import CHANNELS, CODES, Signals
+from wheelhop.logger.settings import CODE_BITS, CONVERSION_S
 
-CONVERSION_S = 156.25e-6
 BATCH = 128  # scans
 
 
@@ -29,6 +30,22 @@ def scan_sums(
     return sums
 
 
+def sums_together(
+    signals: Signals, settings: Settings, first: int, count: int, start_s: float = 0.0
+) -> NDArray[np.int64]:
+    """Return the (count, 8) sums of scans of a board that converts all inputs at the same instant
+    (SPEC.md, "Format 2"); its codes are finer than those of the signals."""
+    kind, conversions = settings.kind, settings.conversions
+    finer = 2 ** (kind.code_bits - CODE_BITS)
+    numbers = first + np.arange(count)[:, None] + np.arange(conversions) / conversions
+    time_s = numbers / settings.rate_hz + start_s
+    sums = np.empty((count, CHANNELS), np.int64)
+    for channel in range(CHANNELS):
+        codes = np.floor(_at(signals, channel, time_s) * finer)
+        sums[:, channel] = np.clip(codes, 0, CODES * finer - 1).sum(axis=1)
+    return sums
+
+
 def _at(signals: Signals, channel: int, time_s: NDArray[np.float64]) -> NDArray[np.float64]:
     """Straight lines between the rows, as the simulated board takes them."""
     rows = np.arange(len(signals.codes))
@@ -41,8 +58,8 @@ def _at(signals: Signals, channel: int, time_s: NDArray[np.float64]) -> NDArray[
 class ScanSource:
     """Sums one scan after the other, computed in batches."""
 
-    def __init__(self, signals: Signals, conversions: int, start_s: float) -> None:
-        self._signals, self._conversions, self._start_s = signals, conversions, start_s
+    def __init__(self, signals: Signals, settings: Settings, start_s: float) -> None:
+        self._signals, self._settings, self._start_s = signals, settings, start_s
         self._batch = -1
         self._sums = np.empty((0, CHANNELS), np.int64)
 
@@ -51,8 +68,10 @@ class ScanSource:
         batch, row = divmod(number, BATCH)
         if batch != self._batch:
             self._batch = batch
-            self._sums = scan_sums(
-                self._signals, self._conversions, batch * BATCH, BATCH, self._start_s
-            )
+            scans = (batch * BATCH, BATCH, self._start_s)
+            if self._settings.kind.together:
+                self._sums = sums_together(self._signals, self._settings, *scans)
+            else:
+                self._sums = scan_sums(self._signals, self._settings.conversions, *scans)
         sums: NDArray[np.int64] = self._sums[row]
         return sums

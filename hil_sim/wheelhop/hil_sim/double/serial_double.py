@@ -11,6 +11,7 @@ from wheelhop.hil_sim.double.card import Card
 from wheelhop.hil_sim.double.device import Device
 from wheelhop.hil_sim.double.doors import Door, PtyDoor, TcpDoor
 from wheelhop.hil_sim.double.faults import DoubleFaults
+from wheelhop.hil_sim.double.kind import IN_TURN, Kind
 from wheelhop.hil_sim.double.wire import Wire
 from wheelhop.hil_sim.signals import Signals, sines
 
@@ -42,11 +43,13 @@ class SerialDouble(Closing):
         port: int | None = None,
         link: Path | None = None,
         acts: Sequence[Signals] = (),
+        kind: Kind = IN_TURN,
     ) -> None:
         self._faults = faults or DoubleFaults()
         one_to_eight = sines(range(1, 9), seconds=1.0, rate_hz=3200.0)
         folder = None if card is None else Card(Path(card))
-        self._device = Device(signals or _repeated(one_to_eight), folder, self._faults, acts)
+        shown = signals or _repeated(one_to_eight)
+        self._device = Device(shown, folder, self._faults, acts, kind)
         self._door: Door = PtyDoor(link) if port is None else TcpDoor(port)
         self._speed = factor / (1 + clock_ppm * 1e-6)
         self._longest_turn_s = inf if factor == 1.0 else LONGEST_TURN_S

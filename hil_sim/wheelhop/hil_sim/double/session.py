@@ -22,7 +22,8 @@ class Session:
         self, card: Card, identity: int, settings: Settings, stalls: Mapping[int, float]
     ) -> None:
         self.id = identity
-        self.memory = Memory(len(settings.recorded))
+        self.memory = Memory(len(settings.recorded), settings.kind)
+        self._magic = settings.kind.magic
         self.blocks = self.written = self.unsent = self.stall_ms = 0
         self.end = ""
         self.lowest_mv = 0
@@ -70,7 +71,9 @@ class Session:
     def begin(self, header: Mapping[str, object]) -> None:
         """Write the header."""
         self._told_mv = int(str(header["supply_mv"]))
-        self._card.append(self.number, pack_block(HEADER, self.id, 0, payload=pack_text(header)))
+        text = pack_text(header)
+        block = pack_block(HEADER, self.id, 0, payload=text, magic=self._magic)
+        self._card.append(self.number, block)
         self.blocks = 1
 
     def poll(self, now_s: float) -> bool:
@@ -83,7 +86,7 @@ class Session:
             self.written += self._in_flight
             return True
         if (waiting := self.memory.waiting) is not None:
-            self._card.append(self.number, waiting.pack(self.id, self.blocks))
+            self._card.append(self.number, waiting.pack(self.id, self.blocks, self._magic))
             stall_s = self._stalls.get(self.blocks, 0.0)
             self.stall_ms = max(self.stall_ms, round(1000 * stall_s))
             self._busy_until_s = now_s + stall_s
@@ -95,7 +98,13 @@ class Session:
             first_scan, lost = self.memory.next_block
             text = pack_text({"supply_mv": self._told_mv, "scan": scan})
             block = pack_block(
-                SUPPLY, self.id, self.blocks, first_scan=first_scan, lost=lost, payload=text
+                SUPPLY,
+                self.id,
+                self.blocks,
+                first_scan=first_scan,
+                lost=lost,
+                payload=text,
+                magic=self._magic,
             )
             self._card.append(self.number, block)
             self._in_flight, self._writing = 0, True
@@ -112,6 +121,7 @@ class Session:
             first_scan=memory.due,
             lost=memory.lost,
             payload=pack_text({**self.summary(), **rest}),
+            magic=self._magic,
         )
         self._card.append(self.number, block)
         self.blocks += 1

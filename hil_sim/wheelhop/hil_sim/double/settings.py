@@ -3,7 +3,9 @@
 import re
 from dataclasses import dataclass, replace
 
-RATES = {"100": 8, "200": 4, "400": 2}  # conversions of each input in a scan
+from wheelhop.hil_sim.double.kind import IN_TURN, Kind
+
+RATES = ("100", "200", "400")
 DEFAULT_CHANNELS = ("B1", "B2", "B3", "B4", "A1", "A2", "A3", "A4")
 LARGEST_PPM = 20_000
 LARGEST_DEVICE = 65_534
@@ -20,7 +22,7 @@ class Refusal(Exception):
 class Settings:
     """The settings; those of the second line are kept without power."""
 
-    conversions: int = 8
+    rate_hz: int = 100
     channels: tuple[str, ...] = DEFAULT_CHANNELS
     name: str = ""
     start: str = "button"
@@ -31,11 +33,12 @@ class Settings:
     device: int = 0
     calibration: str = ""
     clock_ppm: int | None = None
+    kind: Kind = IN_TURN
 
     @property
-    def rate_hz(self) -> int:
-        """Scans per second."""
-        return 800 // self.conversions
+    def conversions(self) -> int:
+        """Of each input in a scan."""
+        return self.kind.conversions_hz // self.rate_hz
 
     @property
     def recorded(self) -> list[int]:
@@ -44,7 +47,7 @@ class Settings:
 
     def after_reset(self) -> "Settings":
         """What is left of them."""
-        kept = {key: getattr(self, key) for key in ("device", "calibration", "clock_ppm")}
+        kept = {key: getattr(self, key) for key in ("device", "calibration", "clock_ppm", "kind")}
         return Settings(**kept)
 
     def apply(self, line: str, running: bool) -> "Settings":
@@ -75,9 +78,9 @@ def number(text: str, most: int) -> int | None:
 
 def _rate(settings: Settings, value: str) -> Settings:
     rate = number(value, 400)
-    if str(rate) not in RATES:
+    if rate is None or str(rate) not in RATES:
         raise Refusal(WRONG_VALUE)
-    return replace(settings, conversions=RATES[str(rate)])
+    return replace(settings, rate_hz=rate)
 
 
 def _channels(settings: Settings, value: str) -> Settings:

@@ -9,6 +9,7 @@ from math import erfc, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelhop.campaign.change import Proposal, of_campaign
 from wheelhop.campaign.channels import noise_key
 from wheelhop.compare import Slice, estimate_noise_between_samples
 from wheelhop.diagnose.diagnosis import Belief, Diagnosis, Ranked, Step
@@ -18,6 +19,7 @@ from wheelhop.effects import Effect, Misstatement
 from wheelhop.files.words import listed, percent, significant
 from wheelhop.fit import of_forces
 from wheelhop.gate import Finding
+from wheelhop.gate.fixes import in_vehicle
 from wheelhop.gate.numbers import impossible
 from wheelhop.vehicle import Vehicle
 
@@ -39,6 +41,8 @@ WHITE = 1.2
 where these are noise, and white; a recorder's filter, or motion, makes the latter the smaller."""
 ALONG_SCALE = 0.9
 NAMED = 3  # numbers, in one sentence
+RESTATED = ("geometry", "body", "suspension", "wheel")
+"""Tables of vehicle.toml whose numbers may be restated from a fit."""
 
 
 def upheld(findings: Iterable[Finding], diagnosis: Diagnosis, noise: float) -> list[Finding]:
@@ -215,7 +219,19 @@ def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Fin
             + (f", and {len(far) - NAMED} more." if len(far) > NAMED else "."),
             "Measure it again, or state it with more doubt; if it is right, the model makes it up"
             " for something that is missing.",
+            fixes=tuple(_restated(far)),
         )
+
+
+def _restated(far: Sequence[Number]) -> Iterator[Proposal]:
+    """Numbers as the fit has them, or as they were with as much doubt as that takes."""
+    named = [n for n in far if n.name.split(".")[0] in (*RESTATED, "component")]
+    if named:
+        names = listed([n.name for n in named])
+        taken = {n.name: float(n.value) for n in named}
+        doubt = {f"{n.name}_uncertainty": float(abs(n.value - n.free.mean)) for n in named}
+        yield in_vehicle(f"Take the fitted {names}", taken)
+        yield in_vehicle(f"State {names} with so much doubt", doubt)
 
 
 def _of_vehicle(numbers: Sequence[Number], effects: Sequence[Effect]) -> list[Number]:
@@ -237,7 +253,7 @@ def _no_vehicle(step: Step, numbers: Sequence[Number]) -> Iterator[Finding]:
     for finding in impossible(Vehicle("", values, dict.fromkeys(values, 0.0))):
         if finding.about in free:
             remedy = "Do not use the fitted numbers: they make up for something that is missing."
-            yield replace(finding, when="after", remedy=remedy, severity="likely")
+            yield replace(finding, when="after", remedy=remedy, severity="likely", fixes=())
 
 
 def _untold(
@@ -307,6 +323,7 @@ def _fair_band(ladder: Sequence[Step]) -> Iterator[Finding]:
             continue
         residual, measured = sum(b.residual for b in best), sum(b.measured for b in best)
         low, high = best[0].name, best[-1].name
+        ends = [float(low), float(high)]
         yield Finding(
             "after",
             "fair-band",
@@ -315,6 +332,7 @@ def _fair_band(ladder: Sequence[Step]) -> Iterator[Finding]:
             f" the whole band {100 * total.error:.0f} %: it is fairest there.",
             f"Set band_hz = [{low}, {high}] in campaign.toml to look only there.",
             "possible",
+            (of_campaign(f"Look only from {low} to {high} Hz", (("band_hz",), ends)),),
         )
         return
 

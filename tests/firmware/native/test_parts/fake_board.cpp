@@ -14,7 +14,8 @@ uint32_t now_us = 0;
 std::vector<uint8_t> eeprom;
 uint8_t sampling = 0;
 uint16_t reference_code = 341;  // 3300 mV
-Sampler& sampler = board::sampler;
+board::Converter& sampler = board::sampler;
+bool self_test = false;
 Card card;
 uint32_t longest_unfed_us = 0, fed_us = 0;
 static bool transmitting = false;
@@ -61,7 +62,8 @@ uint8_t Card::exchange(uint8_t sent) {
     uint8_t reply = 0xFF;
     if (!receiving_ && in_.empty() && (sent & 0xC0) == 0x40 && just_spoke_) ++rude;
     just_spoke_ = false;
-    // A command into an answer that was not read to its end; a block without a byte's pause before.
+    // A command into an answer that was not read to its end; a block without a
+    // byte's pause before.
     const bool quiet = out_.empty();
     if (!receiving_ && in_.empty() && (sent & 0xC0) == 0x40 && !quiet) ++rude;
     if (receiving_ && in_.empty() && sent == 0xFE && !pause_) ++rude;
@@ -241,8 +243,9 @@ void Card::store() {
 
 namespace board {
 
-Sampler sampler;
+Converter sampler;
 Link serial;
+Beside beside;
 
 uint32_t milliseconds() { return fake::now_us / 1000; }
 uint16_t dice() { return 0x1234; }
@@ -281,7 +284,10 @@ void eeprom_write(uint8_t address, const void* data, uint8_t size) {
     memcpy(&fake::eeprom.at(address), data, size);
 }
 
+void self_test(bool on) { fake::self_test = on; }
+
 void sample(uint8_t conversions) {
+    self_test(false);
     fake::sampling = conversions;
     if (conversions) fake::sampler.start(conversions);
 }

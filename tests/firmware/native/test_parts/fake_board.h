@@ -1,12 +1,16 @@
 #pragma once
-// The board on a PC: time that passes with every SPI byte, an EEPROM, an SD card in memory.
+// The board on a PC: time that passes with every SPI byte, an EEPROM, an SD
+// card in memory.
 #include <cstdint>
 #include <deque>
 #include <string>
 #include <vector>
 
+#include "beside.h"
+#include "board.h"
 #include "link.h"
 #include "sampler.h"
+#include "together.h"
 
 namespace fake {
 
@@ -15,8 +19,10 @@ extern uint32_t now_us;
 extern std::vector<uint8_t> eeprom;
 extern uint8_t sampling;         // what board::sample() was told last
 extern uint16_t reference_code;  // of the internal reference
-extern Sampler& sampler;
-extern uint32_t fed_us, longest_unfed_us;  // when the watchdog was fed last, and its longest wait
+extern board::Converter& sampler;
+extern bool self_test;  // of the sensors
+extern uint32_t fed_us,
+    longest_unfed_us;  // when the watchdog was fed last, and its longest wait
 
 void power_on();               // everything as new
 std::string sent(Link& link);  // what the serial interrupt sends, once it was started

@@ -36,6 +36,7 @@ struct Rig {
         session.settings.size_mb = 1;
     }
 
+#ifndef BOARD_SIMULTANEOUS
     // So many scans of time pass; the main loop does what main.cpp's pump() does.
     void run(int scans) {
         Scan scan;
@@ -58,6 +59,7 @@ struct Rig {
             }
         }
     }
+#endif
 
     Trouble stop() {
         board::sample(0);
