@@ -22,7 +22,7 @@ def folder(pattern, tmp_path):
     return shutil.copytree(pattern, tmp_path / "c")
 
 
-CASES = [("rest", 1), ("rest", 5), ("copy", 2), ("spike", 3), ("band", 4)]
+CASES = [("rest", 5), ("copy", 2), ("spike", 3), ("band", 4)]
 
 
 @pytest.mark.parametrize(("name", "seed"), CASES)
@@ -53,7 +53,7 @@ def kill_b1(folder):
 def test_a_figure_of_a_diagnosis_is_of_the_channel_it_names(folder):
     """The gate leaves out a sensor that rests; those behind it keep their names."""
     kill_b1(folder)
-    found = wh.diagnose(folder, effects={"dry-friction": wh.load_effects()["dry-friction"]})
+    found = wh.diagnose(folder, effects={}, max_effects=0)
     assert [c.name for c in found.campaign.channels] == list(found.comparison.channels)
     assert "B1" not in found.comparison.channels
 

@@ -63,6 +63,10 @@ def test_as_keys_of_files_end_in_them():
         ("_N_s_m", "N s/m"),
         ("_kg_m2", "kg m²"),
         ("_m_N", "m/N"),
+        ("_N_m3", "N/m³"),
+        ("_N_s2_m2", "N s²/m²"),
+        ("_kg_m3", "kg/m³"),
+        ("_m3", "m³"),
     ],
 )
 def test_names_in_si_end_in_their_unit(ending, unit):

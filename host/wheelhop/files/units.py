@@ -190,7 +190,7 @@ ENDINGS = {
     f"_{key}": unit.spelt[0]
     for key, unit in sorted(UNITS.items(), key=lambda item: -len(item[0]))
     if unit.in_si == 1.0 and unit.spelt
-}
+} | {"_N_s2_m2": "N s²/m²", "_kg_m3": "kg/m³", "_m3": "m³"}
 """Endings of names, longer ones first, and the SI units they stand for."""
 
 
