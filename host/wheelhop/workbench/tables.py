@@ -41,12 +41,13 @@ class Sortable:
                 self._find: Any = ui.input("find").props("dense outlined clearable")
                 copy = ui.button("Copy the table").props("flat dense no-caps")
                 self._copied = ui.label().classes("soft").props('role="status"')
-            self._table: Any = ui.table(
-                rows=[],
-                columns=[_column(column) for column in columns],
-                row_key=key,
-                pagination={"rowsPerPage": 0},
-            )
+            with ui.element("div").classes("scroll").props("tabindex=0"):  # keys move it sideways
+                self._table: Any = ui.table(
+                    rows=[],
+                    columns=[_column(column) for column in columns],
+                    row_key=key,
+                    pagination={"rowsPerPage": 0},
+                )
         self._table.props("dense flat hide-pagination").classes(f"bench-table {kind}")
         self._table.bind_filter_from(self._find, "value")
         for column in columns:
