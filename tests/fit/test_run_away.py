@@ -67,7 +67,7 @@ class Thrown:
             parameters = self.workshop.parameters_of(form)
             thrown = {
                 f"{form.id}.{p.name}": float(
-                    np.clip(p.absent + 10.0 * p.scale * self.rng.normal(), p.lower, p.upper)
+                    np.clip(p.start + 10.0 * p.scale * self.rng.normal(), p.lower, p.upper)
                 )
                 for p in parameters
             }
