@@ -53,6 +53,7 @@ def many():
     return np.array(rows).transpose(1, 2, 0)
 
 
+@pytest.mark.slow
 def test_gains_are_within_their_uncertainty_as_often_as_it_says():
     static, dynamic, *_ = many()
     for error, expanded, _ in (static, dynamic):

@@ -69,6 +69,7 @@ def test_nothing_but_the_baseline_is_an_answer_too(campaign, unlimited):
     assert rss[0] == pytest.approx(rss[1], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_more_budget_is_never_less_sure_of_what_is_there(campaign, unlimited):
     """What is known of friction grows; a verdict does not depend on how many threads work."""
     said, sure = [], 0.0

@@ -36,9 +36,8 @@ def test_none_says_what_it_would_have_shown(clean):
     assert json.loads(json.dumps(document))["limits"] == document["limits"]
 
 
-@pytest.mark.parametrize(
-    ("factor", "shown"), [pytest.param(0.4, False, marks=pytest.mark.slow), (2.5, True)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("factor", "shown"), [(0.4, False), (2.5, True)])
 def test_the_limit_holds(clean, tmp_path, factor, shown):
     """An anti-roll bar well below and well above its limit, on the same drives."""
     least = {limit.effect: limit.amplitudes for limit in clean.limits}["anti-roll-bar"]

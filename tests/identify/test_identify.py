@@ -76,6 +76,7 @@ def test_ten_percent_noise_moves_a_pole_by_no_more_than_the_runs_can_tell():
     assert rows[3][1] > 0.03 * rows[3][0]
 
 
+@pytest.mark.slow
 def test_ten_percent_noise_moves_no_pole_by_three_percent_if_the_records_tell():
     """Twice the rate, so that the mode at 27.46 Hz lies inside the band, and 16 times the length:
     then its own standard error is below 1 %."""
@@ -87,6 +88,7 @@ def test_ten_percent_noise_moves_no_pole_by_three_percent_if_the_records_tell():
     assert max(df / f for f, df, _, _ in model.poles_table()) < 0.01
 
 
+@pytest.mark.slow
 def test_many_light_modes_are_found_to_the_noise():
     """Twenty, overlapping: far more than a body on its suspensions has."""
     rng = np.random.default_rng(7)
