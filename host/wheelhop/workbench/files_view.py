@@ -30,9 +30,12 @@ RUNS = (
     " can be pasted into a cell, too: its rows go down, its columns to the right. Empty: not said."
 )
 NUMBERS = "± is one standard deviation. Empty: not said, and the file’s relative_uncertainty holds."
+# A table that is drawn anew leaves alone what is being typed: no :value, but another input where the
+# value is another one.
 CELL = r"""<q-td :props="props">
   <strong v-if="props.col.name === 'id'">{{ props.value }}</strong>
-  <input v-else class="cell" :value="props.value"
+  <input v-else class="cell" :defaultValue.prop="props.value"
+    :key="[props.row.id, props.col.name, props.value].join()"
     :aria-label="props.row.id + ', ' + props.col.label"
     :class="{changed: (props.row.changed || []).includes(props.col.name)}"
     @change="event => $parent.$emit('cell', [props.row.id, props.col.name, event.target.value])"
