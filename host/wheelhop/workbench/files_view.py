@@ -30,15 +30,15 @@ RUNS = (
     " can be pasted into a cell, too: its rows go down, its columns to the right. Empty: not said."
 )
 NUMBERS = "± is one standard deviation. Empty: not said, and the file’s relative_uncertainty holds."
-# A table that is drawn anew leaves alone what is being typed: no :value, but another input where the
-# value is another one.
 CELL = r"""<q-td :props="props">
   <strong v-if="props.col.name === 'id'">{{ props.value }}</strong>
-  <input v-else class="cell" :defaultValue.prop="props.value"
-    :key="[props.row.id, props.col.name, props.value].join()"
+  <input v-else class="cell" :value="props.value"
     :aria-label="props.row.id + ', ' + props.col.label"
     :class="{changed: (props.row.changed || []).includes(props.col.name)}"
-    @change="event => $parent.$emit('cell', [props.row.id, props.col.name, event.target.value])"
+    @change="event => {
+      event.target.classList.add('changed');
+      $parent.$emit('cell', [props.row.id, props.col.name, event.target.value]);
+    }"
     @paste="event => {
       const text = event.clipboardData.getData('text');
       if (!/[\t\n]/.test(text.trimEnd())) return;
@@ -148,7 +148,13 @@ class FilesView:
         table.add_slot("body-selection", CHOOSE.format(name="props.row.id"))
         table.on("cell", self._cell)
         table.on("pasted", self._pasted)
+        chosen = ui.label().classes("soft").props('role="status"')
+        table.on_select(lambda: chosen.set_text(self._choice()))
         return table
+
+    def _choice(self) -> str:
+        count = len(self._table.selected)
+        return f"{count} runs chosen: what is typed goes into all of them." if count > 1 else ""
 
     def _rows(self) -> list[dict[str, Any]]:
         rows = []
@@ -166,9 +172,11 @@ class FilesView:
     def _cell(self, event: GenericEventArguments) -> None:
         run, name, text = map(str, event.args)
         chosen = [str(row["id"]) for row in self._table.selected]
-        for each in chosen if run in chosen else [run]:
+        several = chosen if run in chosen else [run]
+        for each in several:
             self._take(self._runs.field(each, name), text)
-        self._redraw()
+        if len(several) > 1:  # drawn anew, all cells are other ones: what is being typed would go
+            self._redraw()
 
     def _pasted(self, event: GenericEventArguments) -> None:
         run, name, text = map(str, event.args)
