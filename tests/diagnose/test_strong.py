@@ -12,6 +12,7 @@ from wheelhop.diagnose.screen.first_order import screen
 HELD = {"dry-friction": {"coulomb_front_N": 145.0, "coulomb_rear_N": 220.0}}
 
 
+@pytest.mark.slow
 def test_friction_that_nearly_always_holds_is_found_where_it_is_strong(tmp_path):
     """The baseline has springs as stiff as the joints that hold. Begun as strong as shows clearly,
     where the vehicle is believed to be, a formula car's friction is the first of all, and leaves
