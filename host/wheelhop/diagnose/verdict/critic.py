@@ -224,14 +224,14 @@ def _moved(numbers: Sequence[Number], effects: Sequence[Effect]) -> Iterator[Fin
 
 
 def _restated(far: Sequence[Number]) -> Iterator[Proposal]:
-    """Numbers as the fit has them, or as they were with as much doubt as that takes."""
+    """Numbers as fitted; or as stated, with standard deviations as large as they moved."""
     named = [n for n in far if n.name.split(".")[0] in (*RESTATED, "component")]
     if named:
         names = listed([n.name for n in named])
         taken = {n.name: float(n.value) for n in named}
         doubt = {f"{n.name}_uncertainty": float(abs(n.value - n.free.mean)) for n in named}
         yield in_vehicle(f"Take the fitted {names}", taken)
-        yield in_vehicle(f"State {names} with so much doubt", doubt)
+        yield in_vehicle(f"State a larger uncertainty of {names}", doubt)
 
 
 def _of_vehicle(numbers: Sequence[Number], effects: Sequence[Effect]) -> list[Number]:
